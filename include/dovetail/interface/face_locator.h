@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Which face of a boundary, on whichever rank, is closest to a point.
+
+#pragma once
+
+#include <dovetail/domain/geometry.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/fe/mapping.h>
+#include <deal.II/grid/tria.h>
+
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace dovetail {
+
+/// Finds, for points anywhere on any rank, the closest point on the faces of one side of an interface.
+///
+/// Each rank keeps an r-tree over the boxes of its own faces, inflated by search_radius times the size of the face
+/// (size = the diameter of the face's support points). A point is sent only to the ranks whose few coarse boxes hold
+/// it; there the closest point on the true mapped face, clamped to the reference face, is found by Newton's method.
+/// The winner is chosen by distance rounded to 1e-9 of the face size, then by the global key (CellId, face number),
+/// so the result does not depend on the partition. All lengths are compared relative to face sizes. The cost follows
+/// the faces and the points, not the cells.
+template <int dim>
+class FaceLocator
+{
+public:
+  struct Face
+  {
+    typename dealii::Triangulation<dim>::active_cell_iterator cell;
+    unsigned int face_no;
+    double size; ///< diameter of the support points
+  };
+
+  struct Query
+  {
+    dealii::Point<dim> X;
+    dealii::Tensor<1, dim> N; ///< outward normal of the asking side
+  };
+
+  struct Match
+  {
+    bool found = false;
+    /// Of the winner or, if not found, of the nearest candidate within the boxes (infinity if there is none).
+    double distance = std::numeric_limits<double>::infinity();
+    double angle = 0; ///< between N and minus the partner's outward normal [rad]
+    unsigned int rank = dealii::numbers::invalid_unsigned_int;
+    unsigned int face = dealii::numbers::invalid_unsigned_int; ///< index into faces() of that rank
+    dealii::Point<dim> unit_point;                             ///< reference coordinates in the cell
+    dealii::Point<dim> X;                                      ///< the closest point
+    dealii::Tensor<1, dim> N;                                  ///< the partner's outward normal there
+    double face_size = 0;
+  };
+
+  /// @p mapping_degree: the degree of @p mapping. @p search_radius: the largest distance, in units of the partner's
+  /// face size, at which a point still has a partner. Collective.
+  FaceLocator(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
+              unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids,
+              double search_radius, const MPI_Comm &communicator);
+  ~FaceLocator();
+
+  /// The locally owned faces, in the order of the cells.
+  const std::vector<Face> &faces() const;
+
+  /// A match per query. A candidate must face the point (angle below 90 degrees), lie within the search radius and,
+  /// where the closest point is clamped to the rim of the face, be off sideways by no more than 1e-6 of the face
+  /// size or the normal distance, whichever is larger (so a curved side of coarse facets loses no point, and a side
+  /// that sticks out over its partner is uncovered there). Collective.
+  std::vector<Match> locate(const std::vector<Query> &queries) const;
+
+private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation;
+};
+
+} // namespace dovetail

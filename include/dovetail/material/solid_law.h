@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Laws of solids at one point, always in three dimensions: Material embeds plane strain (F_33 = 1).
+
+#pragma once
+
+#include <dovetail/scene/section.h>
+
+#include <deal.II/base/tensor.h>
+
+namespace dovetail {
+
+/// The first Piola-Kirchhoff stress P(F, e) of a solid, F = I + grad u in material coordinates and e = alpha (T - T0)
+/// the free thermal strain [-]. Knows no mesh, no dofs, no temperature.
+class SolidLaw
+{
+public:
+  virtual ~SolidLaw() = default;
+
+  struct Response
+  {
+    dealii::Tensor<2, 3> P;     ///< first Piola-Kirchhoff stress [Pa]
+    dealii::Tensor<4, 3> dP_dF; ///< [i][J][k][L] = dP_iJ/dF_kL, filled only if derivatives are asked for
+    dealii::Tensor<2, 3> dP_de; ///< derivative by the thermal strain, likewise
+  };
+
+  /// Second derivatives of the scalar w:P(F, e), which the exact tangent of Nitsche's method needs for theta != 0.
+  struct Curvature
+  {
+    dealii::Tensor<4, 3> FF; ///< d²(w:P)/dF_iJ dF_kL
+    dealii::Tensor<2, 3> Fe; ///< d²(w:P)/dF_iJ de
+    double ee = 0;
+  };
+
+  /// @return false if the stress is not defined at this state (J <= 0): the step is cut, nothing crashes.
+  virtual bool evaluate(const dealii::Tensor<2, 3> &F, double e, bool with_derivatives,
+                        Response &response) const = 0;
+  virtual Curvature curvature(const dealii::Tensor<2, 3> &F, double e, const dealii::Tensor<2, 3> &w) const = 0;
+
+  /// P is affine in (F, e): one solve, no curvature.
+  virtual bool is_linear() const { return false; }
+};
+
+/// Isotropic moduli: either Young modulus and Poisson ratio or Shear modulus and Bulk modulus, never a mixture.
+struct IsotropicModuli
+{
+  explicit IsotropicModuli(const Section &section);
+  double shear; ///< mu [Pa]
+  double bulk;  ///< kappa [Pa], three-dimensional
+  double lame() const { return bulk - 2. / 3. * shear; }
+};
+
+} // namespace dovetail

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Families of plugins: name in the scene -> creator. A law, a condition or a tie registers itself in the last line
+// of its own file; no list, enum or switch knows it.
+
+#pragma once
+
+#include <dovetail/scene/section.h>
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <type_traits>
+
+namespace dovetail {
+
+/// The members of the family @p Base, each constructed from its Section and further @p Arguments.
+///
+///     namespace { const bool registered = Catalogue<SolidLaw>::add<NeoHookean>("neo-Hookean", "one sentence"); }
+///
+/// Registration only stores names and functions: no MPI and no deal.II call happens before main.
+template <class Base, typename... Arguments>
+class Catalogue
+{
+public:
+  using Creator = std::function<std::unique_ptr<Base>(const Section &, Arguments...)>;
+
+  struct Member
+  {
+    std::string help;
+    Creator create; ///< empty for "none"
+  };
+
+  template <class Derived>
+  static bool add(const std::string &name, const std::string &help)
+  {
+    members()[name] = {help, [](const Section &section, Arguments... arguments) -> std::unique_ptr<Base> {
+                         return std::make_unique<Derived>(section, arguments...);
+                       }};
+    return true;
+  }
+
+  /// Read `Type` and create the member of that name from @p section. If @p default_type is empty the entry is
+  /// required. "none" is always known to families whose @p default_type is "none", and gives nullptr.
+  static std::unique_ptr<Base> create(const Section &section, const std::string &default_type,
+                                      const std::string &description, Arguments... arguments)
+  {
+    std::vector<std::string> names;
+    if (default_type == "none")
+      names.push_back("none");
+    for (const auto &[name, member] : members())
+      names.push_back(name);
+
+    if (section.documenting())
+      {
+        read_type(section, names, default_type, description);
+        for (const auto &[name, member] : members())
+          member.create(section.variant(name, member.help), arguments...);
+        return nullptr;
+      }
+
+    const std::string type = read_type(section, names, default_type, description);
+    if (type == "none")
+      return nullptr;
+    return members().at(type).create(section, arguments...);
+  }
+
+private:
+  static std::map<std::string, Member> &members()
+  {
+    static std::map<std::string, Member> all;
+    return all;
+  }
+
+  static std::string read_type(const Section &section, const std::vector<std::string> &names,
+                               const std::string &default_type, const std::string &description)
+  {
+    std::string alternatives;
+    for (const std::string &name : names)
+      alternatives += (alternatives.empty() ? "" : "|") + name;
+    const Patterns::Selection pattern(alternatives);
+    return default_type.empty() ? section.require<std::string>("Type", description, pattern)
+                                : section.read<std::string>("Type", default_type, description, pattern);
+  }
+};
+
+} // namespace dovetail

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The text of a scene (.prm or .json) as a tree of entries with the lines they stand in.
+
+#pragma once
+
+#include <dovetail/scene/section.h>
+
+#include <iosfwd>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// Reads a scene file and keeps, for every entry, its value and where it stands; records every entry that is read
+/// through a Section, so that used.prm and the reference of all entries can be written.
+///
+/// .prm: deal.II's grammar (`subsection`/`end`, `set a = b`, `#` comments, `\` continuation, `include FILE`
+/// relative to the working directory). An entry set twice in one file, or a subsection opened twice, is an error;
+/// a file may override what it includes. .json: the same tree as nested objects with strings (numbers and booleans
+/// are accepted as values); arrays and duplicate keys are errors.
+class SceneText
+{
+public:
+  /// @p overrides: "PATH=value" with '/' between subsections, as given by --set; they win over the file.
+  /// Rank 0 reads the file (and its includes) and broadcasts it; errors are thrown on all ranks.
+  static std::shared_ptr<SceneText> from_file(const std::string &file_name,
+                                              const std::vector<std::string> &overrides);
+  /// For tests: prm text.
+  static std::shared_ptr<SceneText> from_prm(const std::string &prm_text);
+  /// For --parameters: everything is documented, nothing is required.
+  static std::shared_ptr<SceneText> for_documentation();
+
+  /// The section at the top of @p text.
+  static Section root(const std::shared_ptr<SceneText> &text);
+
+  /// @throw UserError naming the first entry or subsection that nobody has read, with its line and the nearest
+  /// name that is known there (or what the section knows at all).
+  void check_all_read() const;
+
+  /// Every entry that was read, with its value, as a scene that gives the same run (used.prm).
+  void print_used(std::ostream &out) const;
+  /// The reference: one Markdown heading per section and Type, one table row per entry: name, default (or
+  /// "required"), range, description with unit.
+  void print_reference(std::ostream &out) const;
+
+  const std::string &file_name() const;
+
+private:
+  friend class Section;
+  struct Implementation;
+  explicit SceneText(std::unique_ptr<Implementation>);
+
+public:
+  ~SceneText();
+
+private:
+  std::unique_ptr<Implementation> implementation;
+};
+
+} // namespace dovetail

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The only way from the text of a scene to numbers: an object is constructed from its Section and reads each of
+// its entries once, in the line that names, documents and bounds it.
+
+#pragma once
+
+#include <dovetail/scene/expression.h>
+#include <dovetail/scene/user_error.h>
+
+#include <deal.II/base/patterns.h>
+#include <deal.II/base/point.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+namespace Patterns = dealii::Patterns;
+
+class SceneText;
+
+/// One subsection of a scene. Reading an entry declares it: name, default, pattern and description (which ends in
+/// its unit in brackets) stand in the one line that stores the value. What nobody has read when the scene is
+/// complete is an error with the nearest known name (SceneText::check_all_read). A Section is a cheap handle and
+/// may be kept to report errors that show later.
+///
+/// While the reference of all entries is written (documenting()), required entries read as T(), or "0" for
+/// expressions, and check() never fails.
+class Section
+{
+public:
+  Section(std::shared_ptr<SceneText> text, std::string path);
+
+  /// The entry @p name, or @p default_value if the scene does not have it.
+  /// T: std::string, bool, int, unsigned int, double, std::vector<std::string>, std::vector<double>,
+  /// std::vector<unsigned int> (lists with commas).
+  /// @throw UserError if the text does not match @p pattern.
+  template <typename T>
+  T read(const std::string &name, const T &default_value, const std::string &description,
+         const Patterns::PatternBase &pattern = *Patterns::Tools::Convert<T>::to_pattern()) const;
+
+  /// The entry @p name, which the scene must have.
+  template <typename T>
+  T require(const std::string &name, const std::string &description,
+            const Patterns::PatternBase &pattern = *Patterns::Tools::Convert<T>::to_pattern()) const;
+
+  /// One of the @p choices (written as in the scene), e.g. choose("Integrate on", {"source", "both"}, 0, "…")
+  /// returns the index of the chosen one; @p default_choice is the index of the default.
+  unsigned int choose(const std::string &name, const std::vector<std::string> &choices,
+                      unsigned int default_choice, const std::string &description) const;
+
+  /// Formulas in x, y, z, t (and T); components separated by ';'. The number of components must be one of
+  /// @p n_components (a scalar or a tensor: {1, dim, dim * dim}).
+  Expression read_expression(const std::string &name, const std::string &default_text,
+                             const std::vector<unsigned int> &n_components, const std::string &description,
+                             bool with_temperature = false) const;
+  Expression require_expression(const std::string &name, const std::vector<unsigned int> &n_components,
+                                const std::string &description, bool with_temperature = false) const;
+
+  /// Components separated by ';', exactly dimension() of them (a third one is accepted in 2D if it is 0).
+  /// Unused components are 0.
+  dealii::Point<3> read_point(const std::string &name, const dealii::Point<3> &default_value,
+                              const std::string &description) const;
+  dealii::Point<3> require_point(const std::string &name, const std::string &description) const;
+
+  /// "set Domains = left, right" announces "subsection Domain left" and "subsection Domain right". Reads the plural
+  /// and returns the names; each must be unique and have a subsection "<singular> NAME". While documenting: {"NAME"}.
+  std::vector<std::string> announce(const std::string &plural, const std::string &singular,
+                                    const std::string &description) const;
+
+  /// A boundary reference "domain : 0, 1".
+  struct BoundaryReference
+  {
+    std::string domain;
+    std::vector<unsigned int> ids;
+  };
+  BoundaryReference require_boundary(const std::string &name, const std::string &description) const;
+  /// As above; an empty domain name if the entry is not set.
+  BoundaryReference read_boundary(const std::string &name, const std::string &description) const;
+
+  /// The subsection @p name below this one (created empty if the scene does not have it).
+  Section subsection(const std::string &name) const;
+  bool has_subsection(const std::string &name) const;
+  /// While documenting: the same section under the heading "Type = <type>: help"; else *this.
+  Section variant(const std::string &type, const std::string &help) const;
+
+  bool is_set(const std::string &name) const;  ///< whether the scene itself has the entry
+  std::string peek(const std::string &name) const; ///< its text without declaring it, or ""
+  bool documenting() const;
+  unsigned int dimension() const; ///< 2 or 3, as set at the top of the scene (3 while documenting)
+  const std::string &path() const; ///< e.g. "Domain left/Mesh"
+
+  /// Throw a UserError "PATH, FILE line N: ENTRY MESSAGE". @p entry may be empty or unset (then the section's line).
+  [[noreturn]] void fail(const std::string &entry, const std::string &message) const;
+  /// fail() unless @p condition; never while documenting.
+  void check(bool condition, const std::string &entry, const std::string &message) const;
+
+private:
+  std::shared_ptr<SceneText> text;
+  std::string section_path;
+};
+
+} // namespace dovetail

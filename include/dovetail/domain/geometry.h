@@ -13,11 +13,12 @@
 
 namespace dovetail {
 
-/// Values and derivatives of the tensor-product Lagrange basis of a degree on Gauss-Lobatto points, in lexicographic
-/// order. One object serves all cells or faces of a domain; structdim is the dimension of the reference cell.
+/// Values and derivatives of the tensor-product Lagrange basis of a degree on Gauss-Lobatto points, in
+/// lexicographic order. One object serves all cells or faces of a domain; structdim is the dimension of the
+/// reference cell.
 ///
-/// The mapped position is X(xi) = sum_a basis_a(xi) node_a: exactly deal.II's MappingQ of that degree, whose faces
-/// depend on the support points of the face only.
+/// The mapped position is X(xi) = sum_a basis_a(xi) node_a: exactly deal.II's MappingQ of that degree, whose
+/// faces depend on the support points of the face only.
 template <int structdim>
 class LagrangeBasis
 {

@@ -11,6 +11,7 @@
 #include <deal.II/fe/mapping.h>
 #include <deal.II/grid/tria.h>
 
+#include <limits>
 #include <memory>
 #include <set>
 #include <vector>
@@ -19,12 +20,12 @@ namespace dovetail {
 
 /// Finds, for points anywhere on any rank, the closest point on the faces of one side of an interface.
 ///
-/// Each rank keeps an r-tree over the boxes of its own faces, inflated by search_radius times the size of the face
-/// (size = the diameter of the face's support points). A point is sent only to the ranks whose few coarse boxes hold
-/// it; there the closest point on the true mapped face, clamped to the reference face, is found by Newton's method.
-/// The winner is chosen by distance rounded to 1e-9 of the face size, then by the global key (CellId, face number),
-/// so the result does not depend on the partition. All lengths are compared relative to face sizes. The cost follows
-/// the faces and the points, not the cells.
+/// Each rank keeps an r-tree over the boxes of its own faces, inflated by search_radius times the size of the
+/// face (size = the diameter of the face's support points). A point is sent only to the ranks whose few
+/// coarse boxes hold it; there the closest point on the true mapped face, clamped to the reference face, is
+/// found by Newton's method. The winner is chosen by distance rounded to 1e-9 of the face size, then by the
+/// global key (CellId, face number), so the result does not depend on the partition. All lengths are compared
+/// relative to face sizes. The cost follows the faces and the points, not the cells.
 template <int dim>
 class FaceLocator
 {
@@ -56,8 +57,8 @@ public:
     double face_size = 0;
   };
 
-  /// @p mapping_degree: the degree of @p mapping. @p search_radius: the largest distance, in units of the partner's
-  /// face size, at which a point still has a partner. Collective.
+  /// @p mapping_degree: the degree of @p mapping. @p search_radius: the largest distance, in units of the
+  /// partner's face size, at which a point still has a partner. Collective.
   FaceLocator(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
               unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids,
               double search_radius, const MPI_Comm &communicator);
@@ -66,10 +67,10 @@ public:
   /// The locally owned faces, in the order of the cells.
   const std::vector<Face> &faces() const;
 
-  /// A match per query. A candidate must face the point (angle below 90 degrees), lie within the search radius and,
-  /// where the closest point is clamped to the rim of the face, be off sideways by no more than 1e-6 of the face
-  /// size or the normal distance, whichever is larger (so a curved side of coarse facets loses no point, and a side
-  /// that sticks out over its partner is uncovered there). Collective.
+  /// A match per query. A candidate must face the point (angle below 90 degrees), lie within the search
+  /// radius and, where the closest point is clamped to the rim of the face, be off sideways by no more than
+  /// 1e-6 of the face size or the normal distance, whichever is larger (so a curved side of coarse facets
+  /// loses no point, and a side that sticks out over its partner is uncovered there). Collective.
   std::vector<Match> locate(const std::vector<Query> &queries) const;
 
 private:

@@ -13,6 +13,7 @@
 #include <deal.II/base/point.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ namespace dovetail {
 namespace Patterns = dealii::Patterns;
 
 class SceneText;
+struct SceneState;
 
 /// One subsection of a scene. Reading an entry declares it: name, default, pattern and description (which ends in
 /// its unit in brackets) stand in the one line that stores the value. What nobody has read when the scene is
@@ -53,7 +55,7 @@ public:
                       unsigned int default_choice, const std::string &description) const;
 
   /// Formulas in x, y, z, t (and T); components separated by ';'. The number of components must be one of
-  /// @p n_components (a scalar or a tensor: {1, dim, dim * dim}).
+  /// @p n_components (a scalar or a tensor: {1, dim, dim * dim}). An empty default means zero.
   Expression read_expression(const std::string &name, const std::string &default_text,
                              const std::vector<unsigned int> &n_components, const std::string &description,
                              bool with_temperature = false) const;
@@ -83,11 +85,13 @@ public:
 
   /// The subsection @p name below this one (created empty if the scene does not have it).
   Section subsection(const std::string &name) const;
-  bool has_subsection(const std::string &name) const;
+  bool has_subsection(const std::string &name) const; ///< always while documenting
   /// While documenting: the same section under the heading "Type = <type>: help"; else *this.
   Section variant(const std::string &type, const std::string &help) const;
 
-  bool is_set(const std::string &name) const;  ///< whether the scene itself has the entry
+  /// Whether the scene itself gives the entry a value. An empty value counts as none, because used.prm writes the
+  /// defaults too.
+  bool is_set(const std::string &name) const;
   std::string peek(const std::string &name) const; ///< its text without declaring it, or ""
   bool documenting() const;
   unsigned int dimension() const; ///< 2 or 3, as set at the top of the scene (3 while documenting)
@@ -99,8 +103,17 @@ public:
   void check(bool condition, const std::string &entry, const std::string &message) const;
 
 private:
+  Section(std::shared_ptr<SceneText> text, std::string path, std::string variant);
+
+  SceneState &state() const;
+  /// Note that the entry is read, and give its text: the scene's, else the default. Without a default the entry is
+  /// required.
+  std::string declare(const std::string &name, const std::optional<std::string> &default_text,
+                      const std::string &description, const std::string &range) const;
+
   std::shared_ptr<SceneText> text;
   std::string section_path;
+  std::string variant_name; ///< "Type = mortar" while the reference is written, else empty
 };
 
 } // namespace dovetail

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The one weak form on one cell, whatever the physics.
+
+#pragma once
+
+#include <dovetail/domain/domain.h>
+
+#include <deal.II/fe/fe_values.h>
+#include <deal.II/lac/full_matrix.h>
+
+#include <memory>
+#include <vector>
+
+namespace dovetail {
+
+/// Fill the traces and gradients of a state from a point's shape values (n_nodes) and gradients (n_nodes) and the
+/// local unknowns in the order component, node.
+template <int dim>
+void evaluate_state(unsigned int n_components, unsigned int n_nodes, const double *shape_values,
+                    const dealii::Tensor<1, dim> *shape_gradients, const double *unknowns, State<dim> &state);
+
+/// Residual and tangent of
+/// @f[ R(\delta) = \int_K A(\nabla B):\nabla\delta B - f\cdot\delta B \,dV
+///                 - \int_{\partial K} h(B)\cdot\delta B \,dA @f]
+/// with the fluxes A of the domain's material, the sources f and the boundary influxes h of its conditions.
+/// Gauss quadrature with degree + 1 points per direction. One object per thread; reuse it for all cells.
+template <int dim>
+class CellTerms
+{
+public:
+  explicit CellTerms(const Domain<dim> &domain);
+
+  /// Overwrites @p residual and, if @p tangent is not nullptr, the tangent. @return false if a law is not defined at
+  /// the state of a quadrature point; the results are then incomplete.
+  bool assemble(const typename Domain<dim>::cell_iterator &cell, double t, const std::vector<double> &unknowns,
+                std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
+
+private:
+  void add_source(double t, std::vector<double> &residual);
+  void add_flux_terms(double JxW, std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
+  void add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, double t,
+                          const std::vector<double> &unknowns, std::vector<double> &residual,
+                          dealii::FullMatrix<double> *tangent);
+  void load_point(const dealii::FEValuesBase<dim> &values, unsigned int q);
+
+  const Domain<dim> &domain;
+  const unsigned int n, n_nodes;
+  dealii::FEValues<dim> cell_values;
+  dealii::FEFaceValues<dim> face_values;
+  State<dim> state;
+  Response<dim> response;
+  std::vector<bool> couples; ///< whether the flux of component c depends on component d, at c * n + d
+  std::vector<bool> by_value;
+  std::vector<double> shape;
+  std::vector<dealii::Tensor<1, dim>> gradient;
+  std::array<std::vector<double>, dim> gradient_of_direction; ///< the same by direction, for the inner loop
+  std::vector<const Condition<dim> *> flux_conditions;
+  std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
+};
+
+} // namespace dovetail

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// One body: its mesh, its space, its material and what is prescribed on it.
+
+#pragma once
+
+#include <dovetail/domain/condition.h>
+#include <dovetail/domain/mesh.h>
+#include <dovetail/material/material.h>
+
+#include <deal.II/dofs/dof_handler.h>
+#include <deal.II/fe/fe_system.h>
+#include <deal.II/fe/mapping.h>
+#include <deal.II/lac/affine_constraints.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// A body Omega with its own mesh and DoFHandler. All fields share one Lagrange element of degree p, so shape values
+/// are those of one scalar element; the local unknowns of a cell are ordered by component, then node:
+/// local index c * n_nodes + a.
+///
+/// The unknowns of the domain are numbered field by field; in the vector of all unknowns they follow those of the
+/// domains before it, from first_dof on (set by Numbering).
+template <int dim>
+class Domain
+{
+public:
+  /// Reads `subsection Domain NAME`; collective.
+  Domain(const std::string &name, const Section &section, const Material<dim> &material, const Toggles &toggles,
+         const MPI_Comm &communicator);
+
+  using cell_iterator = typename dealii::DoFHandler<dim>::active_cell_iterator;
+
+  const std::string name;
+  const Section section; ///< for error messages
+  const Material<dim> &material;
+  const unsigned int degree;
+
+  const Mesh<dim> &mesh() const { return *triangulation; }
+  const dealii::Mapping<dim> &mapping() const { return *cell_mapping; }
+  unsigned int mapping_degree() const { return degree_of_mapping; }
+  const dealii::DoFHandler<dim> &dof_handler() const { return dofs; }
+  const dealii::FiniteElement<dim> &scalar_element() const { return element->base_element(0); }
+
+  const std::vector<Field> &fields() const { return material.fields(); }
+  unsigned int n_components() const { return material.n_components(); }
+  unsigned int n_nodes() const { return scalar_element().n_dofs_per_cell(); } ///< of one cell
+  unsigned int dofs_per_cell() const { return n_components() * n_nodes(); }
+
+  /// Global unknowns of a cell in the order component, node. @p indices is resized.
+  void cell_dofs(const cell_iterator &cell, std::vector<dealii::types::global_dof_index> &indices) const;
+  /// The unknowns of a cell as the domain's DoFHandler sees it.
+  cell_iterator dof_cell(const typename dealii::Triangulation<dim>::active_cell_iterator &cell) const
+  {
+    return cell_iterator(&*triangulation, cell->level(), cell->index(), &dofs);
+  }
+
+  const std::vector<std::unique_ptr<Condition<dim>>> &conditions() const { return all_conditions; }
+
+  /// Per component, flattened over the fields; nullptr if the scene does not give it.
+  struct Given
+  {
+    std::map<std::string, Expression> of_field;
+    const Expression *find(const std::string &field) const
+    {
+      const auto found = of_field.find(field);
+      return found == of_field.end() ? nullptr : &found->second;
+    }
+  };
+  const Given &source() const { return given_source; }
+  const Given &initial() const { return given_initial; }
+  const Given &exact() const { return given_exact; }
+
+  double typical_length() const { return length; } ///< the diagonal of the body's bounding box
+  dealii::Point<dim> centre() const { return middle; }  ///< of that box
+
+  /// @throw UserError if the mesh has no boundary with this id; lists those it has with their areas.
+  void check_boundary_id(dealii::types::boundary_id id, const Section &asking, const std::string &entry) const;
+
+  /// Hanging nodes and prescribed values at time @p t, in global unknowns, for the locally relevant ones.
+  void make_constraints(double t, dealii::AffineConstraints<double> &constraints) const;
+
+  dealii::types::global_dof_index first_dof = 0;
+
+private:
+  void read_given(const Section &section);
+  void read_conditions(const Section &section, const Toggles &toggles);
+  void check_conditions() const;
+  void distribute_dofs();
+
+  std::unique_ptr<Mesh<dim>> triangulation;
+  std::unique_ptr<dealii::Mapping<dim>> cell_mapping;
+  unsigned int degree_of_mapping = 1;
+  std::unique_ptr<dealii::FESystem<dim>> element;
+  dealii::DoFHandler<dim> dofs;
+  std::vector<unsigned int> by_component; ///< position in deal.II's cell order of local index c * n_nodes + a
+  std::vector<std::unique_ptr<Condition<dim>>> all_conditions;
+  std::map<dealii::types::boundary_id, double> measures;
+  Given given_source, given_initial, given_exact;
+  double length = 0;
+  dealii::Point<dim> middle;
+};
+
+} // namespace dovetail

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The unknowns of all domains as one global block index space over the ranks.
+
+#pragma once
+
+#include <dovetail/domain/domain.h>
+
+#include <deal.II/base/index_set.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// One block of unknowns: a field of a domain. Its global indices are begin … end-1; each rank owns one contiguous
+/// range of them.
+struct Block
+{
+  std::string domain;
+  std::string field;
+  unsigned int domain_index;
+  unsigned int field_index; ///< among the fields of the domain
+  dealii::types::global_dof_index begin, end;
+  dealii::IndexSet owned;                                    ///< by this rank, relative to begin
+  std::vector<dealii::types::global_dof_index> first_of_rank; ///< relative to begin, n_ranks + 1 entries
+};
+
+/// Order: [ u_left T_left | u_right | … ], domains as in the scene, fields as in the material. Sets first_dof of the
+/// domains.
+class Numbering
+{
+public:
+  template <int dim>
+  Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, const MPI_Comm &communicator);
+
+  const std::vector<Block> &blocks() const { return all_blocks; }
+  dealii::types::global_dof_index n_dofs() const { return owned.size(); }
+  unsigned int block_of(dealii::types::global_dof_index dof) const;
+  unsigned int owner(dealii::types::global_dof_index dof) const; ///< rank
+
+  dealii::IndexSet owned;    ///< by this rank
+  dealii::IndexSet relevant; ///< owned or on ghost cells of its domain
+
+  /// The part of a global set in each block, relative to the block.
+  std::vector<dealii::IndexSet> split(const dealii::IndexSet &set) const;
+
+private:
+  std::vector<Block> all_blocks;
+};
+
+} // namespace dovetail

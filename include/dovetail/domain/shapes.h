@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Shape functions of a domain's element at any points of a cell.
+
+#pragma once
+
+#include <dovetail/domain/domain.h>
+#include <dovetail/domain/geometry.h>
+
+#include <deal.II/fe/fe_values.h>
+
+#include <memory>
+#include <vector>
+
+namespace dovetail {
+
+/// Values and gradients (by X) of the scalar element's shape functions at reference points of a cell, as FEValues
+/// would give them, but without its set-up for every new set of points.
+template <int dim>
+class ShapeEvaluator
+{
+public:
+  using cell_iterator = typename dealii::Triangulation<dim>::active_cell_iterator;
+
+  explicit ShapeEvaluator(const Domain<dim> &domain);
+
+  void reinit(const cell_iterator &cell);
+  /// Write n_nodes() values and gradients at @p unit_point of the current cell.
+  void evaluate(const dealii::Point<dim> &unit_point, double *values, dealii::Tensor<1, dim> *gradients);
+
+  double cell_measure(const cell_iterator &cell);
+  double face_measure(const cell_iterator &cell, unsigned int face);
+
+private:
+  const Domain<dim> &domain;
+  const LagrangeBasis<dim> geometry, element;
+  std::vector<unsigned int> lexicographic; ///< index in `element` of the shape functions of the scalar element
+  dealii::FEValues<dim> geometry_nodes, measure_of_cell;
+  dealii::FEFaceValues<dim> measure_of_face;
+  std::vector<dealii::Point<dim>> nodes;
+  std::vector<double> values;
+  std::vector<dealii::Tensor<1, dim>> geometry_gradients, element_gradients;
+  std::vector<dealii::Tensor<2, dim>> no_hessians;
+  std::vector<double> no_values;
+};
+
+} // namespace dovetail

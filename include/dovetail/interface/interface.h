@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// A pair of boundaries that is tied: two sides, the fields, the pairing and the tie.
+
+#pragma once
+
+#include <dovetail/interface/tie.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// One `subsection Interface NAME`.
+template <int dim>
+class Interface
+{
+public:
+  /// Reads the section and checks it against the domains; the pairing is made later, by pair(). Collective.
+  Interface(const std::string &name, const Section &section,
+            const std::vector<std::unique_ptr<Domain<dim>>> &domains, const Toggles &toggles);
+
+  /// A field that both sides have and that is tied here.
+  struct TiedField
+  {
+    std::string name;
+    unsigned int n_components;
+    std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
+    std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
+  };
+
+  const std::string name;
+  const Section section; ///< for error messages
+  std::array<InterfaceSide<dim>, 2> sides;
+  std::vector<TiedField> fields;
+
+  /// Components of each side's domain that are tied or that the flux of a tied field depends on.
+  std::array<std::vector<unsigned int>, 2> components;
+
+  /// Find the partners; obeys `Uncovered`. Collective.
+  void pair(const MPI_Comm &communicator);
+  const Pairing<dim> &pairing() const { return *geometry; }
+  double search_radius() const { return options.search_radius; }
+  GapExtension gap_extension() const { return options.gap_extension; }
+
+  Tie<dim> &tie() const { return *method; }
+  bool is_active(const double t) const { return toggles->is_active(toggle, t); }
+
+  /// Number of local unknowns of one side of a group: components[side] times nodes.
+  unsigned int n_local(const unsigned int side) const
+  {
+    return components[side].size() * sides[side].domain->n_nodes();
+  }
+  /// Global unknowns of a group: source then destination, each in the order component, node.
+  void group_dofs(const typename Pairing<dim>::Group &group,
+                  std::vector<dealii::types::global_dof_index> &dofs) const;
+  /// Fill a side's state at a point (traces and gradients of components[side]; the others stay as they are).
+  void evaluate(unsigned int side, unsigned int q, const std::vector<double> &unknowns, State<dim> &state) const;
+  /// The jump of a field at a point, all components.
+  void jump(const TiedField &field, unsigned int q, const std::vector<double> &unknowns,
+            std::vector<double> &result) const;
+  /// Position of a component of the domain among components[side].
+  unsigned int position(unsigned int side, unsigned int component) const;
+  /// Whether the unknown of component index r (row, counted over both sides' components) couples with that of s.
+  bool couples(unsigned int row, unsigned int column) const;
+  /// Whether the fluxes of the tied fields are affine in the unknowns.
+  bool is_linear() const;
+
+private:
+  void read_fields();
+  void find_components();
+  void report_uncovered() const;
+
+  typename Pairing<dim>::Options options;
+  std::string uncovered; ///< error, warn or allow
+  const Toggles *toggles;
+  std::string toggle;
+  std::unique_ptr<Tie<dim>> method;
+  std::unique_ptr<Pairing<dim>> geometry;
+};
+
+} // namespace dovetail

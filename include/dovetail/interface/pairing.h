@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The geometry of an interface: which point of one side faces which point of the other.
+//
+// Signs, once for all: N is the outward normal of each side, the jump is [B] = B_src - map(B_dst), the mean flux is
+// {A} = w_src A_src.N_src - w_dst A_dst.N_dst.
+
+#pragma once
+
+#include <dovetail/interface/partner_shapes.h>
+
+#include <array>
+#include <set>
+#include <vector>
+
+namespace dovetail {
+
+/// The two sides of an interface, as array indices.
+inline constexpr unsigned int source = 0, destination = 1;
+
+template <int dim>
+struct InterfaceSide
+{
+  const Domain<dim> *domain = nullptr;
+  std::set<dealii::types::boundary_id> boundary_ids;
+};
+
+/// What a jump does with the gap between facing points: the partner's field is extended affinely to the quadrature
+/// point, B(X') + grad B(X').(X - X'), for solution and test functions, for the solution only, or not at all.
+enum class GapExtension
+{
+  symmetric,
+  trial,
+  none
+};
+
+/// How much of the two sides faces the other one.
+struct Coverage
+{
+  std::array<double, 2> area = {{0, 0}};
+  std::array<double, 2> covered = {{0, 0}};
+  unsigned long n_points = 0;
+  unsigned long n_uncovered = 0; ///< quadrature points without partner
+  double largest_gap = 0;
+  double largest_angle = 0;    ///< between the normals [rad]
+  double nearest_miss = 0;     ///< distance of the nearest uncovered point to the other side
+  bool is_complete(const unsigned int side) const { return covered[side] >= (1. - 1e-9) * area[side]; }
+};
+
+/// Quadrature points of one or both sides ("mapped points": Gauss points of a face, each with the closest point of
+/// the other side), and for both sides of each point the cell behind it and the shape functions there. Computed
+/// once per mesh in material coordinates; a rank holds the points whose own face it owns.
+///
+/// Points whose two cells are the same form a group, so that their terms are summed before they are scattered.
+template <int dim>
+class Pairing
+{
+public:
+  struct Options
+  {
+    std::array<bool, 2> integrate_on = {{true, false}}; ///< sides; both: half the weight each
+    unsigned int points_per_direction = 0;              ///< 0: automatic
+    double search_radius = 0.2;                         ///< in units of the partner's face size
+    GapExtension gap_extension = GapExtension::symmetric;
+  };
+
+  struct Group
+  {
+    unsigned int begin, end;           ///< points
+    std::array<unsigned int, 2> cells; ///< indices into cells[side]
+  };
+
+  /// Collective.
+  Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options, const MPI_Comm &communicator);
+
+  std::array<std::vector<CellBehind>, 2> cells;
+  std::vector<Group> groups;
+
+  unsigned int n_points() const { return weights.size(); }
+  double weight(const unsigned int q) const { return weights[q]; } ///< dGamma
+  const dealii::Point<dim> &X(const unsigned int side, const unsigned int q) const { return points[side][q]; }
+  const dealii::Tensor<1, dim> &N(const unsigned int side, const unsigned int q) const { return normals[side][q]; }
+  const double *values(const unsigned int side, const unsigned int q) const
+  {
+    return &shape_values[side][q * n_nodes[side]];
+  }
+  const dealii::Tensor<1, dim> *gradients(const unsigned int side, const unsigned int q) const
+  {
+    return &shape_gradients[side][q * n_nodes[side]];
+  }
+  /// Values with which solution and test functions enter the jump.
+  const double *trial(const unsigned int side, const unsigned int q) const
+  {
+    return extension == GapExtension::none ? values(side, q) : &extended_values[side][q * n_nodes[side]];
+  }
+  const double *test(const unsigned int side, const unsigned int q) const
+  {
+    return extension == GapExtension::symmetric ? &extended_values[side][q * n_nodes[side]] : values(side, q);
+  }
+
+  const Coverage &coverage() const { return account; }
+  double seconds_of_search() const { return search_seconds; } ///< locating partners, this rank
+
+private:
+  void integrate(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own, const Options &options,
+                 double factor, const MPI_Comm &communicator);
+
+  /// The quadrature points of the faces of one side, before they have partners.
+  struct OwnPoints
+  {
+    std::vector<typename FaceLocator<dim>::Query> queries;
+    std::vector<double> JxW;
+    std::vector<unsigned int> cell_of_point;
+    std::vector<CellBehind> cells;
+    std::vector<double> values;
+    std::vector<dealii::Tensor<1, dim>> gradients;
+    double area = 0; ///< of this rank's faces
+  };
+  static OwnPoints own_points(const InterfaceSide<dim> &side, unsigned int points_per_direction);
+
+  GapExtension extension;
+  std::array<unsigned int, 2> n_nodes;
+  std::vector<double> weights;
+  std::array<std::vector<dealii::Point<dim>>, 2> points;
+  std::array<std::vector<dealii::Tensor<1, dim>>, 2> normals;
+  std::array<std::vector<double>, 2> shape_values, extended_values;
+  std::array<std::vector<dealii::Tensor<1, dim>>, 2> shape_gradients;
+  Coverage account;
+  double search_seconds = 0;
+};
+
+} // namespace dovetail

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The methods that tie two bodies.
+
+#pragma once
+
+#include <dovetail/interface/pairing.h>
+#include <dovetail/scene/catalogue.h>
+
+#include <deal.II/lac/full_matrix.h>
+
+#include <array>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+template <int dim>
+class Interface;
+
+/// B_dof = sum weight * B_other + inhomogeneity.
+struct ConstraintLine
+{
+  std::vector<std::pair<dealii::types::global_dof_index, double>> entries;
+  double inhomogeneity = 0;
+};
+using ConstraintLines = std::map<dealii::types::global_dof_index, ConstraintLine>;
+
+/// How an interface is tied. A plugin overrides only what it needs: constraints between the unknowns of the two
+/// sides, or terms at the points of the pairing. It may assume that a group's unknowns are those of
+/// Interface::group_dofs, in that order. Copy nitsche.cc or pointwise.cc.
+template <int dim>
+class Tie
+{
+public:
+  virtual ~Tie() = default;
+
+  /// The sides on whose faces the points of the pairing lie.
+  virtual std::array<bool, 2> integrates_on() const = 0;
+
+  /// Lines for destination unknowns that this rank owns. Collective. Keep what is already in @p lines: hanging nodes
+  /// and prescribed values win.
+  virtual void add_constraints(const Interface<dim> & /*interface*/, ConstraintLines & /*lines*/,
+                               const MPI_Comm & /*communicator*/)
+  {}
+
+  virtual bool adds_terms() const { return false; }
+
+  /// Before the first iteration of a step: freeze penalty and weights at the last good state. @p unknowns(group, u)
+  /// fills the unknowns of a group.
+  using GroupUnknowns =
+      std::function<void(const typename Pairing<dim>::Group &group, std::vector<double> &unknowns)>;
+  virtual void begin_step(const Interface<dim> & /*interface*/, double /*t*/, const GroupUnknowns & /*unknowns*/) {}
+
+  /// Residual and, if @p tangent is not nullptr, its exact derivative over the points of a group; both come in as
+  /// zero. @return false if a law is not defined at the state of a point.
+  virtual bool assemble(const Interface<dim> & /*interface*/, const typename Pairing<dim>::Group & /*group*/,
+                        double /*t*/, const std::vector<double> & /*unknowns*/, std::vector<double> & /*residual*/,
+                        dealii::FullMatrix<double> * /*tangent*/)
+  {
+    return true;
+  }
+
+  virtual bool is_symmetric() const { return true; } ///< if the laws are
+
+  /// For the report; infinity or zero where there is nothing to say.
+  struct Penalty
+  {
+    double smallest = std::numeric_limits<double>::infinity();
+    double largest = 0;
+    double coercivity_margin = std::numeric_limits<double>::infinity(); ///< gamma over its lower bound
+  };
+  virtual Penalty penalty() const { return {}; } ///< of this rank's points
+};
+
+template <int dim>
+using TieCatalogue = Catalogue<Tie<dim>>;
+
+/// Register a class template over dim in both dimensions.
+template <template <int> class Derived>
+bool add_tie(const std::string &name, const std::string &help)
+{
+  return TieCatalogue<2>::template add<Derived<2>>(name, help) &&
+         TieCatalogue<3>::template add<Derived<3>>(name, help);
+}
+
+} // namespace dovetail

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/domain.h>
+
+#include <deal.II/dofs/dof_renumbering.h>
+#include <deal.II/dofs/dof_tools.h>
+#include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/mapping_q.h>
+#include <deal.II/fe/fe_values.h>
+#include <deal.II/grid/grid_tools.h>
+#include <deal.II/numerics/vector_tools_boundary.h>
+
+namespace dovetail {
+
+template <int dim>
+Domain<dim>::Domain(const std::string &name, const Section &section, const Material<dim> &material,
+                    const Toggles &toggles, const MPI_Comm &communicator)
+    : name(name), section(section), material(material),
+      degree(section.read<unsigned int>("Degree", 1, "Polynomial degree of all fields and of the curved mapping [-]",
+                                        Patterns::Integer(1, 4))),
+      triangulation(make_mesh<dim>(section.subsection("Mesh"), communicator))
+{
+  read_given(section);
+  read_conditions(section, toggles);
+  if (section.documenting())
+    return;
+
+  measures = boundary_measures(*triangulation, communicator);
+  check_conditions();
+
+  degree_of_mapping = is_straight(*triangulation) ? 1 : degree;
+  cell_mapping = std::make_unique<dealii::MappingQ<dim>>(degree_of_mapping);
+  const auto box = dealii::GridTools::compute_bounding_box(*triangulation);
+  std::vector<double> corners;
+  for (unsigned int d = 0; d < dim; ++d)
+    {
+      const bool has_cells = triangulation->n_active_cells() > 0;
+      corners.push_back(has_cells ? box.get_boundary_points().first[d] : std::numeric_limits<double>::max());
+      corners.push_back(has_cells ? -box.get_boundary_points().second[d] : std::numeric_limits<double>::max());
+    }
+  dealii::Utilities::MPI::min(corners, communicator, corners);
+  dealii::Tensor<1, dim> diagonal;
+  for (unsigned int d = 0; d < dim; ++d)
+    {
+      middle[d] = (corners[2 * d] - corners[2 * d + 1]) / 2;
+      diagonal[d] = -corners[2 * d + 1] - corners[2 * d];
+    }
+  length = diagonal.norm();
+
+  distribute_dofs();
+}
+
+template <int dim>
+void Domain<dim>::read_given(const Section &section)
+{
+  for (auto [kind, given, text] :
+       {std::make_tuple("Source", &given_source, "Density of the source: body force or heat [N/m^3 or W/m^3]"),
+        std::make_tuple("Initial", &given_initial, "First guess of a static scene [m or K]"),
+        std::make_tuple("Exact", &given_exact, "Exact solution: its errors are reported [m or K]")})
+    {
+      const Section part = section.subsection(kind);
+      for (const Field &field : fields())
+        {
+          std::string zero = "0";
+          for (unsigned int c = 1; c < field.n_components; ++c)
+            zero += "; 0";
+          const Expression expression = part.read_expression(field.name, zero, {field.n_components}, text);
+          if (part.is_set(field.name))
+            given->of_field.emplace(field.name, expression);
+        }
+    }
+}
+
+template <int dim>
+void Domain<dim>::read_conditions(const Section &section, const Toggles &toggles)
+{
+  for (const std::string &condition : section.announce("Boundary conditions", "Boundary condition",
+                                                       "Names of what happens on the boundary of this domain [-]"))
+    {
+      auto created = ConditionCatalogue<dim>::create(section.subsection("Boundary condition " + condition), "",
+                                                     "What the condition prescribes [-]", fields(), toggles);
+      if (created)
+        all_conditions.push_back(std::move(created));
+    }
+}
+
+template <int dim>
+void Domain<dim>::check_boundary_id(const dealii::types::boundary_id id, const Section &asking,
+                                    const std::string &entry) const
+{
+  if (measures.count(id) > 0)
+    return;
+  std::string known;
+  for (const auto &[known_id, measure] : measures)
+    {
+      std::ostringstream words;
+      words << (known.empty() ? "" : ", ") << known_id << " (" << (dim == 2 ? "length " : "area ") << measure << ")";
+      known += words.str();
+    }
+  asking.fail(entry, "has the boundary id " + std::to_string(id) + ", which the mesh of domain " + name +
+                         " does not have. It has " + known + ".");
+}
+
+template <int dim>
+void Domain<dim>::check_conditions() const
+{
+  // at most one condition per field, component and boundary id; conditions with toggles may take turns
+  std::map<std::tuple<std::string, unsigned int, dealii::types::boundary_id>, std::string> owner;
+  for (const auto &condition : all_conditions)
+    for (const auto id : condition->boundary_ids)
+      {
+        check_boundary_id(id, condition->section, "Boundary ids");
+        std::vector<unsigned int> components = condition->prescribed_components();
+        if (condition->adds_flux())
+          for (unsigned int c = 0; c < condition->field.n_components; ++c)
+            components.push_back(c);
+        for (const unsigned int c : components)
+          if (condition->toggle_name().empty())
+            {
+              const auto [entry, is_new] = owner.insert({{condition->field.name, c, id}, condition->name});
+              condition->section.check(is_new, "Boundary ids",
+                                       "has " + std::to_string(id) + ", where the boundary condition '" +
+                                           entry->second + "' already acts on the same component of the " +
+                                           condition->field.name + ". Remove the id from one of the two.");
+            }
+      }
+}
+
+template <int dim>
+void Domain<dim>::distribute_dofs()
+{
+  element = std::make_unique<dealii::FESystem<dim>>(dealii::FE_Q<dim>(degree), n_components());
+  dofs.reinit(*triangulation);
+  dofs.distribute_dofs(*element);
+  if (fields().size() > 1)
+    {
+      std::vector<unsigned int> field_of_component(n_components());
+      for (unsigned int f = 0; f < fields().size(); ++f)
+        for (unsigned int c = 0; c < fields()[f].n_components; ++c)
+          field_of_component[fields()[f].first_component + c] = f;
+      dealii::DoFRenumbering::component_wise(dofs, field_of_component);
+    }
+
+  by_component.resize(dofs_per_cell());
+  for (unsigned int c = 0; c < n_components(); ++c)
+    for (unsigned int a = 0; a < n_nodes(); ++a)
+      by_component[c * n_nodes() + a] = element->component_to_system_index(c, a);
+}
+
+template <int dim>
+void Domain<dim>::cell_dofs(const cell_iterator &cell, std::vector<dealii::types::global_dof_index> &indices) const
+{
+  static thread_local std::vector<dealii::types::global_dof_index> in_order_of_element;
+  in_order_of_element.resize(dofs_per_cell());
+  cell->get_dof_indices(in_order_of_element);
+  indices.resize(dofs_per_cell());
+  for (unsigned int i = 0; i < indices.size(); ++i)
+    indices[i] = first_dof + in_order_of_element[by_component[i]];
+}
+
+template <int dim>
+void Domain<dim>::make_constraints(const double t, dealii::AffineConstraints<double> &constraints) const
+{
+  if (triangulation->has_hanging_nodes())
+    {
+      dealii::IndexSet relevant;
+      dealii::DoFTools::extract_locally_relevant_dofs(dofs, relevant);
+      dealii::AffineConstraints<double> hanging(relevant);
+      dealii::DoFTools::make_hanging_node_constraints(dofs, hanging);
+      for (const auto &line : hanging.get_lines())
+        {
+          constraints.add_line(first_dof + line.index);
+          for (const auto &[master, weight] : line.entries)
+            constraints.add_entry(first_dof + line.index, first_dof + master, weight);
+        }
+    }
+
+  // Lagrange elements: the prescribed value at the support points of the faces, of ghost cells too
+  const unsigned int n = n_nodes();
+  const dealii::Quadrature<dim> nodes(scalar_element().get_unit_support_points());
+  dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), nodes, dealii::update_quadrature_points);
+  std::vector<dealii::types::global_dof_index> indices;
+  for (const auto &condition : all_conditions)
+    {
+      const auto components = condition->prescribed_components();
+      if (components.empty() || !condition->is_active(t))
+        continue;
+      for (const auto &cell : dofs.active_cell_iterators())
+        if (!cell->is_artificial() && cell->at_boundary())
+          for (const unsigned int face : cell->face_indices())
+            if (cell->face(face)->at_boundary() && condition->boundary_ids.count(cell->face(face)->boundary_id()) > 0)
+              {
+                at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+                cell_dofs(cell, indices);
+                for (unsigned int a = 0; a < n; ++a)
+                  if (scalar_element().has_support_on_face(a, face))
+                    for (const unsigned int c : components)
+                      {
+                        const auto dof = indices[(condition->field.first_component + c) * n + a];
+                        if (constraints.is_constrained(dof))
+                          continue;
+                        constraints.add_line(dof);
+                        constraints.set_inhomogeneity(
+                            dof, condition->prescribed_value(at_nodes.quadrature_point(a), t, c));
+                      }
+              }
+    }
+}
+
+template class Domain<2>;
+template class Domain<3>;
+
+} // namespace dovetail

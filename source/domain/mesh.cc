@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/mesh.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/grid/grid_generator.h>
+#include <deal.II/grid/grid_in.h>
+#include <deal.II/grid/grid_tools.h>
+#include <deal.II/grid/manifold.h>
+
+#include <fstream>
+#include <limits>
+
+namespace dovetail {
+
+namespace {
+
+/// The image of a manifold under X -> scale X + shift.
+template <int dim>
+class TransformedManifold : public dealii::Manifold<dim>
+{
+public:
+  TransformedManifold(const dealii::Manifold<dim> &base, const double scale, const dealii::Tensor<1, dim> &shift)
+      : base(base.clone()), scale(scale), shift(shift)
+  {}
+
+  std::unique_ptr<dealii::Manifold<dim>> clone() const override
+  {
+    return std::make_unique<TransformedManifold>(*base, scale, shift);
+  }
+
+  dealii::Point<dim> get_new_point(const dealii::ArrayView<const dealii::Point<dim>> &surrounding,
+                                   const dealii::ArrayView<const double> &weights) const override
+  {
+    std::vector<dealii::Point<dim>> original(surrounding.begin(), surrounding.end());
+    for (auto &point : original)
+      point = dealii::Point<dim>((point - shift) / scale);
+    const auto image = base->get_new_point(dealii::make_array_view(original), weights);
+    return dealii::Point<dim>(scale * image + shift);
+  }
+
+private:
+  std::unique_ptr<dealii::Manifold<dim>> base;
+  double scale;
+  dealii::Tensor<1, dim> shift;
+};
+
+std::string suffix_of(const std::string &file_name)
+{
+  const auto dot = file_name.rfind('.');
+  return dot == std::string::npos ? "" : file_name.substr(dot);
+}
+
+/// Both Abaqus and AVS UCD end in .inp; only Abaqus has keyword lines, which start with '*'.
+bool is_abaqus(const std::string &file_name)
+{
+  std::ifstream file(file_name);
+  for (std::string line; std::getline(file, line);)
+    {
+      const auto first = line.find_first_not_of(" \t\r");
+      if (first != std::string::npos)
+        return line[first] == '*';
+    }
+  return false;
+}
+
+template <int dim>
+void read_file(const Section &section, const std::string &file_name, dealii::Triangulation<dim> &mesh)
+{
+  std::ifstream file(file_name);
+  section.check(file.good(), "File",
+                "names '" + file_name + "', which cannot be read. Relative paths start at the working directory.");
+  dealii::GridIn<dim> reader(mesh);
+  const std::string suffix = suffix_of(file_name);
+  if (suffix == ".msh")
+    reader.read_msh(file);
+  else if (suffix == ".vtk")
+    reader.read_vtk(file);
+  else if (suffix == ".unv")
+    reader.read_unv(file);
+  else if (suffix == ".inp")
+    is_abaqus(file_name) ? reader.read_abaqus(file) : reader.read_ucd(file);
+  else
+    section.fail("File", "names '" + file_name + "', whose format is not known. Use .msh (Gmsh 2.2 or 4.1), .inp "
+                         "(Abaqus or AVS UCD), .vtk or .unv.");
+}
+
+/// deal.II's reasons without its banner and stack.
+std::string reason(const std::exception &error)
+{
+  if (const auto *exception = dynamic_cast<const dealii::ExceptionBase *>(&error))
+    {
+      std::ostringstream text;
+      exception->print_info(text);
+      std::string words;
+      for (const char letter : text.str())
+        words += (letter == '\n') ? ' ' : letter;
+      const auto first = words.find_first_not_of(' ');
+      const auto last = words.find_last_not_of(' ');
+      return first == std::string::npos ? exception->get_exc_name() : words.substr(first, last - first + 1);
+    }
+  return error.what();
+}
+
+template <int dim>
+void make_coarse_mesh(const Section &section, dealii::Triangulation<dim> &mesh)
+{
+  const auto file_name = section.read<std::string>(
+      "File", "", "The file of the mesh: .msh (Gmsh 2.2 or 4.1), .inp (Abaqus or AVS UCD), .vtk or .unv [-]");
+  const auto generator = section.read<std::string>(
+      "Generator", "", "Instead of a file: the name of one of deal.II's functions in GridGenerator [-]");
+  const auto arguments = section.read<std::string>(
+      "Arguments", "", "The generator's arguments, separated by ':', lists by ',', as in deal.II's documentation [-]");
+  if (section.documenting())
+    return;
+
+  section.check(file_name.empty() || generator.empty(), "File", "and Generator exclude each other: give one.");
+  section.check(!file_name.empty() || !generator.empty(), "",
+                "a mesh needs either File or Generator (with Arguments).");
+  const std::string source = file_name.empty() ? "Generator" : "File";
+  try
+    {
+      if (file_name.empty())
+        dealii::GridGenerator::generate_from_name_and_arguments(mesh, generator, arguments);
+      else
+        read_file(section, file_name, mesh);
+    }
+  catch (const UserError &)
+    {
+      throw;
+    }
+  catch (const std::exception &error)
+    {
+      section.fail(source, "could not be used to make the mesh: " + reason(error) +
+                               (file_name.empty() ? " See the function of this name in deal.II's GridGenerator for "
+                                                    "its arguments."
+                                                  : ""));
+    }
+  section.check(mesh.n_active_cells() > 0, source, "gives a mesh without cells.");
+  section.check(mesh.all_reference_cells_are_hyper_cube(), source,
+                "gives a mesh with triangles, tetrahedra or wedges; only " +
+                    std::string(dim == 2 ? "quadrilaterals" : "hexahedra") + " are supported.");
+}
+
+/// A distributed mesh together with the coarse mesh it came from: some of deal.II's manifolds refer to it.
+template <int dim>
+class MeshWithOrigin : public Mesh<dim>
+{
+public:
+  using Mesh<dim>::Mesh;
+  dealii::Triangulation<dim> origin;
+};
+
+template <int dim>
+void transform(const double scale, const dealii::Tensor<1, dim> &shift, dealii::Triangulation<dim> &mesh)
+{
+  if (scale == 1. && shift.norm() == 0.)
+    return;
+  dealii::GridTools::transform(
+      [&](const dealii::Point<dim> &X) { return dealii::Point<dim>(scale * X + shift); }, mesh);
+  for (const auto id : mesh.get_manifold_ids())
+    if (id != dealii::numbers::flat_manifold_id)
+      {
+        const TransformedManifold<dim> image(mesh.get_manifold(id), scale, shift);
+        mesh.set_manifold(id, image);
+      }
+}
+
+} // namespace
+
+template <int dim>
+std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &communicator)
+{
+  auto mesh = std::make_unique<MeshWithOrigin<dim>>(communicator);
+  make_coarse_mesh(section, mesh->origin);
+  const auto n_refinements = section.read<unsigned int>(
+      "Refinements", 0, "How often every cell is divided into 2^d [-]", Patterns::Integer(0, 20));
+  const auto scale = section.read<double>("Scale", 1, "All lengths of the mesh are multiplied by this, before Shift [-]",
+                                          Patterns::Double(std::numeric_limits<double>::min()));
+  const dealii::Point<3> shift =
+      section.read_point("Shift", dealii::Point<3>(), "Added to all points of the mesh, after Scale [m]");
+
+  if (section.documenting())
+    return mesh;
+
+  dealii::Tensor<1, dim> shift_in_dim;
+  for (unsigned int d = 0; d < dim; ++d)
+    shift_in_dim[d] = shift[d];
+  dealii::Triangulation<dim> coarse_mesh;
+  coarse_mesh.copy_triangulation(mesh->origin);
+  transform(scale, shift_in_dim, coarse_mesh);
+  mesh->copy_triangulation(coarse_mesh);
+  if (is_straight(mesh->origin))
+    mesh->origin.clear();
+  mesh->refine_global(n_refinements);
+  return mesh;
+}
+
+template <int dim>
+std::map<dealii::types::boundary_id, double> boundary_measures(const dealii::Triangulation<dim> &mesh,
+                                                               const MPI_Comm &communicator)
+{
+  std::map<dealii::types::boundary_id, double> measures;
+  for (const auto &cell : mesh.active_cell_iterators())
+    if (cell->is_locally_owned() && cell->at_boundary())
+      for (const auto &face : cell->face_iterators())
+        if (face->at_boundary())
+          {
+            // the polygon of the vertices is enough for a message
+            double measure = 0;
+            if constexpr (dim == 2)
+              measure = face->vertex(0).distance(face->vertex(1));
+            else
+              measure = dealii::cross_product_3d(face->vertex(3) - face->vertex(0), face->vertex(2) - face->vertex(1))
+                            .norm() /
+                        2;
+            measures[face->boundary_id()] += measure;
+          }
+  std::map<dealii::types::boundary_id, double> sum;
+  for (const auto &of_one_rank : dealii::Utilities::MPI::all_gather(communicator, measures))
+    for (const auto &[id, measure] : of_one_rank)
+      sum[id] += measure;
+  return sum;
+}
+
+template <int dim>
+bool is_straight(const dealii::Triangulation<dim> &mesh)
+{
+  for (const auto id : mesh.get_manifold_ids())
+    if (id != dealii::numbers::flat_manifold_id)
+      return false;
+  return true;
+}
+
+template std::unique_ptr<Mesh<2>> make_mesh<2>(const Section &, const MPI_Comm &);
+template std::unique_ptr<Mesh<3>> make_mesh<3>(const Section &, const MPI_Comm &);
+template std::map<dealii::types::boundary_id, double> boundary_measures<2>(const dealii::Triangulation<2> &,
+                                                                           const MPI_Comm &);
+template std::map<dealii::types::boundary_id, double> boundary_measures<3>(const dealii::Triangulation<3> &,
+                                                                           const MPI_Comm &);
+template bool is_straight<2>(const dealii::Triangulation<2> &);
+template bool is_straight<3>(const dealii::Triangulation<3> &);
+
+} // namespace dovetail

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/shapes.h>
+
+#include <numeric>
+
+namespace dovetail {
+
+template <int dim>
+ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
+    : domain(domain), geometry(domain.mapping_degree()), element(domain.degree),
+      geometry_nodes(domain.mapping(), domain.scalar_element(), dealii::Quadrature<dim>(geometry.support_points()),
+                     dealii::update_quadrature_points),
+      measure_of_cell(domain.mapping(), domain.scalar_element(), dealii::QGauss<dim>(domain.mapping_degree() + 1),
+                      dealii::update_JxW_values),
+      measure_of_face(domain.mapping(), domain.scalar_element(), dealii::QGauss<dim - 1>(domain.mapping_degree() + 1),
+                      dealii::update_JxW_values),
+      nodes(geometry.size()), values(element.size()), geometry_gradients(geometry.size()),
+      element_gradients(element.size())
+{
+  for (const auto &point : domain.scalar_element().get_unit_support_points())
+    {
+      unsigned int nearest = 0;
+      for (unsigned int i = 1; i < element.size(); ++i)
+        if (point.distance_square(element.support_points()[i]) <
+            point.distance_square(element.support_points()[nearest]))
+          nearest = i;
+      lexicographic.push_back(nearest);
+    }
+}
+
+template <int dim>
+void ShapeEvaluator<dim>::reinit(const cell_iterator &cell)
+{
+  if (domain.mapping_degree() == 1)
+    {
+      for (const unsigned int v : cell->vertex_indices())
+        nodes[v] = cell->vertex(v);
+      return;
+    }
+  geometry_nodes.reinit(cell);
+  nodes = geometry_nodes.get_quadrature_points();
+}
+
+template <int dim>
+void ShapeEvaluator<dim>::evaluate(const dealii::Point<dim> &unit_point, double *shape_values,
+                                   dealii::Tensor<1, dim> *shape_gradients)
+{
+  geometry.evaluate(unit_point, no_values, geometry_gradients, no_hessians);
+  dealii::Tensor<2, dim> jacobian; // dX_i / dxi_j
+  for (unsigned int a = 0; a < nodes.size(); ++a)
+    for (unsigned int i = 0; i < dim; ++i)
+      jacobian[i] += nodes[a][i] * geometry_gradients[a];
+  const dealii::Tensor<2, dim> inverse = dealii::invert(jacobian);
+
+  element.evaluate(unit_point, values, element_gradients, no_hessians);
+  for (unsigned int a = 0; a < lexicographic.size(); ++a)
+    {
+      shape_values[a] = values[lexicographic[a]];
+      shape_gradients[a] = element_gradients[lexicographic[a]] * inverse;
+    }
+}
+
+template <int dim>
+double ShapeEvaluator<dim>::cell_measure(const cell_iterator &cell)
+{
+  measure_of_cell.reinit(cell);
+  const auto &JxW = measure_of_cell.get_JxW_values();
+  return std::accumulate(JxW.begin(), JxW.end(), 0.);
+}
+
+template <int dim>
+double ShapeEvaluator<dim>::face_measure(const cell_iterator &cell, const unsigned int face)
+{
+  measure_of_face.reinit(cell, face);
+  const auto &JxW = measure_of_face.get_JxW_values();
+  return std::accumulate(JxW.begin(), JxW.end(), 0.);
+}
+
+template class ShapeEvaluator<2>;
+template class ShapeEvaluator<3>;
+
+} // namespace dovetail

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/interface/interface.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <iostream>
+
+namespace dovetail {
+
+namespace {
+
+template <int dim>
+InterfaceSide<dim> find_side(const Section &section, const std::string &entry,
+                             const std::vector<std::unique_ptr<Domain<dim>>> &domains)
+{
+  const auto reference = section.require_boundary(
+      entry, "One side of the interface, domain : boundary ids, for instance left : 1 [-]");
+  std::vector<std::string> names;
+  for (const auto &domain : domains)
+    {
+      if (domain->name == reference.domain)
+        {
+          for (const unsigned int id : reference.ids)
+            domain->check_boundary_id(id, section, entry);
+          return {domain.get(), {reference.ids.begin(), reference.ids.end()}};
+        }
+      names.push_back(domain->name);
+    }
+  section.check(false, entry,
+                "names the domain '" + reference.domain + "', which is not among Domains (" + comma_separated(names) +
+                    "). " + did_you_mean(reference.domain, names));
+  return {};
+}
+
+unsigned int read_points_per_face(const Section &section)
+{
+  const auto text = section.read<std::string>(
+      "Points per face", "automatic",
+      "Gauss points in each direction of a face; automatic follows the degrees and the ratio of the face sizes [-]");
+  if (text == "automatic" || section.documenting())
+    return 0;
+  const bool is_number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  section.check(is_number && text.size() < 4 && std::stoi(text) > 0, "Points per face",
+                "is '" + text + "', but must be automatic or a whole number from 1 to 999.");
+  return std::stoi(text);
+}
+
+} // namespace
+
+template <int dim>
+Interface<dim>::Interface(const std::string &name, const Section &section,
+                          const std::vector<std::unique_ptr<Domain<dim>>> &domains, const Toggles &toggles)
+    : name(name), section(section), sides{{find_side(section, "Source", domains),
+                                           find_side(section, "Destination", domains)}},
+      toggles(&toggles), toggle(toggles.read_reference(section)),
+      method(TieCatalogue<dim>::create(section, "", "The method that ties the two sides [-]"))
+{
+  section.choose("Quadrature", {"mapped points"}, 0,
+                 "mapped points: Gauss points of the faces, each with the closest point of the other side [-]");
+  options.points_per_direction = read_points_per_face(section);
+  options.search_radius =
+      section.read<double>("Search radius", 0.2, "Largest gap that is tied, in units of the face size [-]",
+                           Patterns::Double(std::numeric_limits<double>::min()));
+  options.gap_extension = static_cast<GapExtension>(
+      section.choose("Gap extension", {"symmetric", "trial", "none"}, 0,
+                     "Extend the partner's field affinely over the gap: solution and test functions, only the "
+                     "solution, or not at all [-]"));
+  const std::vector<std::string> answers = {"error", "warn", "allow"};
+  uncovered = answers[section.choose("Uncovered", answers, 0,
+                                     "What to do if both sides have parts that face nothing [-]")];
+  if (section.documenting())
+    {
+      section.read<std::vector<std::string>>("Fields", {}, "The fields that are tied; all that both domains have [-]");
+      return;
+    }
+  options.integrate_on = method->integrates_on();
+  read_fields();
+  find_components();
+}
+
+template <int dim>
+void Interface<dim>::read_fields()
+{
+  std::vector<std::string> common;
+  for (const Field &field : sides[source].domain->fields())
+    if (sides[destination].domain->material.find_field(field.name) != nullptr)
+      common.push_back(field.name);
+  const auto asked = section.read<std::vector<std::string>>(
+      "Fields", {}, "The fields that are tied; all that both domains have if empty [-]");
+  section.check(!common.empty(), "Source",
+                "and Destination have no field in common: " + sides[source].domain->name + " and " +
+                    sides[destination].domain->name + " share no kind of law.");
+  for (const std::string &field : asked.empty() ? common : asked)
+    {
+      section.check(std::find(common.begin(), common.end(), field) != common.end(), "Fields",
+                    "names '" + field + "', but the fields that both domains have are " + comma_separated(common) +
+                        ". " + did_you_mean(field, common));
+      TiedField tied;
+      tied.name = field;
+      for (const unsigned int side : {source, destination})
+        {
+          const Field *of_side = sides[side].domain->material.find_field(field);
+          tied.n_components = of_side->n_components;
+          tied.first_component[side] = of_side->first_component;
+          tied.field[side] = of_side - sides[side].domain->fields().data();
+        }
+      fields.push_back(tied);
+    }
+}
+
+template <int dim>
+void Interface<dim>::find_components()
+{
+  for (const unsigned int side : {source, destination})
+    for (unsigned int g = 0; g < sides[side].domain->fields().size(); ++g)
+      {
+        const Field &field = sides[side].domain->fields()[g];
+        bool is_needed = false;
+        for (const TiedField &tied : fields)
+          is_needed = is_needed || sides[side].domain->material.depends(tied.field[side], g);
+        for (unsigned int c = 0; is_needed && c < field.n_components; ++c)
+          components[side].push_back(field.first_component + c);
+      }
+}
+
+template <int dim>
+void Interface<dim>::pair(const MPI_Comm &communicator)
+{
+  geometry = std::make_unique<Pairing<dim>>(sides, options, communicator);
+  report_uncovered();
+}
+
+template <int dim>
+void Interface<dim>::report_uncovered() const
+{
+  const Coverage &coverage = pairing().coverage();
+  std::ostringstream message;
+  message.precision(3);
+  if (coverage.n_points == 0)
+    {
+      message << "and Destination do not face each other anywhere";
+      if (std::isfinite(coverage.nearest_miss))
+        message << "; the nearest points are " << coverage.nearest_miss << " apart";
+      message << ". Check the boundary ids, Scale and Shift of the two meshes, or enlarge Search radius (now "
+              << options.search_radius << " of the face size).";
+      section.fail("Source", message.str());
+    }
+  if (coverage.is_complete(source) || coverage.is_complete(destination) || uncovered == "allow")
+    return;
+  message << 100 * (1 - coverage.covered[source] / coverage.area[source]) << " % of the source and "
+          << 100 * (1 - coverage.covered[destination] / coverage.area[destination])
+          << " % of the destination face nothing (" << coverage.n_uncovered
+          << " points). Enlarge Search radius if a gap is the reason (now " << options.search_radius
+          << " of the face size), or set Uncovered = allow if this is meant.";
+  if (uncovered == "error")
+    section.fail("Uncovered", "is error: " + message.str());
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    std::cerr << "Warning: interface " << name << ": " << message.str() << std::endl;
+}
+
+template <int dim>
+void Interface<dim>::group_dofs(const typename Pairing<dim>::Group &group,
+                                std::vector<dealii::types::global_dof_index> &dofs) const
+{
+  dofs.clear();
+  for (const unsigned int side : {source, destination})
+    {
+      const auto &of_cell = pairing().cells[side][group.cells[side]].dofs;
+      const unsigned int n = sides[side].domain->n_nodes();
+      for (const unsigned int c : components[side])
+        dofs.insert(dofs.end(), of_cell.begin() + c * n, of_cell.begin() + (c + 1) * n);
+    }
+}
+
+template <int dim>
+void Interface<dim>::evaluate(const unsigned int side, const unsigned int q, const std::vector<double> &unknowns,
+                              State<dim> &state) const
+{
+  const unsigned int n = sides[side].domain->n_nodes();
+  const double *values = pairing().values(side, q);
+  const dealii::Tensor<1, dim> *gradients = pairing().gradients(side, q);
+  const double *unknown = unknowns.data() + (side == source ? 0 : n_local(source));
+  for (const unsigned int c : components[side])
+    {
+      state.value[c] = 0;
+      state.gradient[c] = 0;
+      for (unsigned int a = 0; a < n; ++a, ++unknown)
+        {
+          state.value[c] += values[a] * *unknown;
+          state.gradient[c] += *unknown * gradients[a];
+        }
+    }
+}
+
+template <int dim>
+void Interface<dim>::jump(const TiedField &field, const unsigned int q, const std::vector<double> &unknowns,
+                          std::vector<double> &result) const
+{
+  result.assign(field.n_components, 0.);
+  for (const unsigned int side : {source, destination})
+    {
+      const unsigned int n = sides[side].domain->n_nodes();
+      const double *trial = pairing().trial(side, q);
+      const double sign = side == source ? 1 : -1;
+      const unsigned int first = (side == source ? 0 : n_local(source)) +
+                                 position(side, field.first_component[side]) * n;
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        for (unsigned int a = 0; a < n; ++a)
+          result[c] += sign * trial[a] * unknowns[first + c * n + a];
+    }
+}
+
+template <int dim>
+unsigned int Interface<dim>::position(const unsigned int side, const unsigned int component) const
+{
+  return std::find(components[side].begin(), components[side].end(), component) - components[side].begin();
+}
+
+template <int dim>
+bool Interface<dim>::couples(const unsigned int row, const unsigned int column) const
+{
+  const auto side_and_component = [this](const unsigned int i) {
+    return i < components[source].size() ? std::make_pair(source, components[source][i])
+                                         : std::make_pair(destination, components[destination][i - components[source].size()]);
+  };
+  const auto contains = [](const unsigned int first, const unsigned int n, const unsigned int c) {
+    return c >= first && c < first + n;
+  };
+  const auto [row_side, row_component] = side_and_component(row);
+  const auto [side, component] = side_and_component(column);
+  for (const TiedField &tied : fields)
+    if (contains(tied.first_component[row_side], tied.n_components, row_component))
+      {
+        const auto &of_side = sides[side].domain->fields();
+        for (unsigned int g = 0; g < of_side.size(); ++g)
+          if (contains(of_side[g].first_component, of_side[g].n_components, component))
+            return g == tied.field[side] || sides[side].domain->material.depends(tied.field[side], g);
+      }
+  return false;
+}
+
+template <int dim>
+bool Interface<dim>::is_linear() const
+{
+  for (const TiedField &tied : fields)
+    for (const unsigned int side : {source, destination})
+      if (!sides[side].domain->material.is_linear(tied.field[side]))
+        return false;
+  return true;
+}
+
+template class Interface<2>;
+template class Interface<3>;
+
+} // namespace dovetail

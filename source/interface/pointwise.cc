@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Pointwise continuity at the support points X of the destination side, through the map to the source side:
+//
+//     B_dst(X) = B_src(X') + grad B_src(X').(X - X') = sum_a (phi_a(X') + grad phi_a(X').(X - X')) B_a
+//
+// (the second term only over a gap), as constraints that are condensed out of the system. It passes the patch test
+// only if the destination's trace space contains the source's, so the finer side should be the destination.
+//
+//     subsection Interface seam
+//       set Type        = pointwise
+//       set Source      = left : 1
+//       set Destination = right : 0
+//     end
+
+#include <dovetail/interface/interface.h>
+
+#include <deal.II/dofs/dof_tools.h>
+
+#include <cmath>
+
+namespace dovetail {
+
+namespace {
+
+template <int dim>
+class Pointwise : public Tie<dim>
+{
+public:
+  explicit Pointwise(const Section &) {}
+
+  std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
+  void add_constraints(const Interface<dim> &interface, ConstraintLines &lines, const MPI_Comm &communicator) override;
+
+private:
+  /// A support point of the destination and its unknowns, one per component of the domain.
+  struct Node
+  {
+    typename FaceLocator<dim>::Query query;
+    std::vector<dealii::types::global_dof_index> dofs;
+  };
+  static std::vector<Node> nodes_of(const InterfaceSide<dim> &side);
+};
+
+/// The support points on the side whose unknowns this rank owns.
+template <int dim>
+std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const InterfaceSide<dim> &side)
+{
+  const Domain<dim> &domain = *side.domain;
+  const unsigned int n = domain.n_nodes();
+  const auto &element = domain.scalar_element();
+  const dealii::IndexSet &owned = domain.dof_handler().locally_owned_dofs();
+  dealii::FEValues<dim> at_nodes(domain.mapping(), element, element.get_unit_support_points(),
+                                 dealii::update_quadrature_points);
+  dealii::FEFaceValues<dim> at_face(domain.mapping(), element, dealii::QMidpoint<dim - 1>(),
+                                    dealii::update_normal_vectors);
+  std::map<dealii::types::global_dof_index, Node> nodes;
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &cell : domain.mesh().active_cell_iterators())
+    if (!cell->is_artificial() && cell->at_boundary())
+      for (const unsigned int face : cell->face_indices())
+        if (cell->face(face)->at_boundary() && side.boundary_ids.count(cell->face(face)->boundary_id()) > 0)
+          {
+            at_nodes.reinit(cell);
+            at_face.reinit(cell, face);
+            domain.cell_dofs(domain.dof_cell(cell), dofs);
+            for (unsigned int a = 0; a < n; ++a)
+              if (element.has_support_on_face(a, face) && owned.is_element(dofs[a] - domain.first_dof))
+                {
+                  Node &node = nodes[dofs[a]];
+                  node.query.X = at_nodes.quadrature_point(a);
+                  node.query.N += at_face.normal_vector(0); // the mean of the faces that meet here
+                  node.dofs.clear();
+                  for (unsigned int c = 0; c < domain.n_components(); ++c)
+                    node.dofs.push_back(dofs[c * n + a]);
+                }
+          }
+  std::vector<Node> list;
+  for (auto &[dof, node] : nodes)
+    {
+      node.query.N /= node.query.N.norm();
+      list.push_back(node);
+    }
+  return list;
+}
+
+template <int dim>
+void Pointwise<dim>::add_constraints(const Interface<dim> &interface, ConstraintLines &lines,
+                                     const MPI_Comm &communicator)
+{
+  const InterfaceSide<dim> &from = interface.sides[source];
+  const FaceLocator<dim> locator(from.domain->mesh(), from.domain->mapping(), from.domain->mapping_degree(),
+                                 from.boundary_ids, interface.search_radius(), communicator);
+  const std::vector<Node> nodes = nodes_of(interface.sides[destination]);
+  std::vector<typename FaceLocator<dim>::Query> queries;
+  for (const Node &node : nodes)
+    queries.push_back(node.query);
+  const auto matches = locator.locate(queries);
+  const PartnerShapes<dim> shapes = fetch_shapes(*from.domain, locator, matches, communicator);
+
+  const unsigned int n = from.domain->n_nodes();
+  for (unsigned int i = 0; i < nodes.size(); ++i)
+    {
+      if (!matches[i].found)
+        continue;
+      const dealii::Tensor<1, dim> gap = nodes[i].query.X - matches[i].X;
+      const auto &masters = shapes.cells[shapes.cell_of_point[i]].dofs;
+      for (const auto &field : interface.fields)
+        for (unsigned int c = 0; c < field.n_components; ++c)
+          {
+            const auto dof = nodes[i].dofs[field.first_component[destination] + c];
+            if (lines.count(dof) > 0)
+              continue;
+            ConstraintLine line;
+            for (unsigned int a = 0; a < n; ++a)
+              {
+                double weight = shapes.values[i * n + a];
+                if (interface.gap_extension() != GapExtension::none)
+                  weight += shapes.gradients[i * n + a] * gap;
+                if (std::abs(weight) > 1e-14)
+                  line.entries.emplace_back(masters[(field.first_component[source] + c) * n + a], weight);
+              }
+            lines.emplace(dof, std::move(line));
+          }
+    }
+}
+
+const bool registered = add_tie<Pointwise>("pointwise", "The destination's unknowns follow the source pointwise.");
+
+} // namespace
+
+} // namespace dovetail

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/scene/expression.h>
+#include <dovetail/scene/user_error.h>
+
+#include <deal.II/base/numbers.h>
+#include <deal.II/base/utilities.h>
+
+#include <muParser.h>
+
+#include <cmath>
+
+namespace dovetail {
+
+using dealii::Point;
+using dealii::Tensor;
+
+struct Expression::Implementation
+{
+  struct Component
+  {
+    std::unique_ptr<mu::Parser> parser; ///< empty if the component is constant
+    double constant = 0.;
+  };
+
+  Implementation(const std::string &text, Variables variables);
+
+  Component compile(const std::string &formula);
+  void define_names(mu::Parser &parser);
+  void note_used_variables(const mu::Parser &parser);
+  std::string known_variables() const;
+
+  std::string text;
+  Variables known;
+  std::vector<Component> components;
+  bool uses_position = false, uses_time = false, uses_temperature = false;
+
+  // The variables the parsers point at; hence copies compile their own parsers.
+  std::array<double, 3> position{};
+  double time = 0., temperature = 0.;
+};
+
+namespace {
+
+const std::array<const char *, 3> coordinate_names = {{"x", "y", "z"}};
+
+double if_then_else(double condition, double then, double otherwise)
+{
+  return condition != 0. ? then : otherwise;
+}
+double natural_logarithm(double x)
+{
+  return std::log(x);
+}
+double power(double base, double exponent)
+{
+  return std::pow(base, exponent);
+}
+double round_down(double x)
+{
+  return std::floor(x);
+}
+double round_up(double x)
+{
+  return std::ceil(x);
+}
+
+[[noreturn]] void fail(const std::string &formula, const std::string &message)
+{
+  throw UserError("has an error in '" + formula + "': " + dealii::Utilities::trim(message));
+}
+
+/// muParser can assign to variables; "t = 1" would then be a condition that is always true.
+void check_no_assignment(const std::string &formula)
+{
+  for (std::size_t i = 0; i < formula.size(); ++i) {
+    if (formula[i] != '=')
+      continue;
+    const bool follows_comparison = i > 0 && std::string("<>!=").find(formula[i - 1]) != std::string::npos;
+    if (!follows_comparison && (i + 1 == formula.size() || formula[i + 1] != '='))
+      fail(formula, "'=' cannot be used in a formula; equality is written '=='.");
+  }
+}
+
+std::string explain(const mu::Parser &parser, const mu::Parser::exception_type &error,
+                    const std::string &variables, const bool has_z)
+{
+  if (error.GetCode() != mu::ecUNASSIGNABLE_TOKEN)
+    return error.GetMsg();
+
+  std::vector<std::string> functions;
+  for (const auto &function : parser.GetFunDef())
+    functions.push_back(function.first);
+  const std::string &token = error.GetToken();
+  std::string message = "'" + token + "' is not known";
+  if (token == "z" && !has_z)
+    message += " in two dimensions";
+  return message + "; the variables are " + variables + ". " + did_you_mean(token, functions);
+}
+
+} // namespace
+
+Expression::Implementation::Implementation(const std::string &text, const Variables variables)
+    : text(text), known(variables)
+{
+  std::size_t begin = 0, end;
+  do {
+    end = text.find(';', begin);
+    components.push_back(compile(dealii::Utilities::trim(text.substr(begin, end - begin))));
+    begin = end + 1;
+  } while (end != std::string::npos);
+}
+
+Expression::Implementation::Component Expression::Implementation::compile(const std::string &formula)
+{
+  if (formula.empty())
+    throw UserError("has an empty component (components are separated by ';').");
+  check_no_assignment(formula);
+
+  Component component;
+  component.parser = std::make_unique<mu::Parser>();
+  define_names(*component.parser);
+  try {
+    component.parser->SetExpr(formula);
+    component.constant = component.parser->Eval();
+    if (component.parser->GetNumResults() > 1)
+      fail(formula, "a formula is one number; components are separated by ';', decimals by '.'.");
+    note_used_variables(*component.parser);
+    if (component.parser->GetUsedVar().empty())
+      component.parser.reset();
+  } catch (const mu::Parser::exception_type &error) {
+    fail(formula, explain(*component.parser, error, known_variables(), known.dim > 2));
+  }
+  return component;
+}
+
+void Expression::Implementation::define_names(mu::Parser &parser)
+{
+  for (unsigned int d = 0; d < known.dim; ++d)
+    parser.DefineVar(coordinate_names[d], &position[d]);
+  parser.DefineVar("t", &time);
+  if (known.with_temperature)
+    parser.DefineVar("T", &temperature);
+
+  parser.DefineConst("pi", dealii::numbers::PI);
+  parser.DefineFun("if", if_then_else);
+  parser.DefineFun("log", natural_logarithm);
+  parser.DefineFun("ln", natural_logarithm);
+  parser.DefineFun("pow", power);
+  parser.DefineFun("floor", round_down);
+  parser.DefineFun("ceil", round_up);
+}
+
+void Expression::Implementation::note_used_variables(const mu::Parser &parser)
+{
+  for (const auto &variable : parser.GetUsedVar())
+    if (variable.first == "t")
+      uses_time = true;
+    else if (variable.first == "T")
+      uses_temperature = true;
+    else
+      uses_position = true;
+}
+
+std::string Expression::Implementation::known_variables() const
+{
+  std::vector<std::string> names(coordinate_names.begin(), coordinate_names.begin() + known.dim);
+  names.push_back("t");
+  if (known.with_temperature)
+    names.push_back("T");
+  return comma_separated(names);
+}
+
+Expression::Expression() : Expression(1) {}
+
+Expression::Expression(const unsigned int n_components) : Expression("0", Variables())
+{
+  implementation->components.resize(n_components);
+  for (unsigned int c = 1; c < n_components; ++c)
+    implementation->text += "; 0";
+}
+
+Expression::Expression(const std::string &text, const Variables variables)
+    : implementation(std::make_unique<Implementation>(text, variables))
+{
+}
+
+Expression::Expression(const Expression &other)
+    : Expression(other.implementation->text, other.implementation->known)
+{
+}
+
+Expression &Expression::operator=(const Expression &other)
+{
+  return *this = Expression(other);
+}
+
+Expression::Expression(Expression &&) noexcept = default;
+Expression &Expression::operator=(Expression &&) noexcept = default;
+Expression::~Expression() = default;
+
+unsigned int Expression::n_components() const
+{
+  return implementation->components.size();
+}
+bool Expression::depends_on_position() const
+{
+  return implementation->uses_position;
+}
+bool Expression::depends_on_time() const
+{
+  return implementation->uses_time;
+}
+bool Expression::depends_on_temperature() const
+{
+  return implementation->uses_temperature;
+}
+
+bool Expression::is_zero() const
+{
+  for (const auto &component : implementation->components)
+    if (component.parser || component.constant != 0.)
+      return false;
+  return true;
+}
+
+template <int dim>
+double Expression::value(const Point<dim> &X, const double t, const unsigned int component,
+                         const double T) const
+{
+  AssertIndexRange(component, n_components());
+  const auto &formula = implementation->components[component];
+  if (!formula.parser)
+    return formula.constant;
+
+  for (unsigned int d = 0; d < dim; ++d)
+    implementation->position[d] = X[d];
+  implementation->time = t;
+  implementation->temperature = T;
+  return formula.parser->Eval();
+}
+
+template <int dim>
+Tensor<1, dim> Expression::gradient(const Point<dim> &X, const double t, const unsigned int component,
+                                    const double length) const
+{
+  Tensor<1, dim> gradient;
+  if (!depends_on_position())
+    return gradient;
+
+  const double h = 1e-3 * length;
+  for (unsigned int d = 0; d < dim; ++d) {
+    const auto shifted = [&](const double steps) {
+      return value(X + steps * h * Point<dim>::unit_vector(d), t, component);
+    };
+    gradient[d] = (8. * (shifted(1) - shifted(-1)) - (shifted(2) - shifted(-2))) / (12. * h);
+  }
+  return gradient;
+}
+
+template <int dim>
+std::array<double, 2> Expression::temperature_derivatives(const Point<dim> &X, const double t,
+                                                          const unsigned int component, const double T) const
+{
+  if (!depends_on_temperature())
+    return {{0., 0.}};
+
+  const double h = 1e-3 * std::abs(T) + 1e-4;
+  const auto shifted = [&](const double steps) { return value(X, t, component, T + steps * h); };
+  const double near_difference = shifted(1) - shifted(-1), far_difference = shifted(2) - shifted(-2);
+  const double near_sum = shifted(1) + shifted(-1), far_sum = shifted(2) + shifted(-2);
+  return {{(8. * near_difference - far_difference) / (12. * h),
+           (16. * near_sum - far_sum - 30. * shifted(0)) / (12. * h * h)}};
+}
+
+template double Expression::value(const Point<1> &, double, unsigned int, double) const;
+template double Expression::value(const Point<2> &, double, unsigned int, double) const;
+template double Expression::value(const Point<3> &, double, unsigned int, double) const;
+template Tensor<1, 1> Expression::gradient(const Point<1> &, double, unsigned int, double) const;
+template Tensor<1, 2> Expression::gradient(const Point<2> &, double, unsigned int, double) const;
+template Tensor<1, 3> Expression::gradient(const Point<3> &, double, unsigned int, double) const;
+template std::array<double, 2> Expression::temperature_derivatives(const Point<1> &, double, unsigned int,
+                                                                   double) const;
+template std::array<double, 2> Expression::temperature_derivatives(const Point<2> &, double, unsigned int,
+                                                                   double) const;
+template std::array<double, 2> Expression::temperature_derivatives(const Point<3> &, double, unsigned int,
+                                                                   double) const;
+
+} // namespace dovetail

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+// What stands behind a SceneText and all its Sections.
+
+#pragma once
+
+#include "declarations.h"
+#include "scene_tree.h"
+
+#include <dovetail/scene/scene_text.h>
+
+namespace dovetail {
+
+struct SceneState
+{
+  SceneTree tree;
+  Declarations declarations;
+  bool is_documenting = false;
+
+  /// "Interface seam, scene.prm line 41: ", of the entry @p name if the scene has it, else of the section.
+  std::string where(const std::string &path, const std::string &name = "") const;
+};
+
+struct SceneText::Implementation : SceneState
+{
+};
+
+} // namespace dovetail

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include "scene_state.h"
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+
+namespace dovetail {
+
+namespace {
+
+bool ends_with(const std::string &text, const std::string &end)
+{
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// What was read on rank 0 is parsed on all ranks, so that all find the same errors.
+FileTexts read_and_broadcast(const std::string &file)
+{
+  if (!dealii::Utilities::MPI::job_supports_mpi())
+    return read_files(file);
+  const bool is_root = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+  return dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, is_root ? read_files(file) : FileTexts(), 0);
+}
+
+std::string quoted(const std::string &kind, const std::string &name)
+{
+  return "the " + kind + " '" + name + "'";
+}
+
+/// "Did you mean …", or if nothing is near what would be legal.
+std::string remedy(const std::string &name, const std::vector<std::string> &known, const std::string &kind)
+{
+  const std::string guess = did_you_mean(name, known);
+  return guess.empty() ? "Known " + kind + ": " + comma_separated(known) + "." : guess;
+}
+
+[[noreturn]] void refuse_entry(const SceneState &state, const std::string &path, const std::string &name)
+{
+  const SceneTree::Entry *type = state.tree.find(path, "Type");
+  const std::string condition = type && name != "Type" ? " with Type = " + type->value : "";
+  throw UserError(state.where(path, name) + quoted("entry", name) + " is not known here" + condition + ". " +
+                  remedy(name, state.declarations.known_entries(path), "entries"));
+}
+
+[[noreturn]] void refuse_subsection(const SceneState &state, const std::string &path)
+{
+  const std::string parent = parent_path(path), name = last_name(path);
+  throw UserError((parent.empty() ? "The scene" : parent) + ", " + state.tree.location_of(path).text() +
+                  ": " + quoted("subsection", name) + " is not known here. " +
+                  remedy(name, state.declarations.known_subsections(parent), "subsections"));
+}
+
+} // namespace
+
+std::string SceneState::where(const std::string &path, const std::string &name) const
+{
+  const SceneTree::Entry *entry = tree.find(path, name);
+  const Location &location = entry ? entry->location : tree.location_of(path);
+  return (path.empty() ? "The scene" : path) + ", " + location.text() + ": ";
+}
+
+SceneText::SceneText(std::unique_ptr<Implementation> implementation)
+    : implementation(std::move(implementation))
+{
+}
+
+SceneText::~SceneText() = default;
+
+std::shared_ptr<SceneText> SceneText::from_file(const std::string &file_name,
+                                                const std::vector<std::string> &overrides)
+{
+  const FileTexts texts = read_and_broadcast(file_name);
+  if (texts.count(file_name) == 0)
+    throw UserError("The scene '" + file_name + "' cannot be read. Does the file exist?");
+
+  auto implementation = std::make_unique<Implementation>();
+  implementation->tree =
+      ends_with(file_name, ".json") ? parse_json(file_name, texts) : parse_prm(file_name, texts);
+  for (const std::string &assignment : overrides)
+    apply_override(implementation->tree, assignment);
+  return std::shared_ptr<SceneText>(new SceneText(std::move(implementation)));
+}
+
+std::shared_ptr<SceneText> SceneText::from_prm(const std::string &prm_text)
+{
+  auto implementation = std::make_unique<Implementation>();
+  implementation->tree = parse_prm("scene.prm", {{"scene.prm", prm_text}});
+  return std::shared_ptr<SceneText>(new SceneText(std::move(implementation)));
+}
+
+std::shared_ptr<SceneText> SceneText::for_documentation()
+{
+  auto implementation = std::make_unique<Implementation>();
+  implementation->is_documenting = true;
+  return std::shared_ptr<SceneText>(new SceneText(std::move(implementation)));
+}
+
+Section SceneText::root(const std::shared_ptr<SceneText> &text)
+{
+  return Section(text, "");
+}
+
+void SceneText::check_all_read() const
+{
+  for (const SceneTree::Subsection &subsection : implementation->tree.subsections()) {
+    if (!implementation->declarations.has_section(subsection.path))
+      refuse_subsection(*implementation, subsection.path);
+    for (const SceneTree::Entry &entry : subsection.entries)
+      if (!implementation->declarations.has_entry(subsection.path, entry.name))
+        refuse_entry(*implementation, subsection.path, entry.name);
+  }
+}
+
+void SceneText::print_used(std::ostream &out) const
+{
+  implementation->declarations.print_used(out);
+}
+
+void SceneText::print_reference(std::ostream &out) const
+{
+  implementation->declarations.print_reference(out);
+}
+
+const std::string &SceneText::file_name() const
+{
+  return implementation->tree.location_of("").file;
+}
+
+} // namespace dovetail

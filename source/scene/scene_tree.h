@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+// What a scene says, before anybody asks: entries and subsections with the lines they stand in.
+
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// Where something stands: "scene.prm line 41"; only the file if the line is 0, as in JSON.
+struct Location
+{
+  std::string file;
+  unsigned int line = 0;
+
+  std::string text() const { return line == 0 ? file : file + " line " + std::to_string(line); }
+};
+
+/// The entries and subsections of a scene in the order in which they were written.
+class SceneTree
+{
+public:
+  struct Entry
+  {
+    std::string name, value;
+    Location location;
+  };
+
+  struct Subsection
+  {
+    std::string path; ///< '/' between the names; empty for the scene itself
+    Location location;
+    std::vector<Entry> entries;
+  };
+
+  explicit SceneTree(const std::string &file = "");
+
+  const Subsection *find(const std::string &path) const;
+  const Entry *find(const std::string &path, const std::string &name) const;
+  std::vector<std::string> names_of_subsections(const std::string &path) const;
+  /// Where @p path was opened; if the scene does not have it, where the nearest section around it was.
+  const Location &location_of(const std::string &path) const;
+  const std::vector<Subsection> &subsections() const { return all_subsections; }
+
+  /// Create the subsection, or note that it goes on at @p location.
+  void open(const std::string &path, const Location &location);
+  /// Set or replace an entry; its subsection must be open.
+  void set(const std::string &path, const Entry &entry);
+
+private:
+  Subsection *find_to_change(const std::string &path);
+
+  std::vector<Subsection> all_subsections;
+};
+
+/// File name -> text. What cannot be read is not in the map.
+using FileTexts = std::map<std::string, std::string>;
+
+/// The text of @p file and of all files it includes.
+FileTexts read_files(const std::string &file);
+
+/// @throw UserError for whatever breaks the grammar, naming file and line.
+SceneTree parse_prm(const std::string &file, const FileTexts &texts);
+SceneTree parse_json(const std::string &file, const FileTexts &texts);
+
+/// Apply "PATH=value" as given by --set.
+void apply_override(SceneTree &tree, const std::string &assignment);
+
+std::string join_path(const std::string &path, const std::string &name);
+std::string parent_path(const std::string &path);
+std::string last_name(const std::string &path);
+
+/// @p name without surrounding blanks and with single ones inside.
+std::string tidy_name(const std::string &name);
+/// @throw UserError unless @p name and @p value can be written to a .prm file and found by a path.
+void check_writable(const std::string &name, const std::string &value, const Location &location);
+
+} // namespace dovetail

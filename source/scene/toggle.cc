@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/scene/toggle.h>
+
+namespace dovetail {
+
+Toggles::Toggles(const Section &scene)
+{
+  for (const std::string &name :
+       scene.announce("Toggles", "Toggle",
+                      "Names of conditions in time that switch interfaces and boundary conditions [-]")) {
+    const Section section = scene.subsection("Toggle " + name);
+    const Expression condition = section.require_expression(
+        "Active while", {1}, "The toggle is on where this is not zero, for instance t >= 0.5 && t < 2 [-]");
+    section.check(!condition.depends_on_position(), "Active while", "may only depend on the time t.");
+    active_while.emplace(name, condition);
+  }
+}
+
+std::string Toggles::read_reference(const Section &section) const
+{
+  const auto name = section.read<std::string>(
+      "Toggle", "", "The toggle that switches this on and off; always on if empty [-]");
+  std::vector<std::string> known;
+  for (const auto &toggle : active_while)
+    known.push_back(toggle.first);
+  section.check(name.empty() || active_while.count(name) > 0, "Toggle",
+                "names '" + name + "', which is not among Toggles (" + comma_separated(known) + "). " +
+                    did_you_mean(name, known));
+  return name;
+}
+
+bool Toggles::is_active(const std::string &name, const double t) const
+{
+  return name.empty() || active_while.at(name).value(dealii::Point<3>(), t) != 0.;
+}
+
+} // namespace dovetail

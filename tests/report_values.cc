@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+//   report_values CHECKS REPORT.json…
+//
+// Prints what the lines of the file CHECKS ask for, each evaluated in every report:
+//
+//   check EXPRESSION            its value, six digits, one line per report
+//   check EXPRESSION < NUMBER   yes, or no and the value; also >
+//   rate EXPRESSION             log2 of the ratio of successive reports, for runs that halve the mesh size
+//
+// EXPRESSION is operands joined by ` + `, ` - `, ` * `, ` / ` from left to right; an operand is a number or
+// the path of a value in the report, like interfaces/seam/jump L2/temperature or steps/-1/newton iterations
+// (-1: the last). Arrays are taken component by component.
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace {
+using Values = std::vector<double>;
+
+std::string six_digits(const double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.6g", value);
+  return text;
+}
+
+bool is_number(const std::string &text)
+{
+  char *end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return !text.empty() && *end == '\0';
+}
+
+const nlohmann::json &find(const nlohmann::json &report, const std::string &path)
+{
+  const nlohmann::json *place = &report;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    const std::string key = path.substr(begin, end - begin);
+    begin = end + 1;
+    if (place->is_array() && is_number(key)) {
+      const int index = std::stoi(key);
+      place = &place->at(index < 0 ? place->size() + index : index);
+    } else if (place->is_object() && place->contains(key))
+      place = &place->at(key);
+    else
+      throw std::runtime_error("the report has no '" + key + "' of the path '" + path + "'");
+  }
+  return *place;
+}
+
+Values operand(const nlohmann::json &report, const std::string &text)
+{
+  if (is_number(text))
+    return {std::stod(text)};
+  const nlohmann::json &found = find(report, text);
+  if (found.is_array())
+    return found.get<Values>();
+  if (found.is_number())
+    return {found.get<double>()};
+  throw std::runtime_error("'" + text + "' is no number but " + found.dump());
+}
+
+// Where the next ` c ` with c from operators stands.
+std::size_t next_operator(const std::string &text, const std::string &operators, const std::size_t begin)
+{
+  for (std::size_t i = begin; i + 2 < text.size(); ++i)
+    if (text[i] == ' ' && text[i + 2] == ' ' && operators.find(text[i + 1]) != std::string::npos)
+      return i;
+  return std::string::npos;
+}
+
+Values evaluate(const nlohmann::json &report, const std::string &expression)
+{
+  Values result;
+  char operation = '=';
+  for (std::size_t begin = 0; begin != std::string::npos;) {
+    const std::size_t end = next_operator(expression, "+-*/", begin);
+    Values right = operand(report, expression.substr(begin, end - begin));
+    if (operation == '=')
+      result = right;
+    if (right.size() == 1)
+      right.resize(result.size(), right[0]);
+    if (right.size() != result.size())
+      throw std::runtime_error("different numbers of components in '" + expression + "'");
+    for (std::size_t i = 0; i < result.size(); ++i)
+      switch (operation) {
+      case '+':
+        result[i] += right[i];
+        break;
+      case '-':
+        result[i] -= right[i];
+        break;
+      case '*':
+        result[i] *= right[i];
+        break;
+      case '/':
+        result[i] /= right[i];
+        break;
+      }
+    operation = end == std::string::npos ? ' ' : expression[end + 1];
+    begin = end == std::string::npos ? end : end + 3;
+  }
+  return result;
+}
+
+void check(const std::vector<nlohmann::json> &reports, const std::string &expression)
+{
+  const std::size_t comparison = next_operator(expression, "<>", 0);
+  for (const nlohmann::json &report : reports) {
+    std::cout << expression << ':';
+    if (comparison != std::string::npos) {
+      const Values bound = operand(report, expression.substr(comparison + 3));
+      bool holds = true;
+      std::string values;
+      for (const double value : evaluate(report, expression.substr(0, comparison))) {
+        holds = holds && (expression[comparison + 1] == '<' ? value < bound[0] : value > bound[0]);
+        values += ' ' + six_digits(value);
+      }
+      std::cout << (holds ? " yes" : " no," + values);
+    } else if (next_operator(expression, "+-*/", 0) == std::string::npos && !is_number(expression) &&
+               !find(report, expression).is_number() && !find(report, expression).is_array())
+      std::cout << ' ' << find(report, expression).dump(); // true, a text
+    else
+      for (const double value : evaluate(report, expression))
+        std::cout << ' ' << six_digits(value);
+    std::cout << '\n';
+  }
+}
+
+void rate(const std::vector<nlohmann::json> &reports, const std::string &expression)
+{
+  std::cout << "rate of " << expression << ':';
+  for (std::size_t i = 1; i < reports.size(); ++i) {
+    char text[32];
+    std::snprintf(
+        text, sizeof(text), " %.3g",
+        std::log2(evaluate(reports[i - 1], expression).at(0) / evaluate(reports[i], expression).at(0)));
+    std::cout << text;
+  }
+  std::cout << '\n';
+}
+} // namespace
+
+int main(int argc, char **argv)
+{
+  try {
+    std::vector<nlohmann::json> reports;
+    for (int i = 2; i < argc; ++i) {
+      std::ifstream file(argv[i]);
+      reports.push_back(nlohmann::json::parse(file));
+    }
+    std::ifstream checks(argv[1]);
+    bool any = false;
+    for (std::string kind, expression; checks >> kind >> std::ws && std::getline(checks, expression);
+         any = true) {
+      expression.erase(expression.find_last_not_of(" \t\r") + 1);
+      if (kind == "rate")
+        rate(reports, expression);
+      else
+        check(reports, expression);
+    }
+    if (!any)
+      throw std::runtime_error("the scene has no comment `# check: …`, so nothing would be compared");
+  } catch (const std::exception &error) {
+    std::cout << "report_values: " << error.what() << std::endl;
+    return 1;
+  }
+}

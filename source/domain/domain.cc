@@ -9,7 +9,7 @@
 #include <deal.II/fe/mapping_q.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/grid/grid_tools.h>
-#include <deal.II/numerics/vector_tools_boundary.h>
+#include <deal.II/lac/affine_constraints.h>
 
 namespace dovetail {
 
@@ -160,26 +160,30 @@ void Domain<dim>::cell_dofs(const cell_iterator &cell, std::vector<dealii::types
 }
 
 template <int dim>
-void Domain<dim>::make_constraints(const double t, dealii::AffineConstraints<double> &constraints) const
+void Domain<dim>::add_hanging_nodes(ConstraintLines &lines) const
 {
-  if (triangulation->has_hanging_nodes())
-    {
-      dealii::IndexSet relevant;
-      dealii::DoFTools::extract_locally_relevant_dofs(dofs, relevant);
-      dealii::AffineConstraints<double> hanging(relevant);
-      dealii::DoFTools::make_hanging_node_constraints(dofs, hanging);
-      for (const auto &line : hanging.get_lines())
-        {
-          constraints.add_line(first_dof + line.index);
-          for (const auto &[master, weight] : line.entries)
-            constraints.add_entry(first_dof + line.index, first_dof + master, weight);
-        }
-    }
+  if (!triangulation->has_hanging_nodes())
+    return;
+  dealii::IndexSet relevant;
+  dealii::DoFTools::extract_locally_relevant_dofs(dofs, relevant);
+  dealii::AffineConstraints<double> hanging(relevant);
+  dealii::DoFTools::make_hanging_node_constraints(dofs, hanging);
+  for (const auto &line : hanging.get_lines())
+    if (dofs.locally_owned_dofs().is_element(line.index))
+      for (const auto &[master, weight] : line.entries)
+        lines[first_dof + line.index].entries.emplace_back(first_dof + master, weight);
+}
 
-  // Lagrange elements: the prescribed value at the support points of the faces, of ghost cells too
+template <int dim>
+void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
+{
+  add_hanging_nodes(lines);
+
+  // Lagrange elements: the prescribed value at the support points of the faces. The rank that owns an unknown sees
+  // all cells around it, as its own or as ghosts.
   const unsigned int n = n_nodes();
-  const dealii::Quadrature<dim> nodes(scalar_element().get_unit_support_points());
-  dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), nodes, dealii::update_quadrature_points);
+  dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), scalar_element().get_unit_support_points(),
+                                 dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> indices;
   for (const auto &condition : all_conditions)
     {
@@ -198,11 +202,10 @@ void Domain<dim>::make_constraints(const double t, dealii::AffineConstraints<dou
                     for (const unsigned int c : components)
                       {
                         const auto dof = indices[(condition->field.first_component + c) * n + a];
-                        if (constraints.is_constrained(dof))
+                        if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)
                           continue;
-                        constraints.add_line(dof);
-                        constraints.set_inhomogeneity(
-                            dof, condition->prescribed_value(at_nodes.quadrature_point(a), t, c));
+                        lines[dof].inhomogeneity =
+                            condition->prescribed_value(at_nodes.quadrature_point(a), t, c);
                       }
               }
     }

@@ -44,12 +44,15 @@ public:
 
   std::array<bool, 2> integrates_on() const override { return sides_of_integration; }
   bool adds_terms() const override { return true; }
-  bool is_symmetric() const override { return theta == 1. && !extends_trial_only; }
+  bool is_symmetric() const override { return theta == 1.; }
   void begin_step(const Interface<dim> &interface, double t,
                   const typename Tie<dim>::GroupUnknowns &unknowns) override;
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent) override;
+  void numerical_flux(const Interface<dim> &interface, const TiedField &field,
+                      unsigned int q, const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
+                      std::vector<double> &result) const override;
   typename Tie<dim>::Penalty penalty() const override { return range; }
 
 private:
@@ -59,7 +62,6 @@ private:
     std::array<double, 2> weight = {{0, 0}};
     double gamma = 0;
   };
-  using TiedField = typename Interface<dim>::TiedField;
 
   void reserve(const Interface<dim> &interface);
   double stiffness(const Interface<dim> &interface, const TiedField &field, unsigned int side,
@@ -84,7 +86,6 @@ private:
   const bool penalty_by_volume;
   const double multiplier;
   const Expression value;
-  bool extends_trial_only = false;
 
   std::vector<Parameters> parameters; ///< at field * n_points + point
   typename Tie<dim>::Penalty range;
@@ -117,7 +118,6 @@ Nitsche<dim>::Nitsche(const Section &section)
   const unsigned int integrate_on =
       section.choose("Integrate on", {"source", "destination", "both"}, 0, "Whose faces hold the points [-]");
   sides_of_integration = {{integrate_on != 1, integrate_on != 0}};
-  extends_trial_only = section.peek("Gap extension") == "trial";
 }
 
 template <int dim>
@@ -229,6 +229,17 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
             }
         }
     }
+}
+
+/// {A} - gamma [B]: what the source gets from the destination.
+template <int dim>
+void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedField &field, const unsigned int q,
+                                  const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
+                                  std::vector<double> &result) const
+{
+  const Parameters &p = parameters[(&field - interface.fields.data()) * interface.pairing().n_points() + q];
+  for (unsigned int c = 0; c < field.n_components; ++c)
+    result[c] = p.weight[source] * flux[source][c] - p.weight[destination] * flux[destination][c] - p.gamma * jump[c];
 }
 
 template <int dim>

@@ -114,7 +114,7 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
     if (matches[i].found)
       {
         auto &of_rank = requests[matches[i].rank];
-        const auto [entry, is_new] = request_of_face.insert({{matches[i].rank, matches[i].face}, of_rank.size()});
+        const auto [entry, is_new] = request_of_face.emplace(std::make_pair(matches[i].rank, matches[i].face), of_rank.size());
         if (is_new)
           of_rank.push_back({matches[i].face, {}, {}});
         of_rank[entry->second].points.push_back(i);

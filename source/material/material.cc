@@ -91,8 +91,8 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
         "alpha in the free thermal strain alpha (T - Reference temperature) [1/K]");
     reference_temperature = solid_section.read<double>(
         "Reference temperature", 0, "Temperature at which the undeformed solid is free of stress [K]");
-    section.check(
-        heat || expansion_coefficient == 0, "Solid/Expansion coefficient",
+    solid_section.check(
+        heat || expansion_coefficient == 0, "Expansion coefficient",
         "needs a Heat law whose temperature expands the solid: add subsection Heat to the material, "
         "or remove the entry.");
   }

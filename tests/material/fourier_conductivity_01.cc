@@ -39,9 +39,9 @@ int main()
   check<2>("2; 0.5; 0.5; 1");
   check<2>("2; 0.5; -0.5; 1");
   check<3>("2; 0.5; 0; 0.5; 1; 0.25; 0; 0.25; 3");
-  check<2>("4 + x + 10*t");
+  check<2>("20 + x + 10*t");
   check<3>("1 + 0.5*T + 0.125*T^2");
-  check<2>("1 + T; 2 + y*T");
+  check<2>("1 + T; 6 + y*T");
   check<3>("4 + T; 1; 0; -1; 4 + T; 0; 0; T; 8");
 
   // k <= 0 is a flux that is not defined, not a crash

@@ -5,6 +5,7 @@
 
 #include <dovetail/scene/scene_text.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 

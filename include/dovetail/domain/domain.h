@@ -6,13 +6,13 @@
 #pragma once
 
 #include <dovetail/domain/condition.h>
+#include <dovetail/domain/constraint_lines.h>
 #include <dovetail/domain/mesh.h>
 #include <dovetail/material/material.h>
 
 #include <deal.II/dofs/dof_handler.h>
 #include <deal.II/fe/fe_system.h>
 #include <deal.II/fe/mapping.h>
-#include <deal.II/lac/affine_constraints.h>
 
 #include <map>
 #include <memory>
@@ -83,8 +83,8 @@ public:
   /// @throw UserError if the mesh has no boundary with this id; lists those it has with their areas.
   void check_boundary_id(dealii::types::boundary_id id, const Section &asking, const std::string &entry) const;
 
-  /// Hanging nodes and prescribed values at time @p t, in global unknowns, for the locally relevant ones.
-  void make_constraints(double t, dealii::AffineConstraints<double> &constraints) const;
+  /// Hanging nodes and prescribed values at time @p t, in global unknowns, for those that this rank owns.
+  void add_constraints(double t, ConstraintLines &lines) const;
 
   dealii::types::global_dof_index first_dof = 0;
 
@@ -93,6 +93,7 @@ private:
   void read_conditions(const Section &section, const Toggles &toggles);
   void check_conditions() const;
   void distribute_dofs();
+  void add_hanging_nodes(ConstraintLines &lines) const;
 
   std::unique_ptr<Mesh<dim>> triangulation;
   std::unique_ptr<dealii::Mapping<dim>> cell_mapping;

@@ -22,15 +22,6 @@ public:
   Interface(const std::string &name, const Section &section,
             const std::vector<std::unique_ptr<Domain<dim>>> &domains, const Toggles &toggles);
 
-  /// A field that both sides have and that is tied here.
-  struct TiedField
-  {
-    std::string name;
-    unsigned int n_components;
-    std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
-    std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
-  };
-
   const std::string name;
   const Section section; ///< for error messages
   std::array<InterfaceSide<dim>, 2> sides;
@@ -67,6 +58,10 @@ public:
   bool couples(unsigned int row, unsigned int column) const;
   /// Whether the fluxes of the tied fields are affine in the unknowns.
   bool is_linear() const;
+  bool is_symmetric() const ///< the terms of the tie, if the laws are
+  {
+    return method->is_symmetric() && options.gap_extension != GapExtension::trial;
+  }
 
 private:
   void read_fields();

@@ -5,12 +5,14 @@
 
 #pragma once
 
+#include <dovetail/domain/constraint_lines.h>
 #include <dovetail/interface/pairing.h>
 #include <dovetail/scene/catalogue.h>
 
 #include <deal.II/lac/full_matrix.h>
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <map>
 #include <string>
@@ -21,13 +23,14 @@ namespace dovetail {
 template <int dim>
 class Interface;
 
-/// B_dof = sum weight * B_other + inhomogeneity.
-struct ConstraintLine
+/// A field that both sides have and that is tied.
+struct TiedField
 {
-  std::vector<std::pair<dealii::types::global_dof_index, double>> entries;
-  double inhomogeneity = 0;
+  std::string name;
+  unsigned int n_components;
+  std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
+  std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
 };
-using ConstraintLines = std::map<dealii::types::global_dof_index, ConstraintLine>;
 
 /// How an interface is tied. A plugin overrides only what it needs: constraints between the unknowns of the two
 /// sides, or terms at the points of the pairing. It may assume that a group's unknowns are those of
@@ -65,6 +68,16 @@ public:
   }
 
   virtual bool is_symmetric() const { return true; } ///< if the laws are
+
+  /// The influx into the source at a point as the tie sees it, from the influxes A.N of both sides (each through its
+  /// own normal) and the jump; without a better one their mean.
+  virtual void numerical_flux(const Interface<dim> & /*interface*/, const TiedField & /*field*/, unsigned int /*q*/,
+                              const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
+                              std::vector<double> &result) const
+  {
+    for (unsigned int c = 0; c < jump.size(); ++c)
+      result[c] = (flux[source][c] - flux[destination][c]) / 2;
+  }
 
   /// For the report; infinity or zero where there is nothing to say.
   struct Penalty

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Linear constraints between unknowns, before they are closed.
+
+#pragma once
+
+#include <deal.II/base/types.h>
+
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace dovetail {
+
+/// B_dof = sum weight * B_other + inhomogeneity.
+struct ConstraintLine
+{
+  std::vector<std::pair<dealii::types::global_dof_index, double>> entries;
+  double inhomogeneity = 0;
+};
+using ConstraintLines = std::map<dealii::types::global_dof_index, ConstraintLine>;
+
+} // namespace dovetail

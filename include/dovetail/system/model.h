@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Everything a scene is made of, before anything is solved.
+
+#pragma once
+
+#include <dovetail/domain/numbering.h>
+#include <dovetail/interface/interface.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// All domains and interfaces of a scene, and the numbering of their unknowns.
+template <int dim>
+class Model
+{
+public:
+  /// Reads `Toggles`, `Materials`, `Domains` and `Interfaces`; makes the meshes. Collective.
+  Model(const Section &scene, const MPI_Comm &communicator);
+
+  /// Find the partners of all interfaces. Collective; nothing happens without interfaces.
+  void pair();
+
+  MPI_Comm communicator;
+  Toggles toggles;
+  std::vector<std::unique_ptr<Material<dim>>> materials;
+  std::vector<std::unique_ptr<Domain<dim>>> domains;
+  std::vector<std::unique_ptr<Interface<dim>>> interfaces;
+  std::unique_ptr<Numbering> numbering;
+
+  /// Names of all fields that some domain has, in the order in which they can be solved one after another: a field
+  /// comes after those its fluxes depend on. Fields that depend on each other stand in one group.
+  std::vector<std::vector<std::string>> field_groups() const;
+
+  bool is_linear() const;                              ///< one Newton iteration is exact
+  bool is_symmetric(const std::string &field) const;   ///< the field's own block of the tangent
+  unsigned int degree() const;                         ///< the largest of the domains
+
+  /// Near-null space of the block of a field of a domain at this rank's owned unknowns (in their order): the
+  /// constant for scalars; translations and rotations about the domain's centre, scaled to order one, for vectors.
+  std::vector<std::vector<double>> near_null_space(const Block &block) const;
+
+  double setup_seconds_of_pairing = 0; ///< search and shape functions
+  double search_seconds = 0;           ///< the search alone
+
+private:
+  void check_constants() const;
+};
+
+} // namespace dovetail

@@ -1,1 +1,162 @@
-int main() {}
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The command line: arguments, one catch, the dimension dispatched once.
+
+#include <dovetail/run/simulation.h>
+#include <dovetail/scene/scene_text.h>
+#include <dovetail/scene/user_error.h>
+
+#include <deal.II/base/exceptions.h>
+#include <deal.II/base/mpi.h>
+
+#include <iostream>
+#include <string>
+#include <vector>
+
+using namespace dovetail;
+
+namespace {
+
+enum Status
+{
+  done = 0,
+  wrong_input = 1,
+  not_converged = 2,
+  failed = 3
+};
+
+const char *const usage = R"(Dovetail: heat and solids on several bodies whose meshes do not match.
+
+  dovetail scene.prm                          run (several ranks: mpirun -np 4 dovetail scene.prm)
+  dovetail --check scene.prm                  read, make meshes and pairings, print the plan, solve nothing
+  dovetail --set 'PATH=value' … scene.prm     override an entry, for instance 'Interface seam/Theta=-1'
+  dovetail --parameters                       every entry of a scene, as Markdown
+  dovetail --version | --help
+
+A scene is a .prm or .json file. Exit status: 0 done, 1 the input is wrong, 2 the solver did not converge (the last
+good step is written), 3 anything else.
+)";
+
+struct Arguments
+{
+  bool help = false, version = false, parameters = false, check = false;
+  std::vector<std::string> overrides;
+  std::string scene;
+};
+
+Arguments parse(const int argc, char **argv)
+{
+  Arguments arguments;
+  for (int i = 1; i < argc; ++i)
+    {
+      const std::string word = argv[i];
+      if (word == "--help" || word == "-h")
+        arguments.help = true;
+      else if (word == "--version")
+        arguments.version = true;
+      else if (word == "--parameters")
+        arguments.parameters = true;
+      else if (word == "--check")
+        arguments.check = true;
+      else if (word == "--set")
+        {
+          if (i + 1 == argc)
+            throw UserError("--set needs an argument, for instance --set 'Interface seam/Theta=-1'.");
+          arguments.overrides.push_back(argv[++i]);
+        }
+      else if (word == "--study" || word == "--resume")
+        throw UserError("The option " + word + " is not available yet.");
+      else if (!word.empty() && word[0] == '-')
+        throw UserError("The option '" + word + "' is not known. " +
+                        did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set"}) +
+                        " See dovetail --help.");
+      else if (!arguments.scene.empty())
+        throw UserError("Two scenes are given, " + arguments.scene + " and " + word + "; run them one by one.");
+      else
+        arguments.scene = word;
+    }
+  return arguments;
+}
+
+template <int dim>
+Status run(const std::shared_ptr<SceneText> &text, const bool only_check)
+{
+  Simulation<dim> simulation(text, MPI_COMM_WORLD);
+  if (only_check)
+    {
+      simulation.check();
+      return done;
+    }
+  return simulation.run() ? done : not_converged;
+}
+
+Status run(const Arguments &arguments, const bool is_first_rank)
+{
+  if (arguments.version || arguments.help || arguments.parameters)
+    {
+      if (!is_first_rank)
+        return done;
+      if (arguments.version)
+        std::cout << "Dovetail " << DOVETAIL_VERSION << std::endl;
+      else if (arguments.help)
+        std::cout << usage << std::flush;
+      else
+        {
+          const auto text = SceneText::for_documentation();
+          read_all_entries(text);
+          text->print_reference(std::cout);
+        }
+      return done;
+    }
+  if (arguments.scene.empty())
+    throw UserError("Which scene? For instance: dovetail prm/quick_start.prm. See dovetail --help.");
+  const auto text = SceneText::from_file(arguments.scene, arguments.overrides);
+  return read_dimension(SceneText::root(text)) == 2 ? run<2>(text, arguments.check)
+                                                    : run<3>(text, arguments.check);
+}
+
+/// Deal.II's reason without its banner.
+std::string reason(const std::exception &error)
+{
+  const auto *exception = dynamic_cast<const dealii::ExceptionBase *>(&error);
+  if (exception == nullptr)
+    return error.what();
+  std::ostringstream text;
+  text << exception->get_exc_name() << ": ";
+  exception->print_info(text);
+  return text.str();
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  dealii::deal_II_exceptions::suppress_stacktrace_in_exceptions();
+  const bool is_first_rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
+  Status status = done;
+  try
+    {
+      status = run(parse(argc, argv), is_first_rank);
+    }
+  catch (const UserError &error)
+    {
+      // thrown on all ranks alike
+      if (is_first_rank)
+        std::cerr << "Error: " << error.what() << std::endl;
+      MPI_Barrier(MPI_COMM_WORLD);
+      return wrong_input;
+    }
+  catch (const std::exception &error)
+    {
+      // perhaps on one rank only: the others may wait for it
+      std::cerr << "Dovetail stopped on rank " << dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) << ": "
+                << reason(error) << std::endl;
+      if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
+        MPI_Abort(MPI_COMM_WORLD, failed);
+      return failed;
+    }
+  MPI_Barrier(MPI_COMM_WORLD); // an early exit of one rank would end the others before they have written
+  return status;
+}

@@ -62,10 +62,7 @@ void Domain<dim>::read_given(const Section &section)
       const Section part = section.subsection(kind);
       for (const Field &field : fields())
         {
-          std::string zero = "0";
-          for (unsigned int c = 1; c < field.n_components; ++c)
-            zero += "; 0";
-          const Expression expression = part.read_expression(field.name, zero, {field.n_components}, text);
+          const Expression expression = part.read_expression(field.name, "", {field.n_components}, text);
           if (part.is_set(field.name))
             given->of_field.emplace(field.name, expression);
         }

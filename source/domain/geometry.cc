@@ -17,8 +17,7 @@ using namespace dealii;
 template <int structdim>
 LagrangeBasis<structdim>::LagrangeBasis(const unsigned int degree)
     : points(Quadrature<structdim>(QGaussLobatto<1>(degree + 1)).get_points()),
-      polynomials(Polynomials::generate_complete_Lagrange_basis(QGaussLobatto<1>(degree + 1).get_points())),
-      degree(degree)
+      polynomials(Polynomials::generate_complete_Lagrange_basis(QGaussLobatto<1>(degree + 1).get_points()))
 {
   AssertThrow(degree > 0, ExcMessage("A mapping has at least degree 1."));
 }

@@ -177,7 +177,7 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   const auto n_refinements = section.read<unsigned int>(
       "Refinements", 0, "How often every cell is divided into 2^d [-]", Patterns::Integer(0, 20));
   const auto scale = section.read<double>("Scale", 1, "All lengths of the mesh are multiplied by this, before Shift [-]",
-                                          Patterns::Double(std::numeric_limits<double>::min()));
+                                          Patterns::Double(1e-300));
   const dealii::Point<3> shift =
       section.read_point("Shift", dealii::Point<3>(), "Added to all points of the mesh, after Scale [m]");
 

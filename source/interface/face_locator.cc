@@ -183,8 +183,8 @@ Tensor<1, 1> step_in_box(const QuadraticModel<2> &model, const Point<1> &xi)
 
 Tensor<1, 2> step_in_box(const QuadraticModel<3> &model, const Point<2> &xi)
 {
-  const auto &[g, H, is_exact] = model;
-  (void)is_exact;
+  const auto &g = model.g;
+  const auto &H = model.H;
   const double determinant = H[0] * H[2] - H[1] * H[1];
   Tensor<1, 2> free;
   free[0] = (H[1] * g[1] - H[2] * g[0]) / determinant;

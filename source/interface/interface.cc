@@ -62,7 +62,7 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
   options.points_per_direction = read_points_per_face(section);
   options.search_radius =
       section.read<double>("Search radius", 0.2, "Largest gap that is tied, in units of the face size [-]",
-                           Patterns::Double(std::numeric_limits<double>::min()));
+                           Patterns::Double(1e-300));
   options.gap_extension = static_cast<GapExtension>(
       section.choose("Gap extension", {"symmetric", "trial", "none"}, 0,
                      "Extend the partner's field affinely over the gap: solution and test functions, only the "

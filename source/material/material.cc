@@ -220,6 +220,20 @@ void Material<dim>::curvature(const State<dim> &state, const std::vector<Tensor<
 }
 
 template <int dim>
+Tensor<2, 3> Material<dim>::cauchy_stress(const State<dim> &state) const
+{
+  Assert(solid, dealii::ExcMessage("A material without a solid law has no stress."));
+  const Tensor<2, 3> F = deformation_gradient(state);
+  const double e = expansion_coefficient != 0
+                       ? expansion_coefficient * (state.value[n_components() - 1] - reference_temperature)
+                       : 0;
+  SolidLaw::Response local;
+  if (!solid->evaluate(F, e, false, local))
+    return std::numeric_limits<double>::quiet_NaN() * dealii::unit_symmetric_tensor<3>();
+  return solid->is_linear() ? local.P : local.P * transpose(F) / determinant(F);
+}
+
+template <int dim>
 bool Material<dim>::depends(unsigned int field, unsigned int on_field) const
 {
   AssertIndexRange(field, all_fields.size());

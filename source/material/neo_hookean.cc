@@ -53,19 +53,19 @@ protected:
         }
   }
 
-  // With Y = H w^T H (so that d(w:H)/dF = -Y), alpha = w:F and beta = w:H, the derivative of
-  //   w:D = a w - 2/3 a (alpha H + beta F) + q beta H - p Y
+  // With Y = H w^T H (so that d(w:H)/dF = -Y), w_F = w:F and w_H = w:H, the derivative of
+  //   w:D = a w - 2/3 a (w_F H + w_H F) + q w_H H - p Y
   // by F_mN is, both ways round where two tensors differ,
-  //   - 2/3 a beta delta_km delta_LN + (2/3 a alpha - q beta) H_kN H_mL + p (H_kN Y_mL + Y_kN H_mL)
-  //   + H (x) (4/9 a beta F - 2/3 a w - q Y) + 2/3 a F (x) Y + (4/9 a alpha + r beta) H (x) H
+  //   - 2/3 a w_H delta_km delta_LN + (2/3 a w_F - q w_H) H_kN H_mL + p (H_kN Y_mL + Y_kN H_mL)
+  //   + H (x) (4/9 a w_H F - 2/3 a w - q Y) + 2/3 a F (x) Y + (4/9 a w_F + r w_H) H (x) H
   Tensor<4, 3> elastic_curvature(const Tensor<2, 3> &F, double J, const Tensor<2, 3> &w) const override
   {
     const Letters l(F, J, moduli);
     const Tensor<2, 3> &H = l.H;
     const Tensor<2, 3> Y = H * transpose(w) * H;
-    const double a = 2. / 3. * l.a, alpha = scalar_product(w, F), beta = scalar_product(w, H);
-    const Tensor<2, 3> Z = 2. / 3. * a * beta * F - a * w - l.q * Y + (a * alpha / 3 + l.r * beta / 2) * H;
-    const double c = a * alpha - l.q * beta;
+    const double b = 2. / 3. * l.a, w_F = scalar_product(w, F), w_H = scalar_product(w, H);
+    const Tensor<2, 3> Z = 2. / 3. * b * w_H * F - b * w - l.q * Y + (b * w_F / 3 + l.r * w_H / 2) * H;
+    const double c = b * w_F - l.q * w_H;
 
     Tensor<4, 3> result;
     for (unsigned int k = 0; k < 3; ++k)
@@ -73,10 +73,10 @@ protected:
         for (unsigned int m = 0; m < 3; ++m) {
           Tensor<1, 3> &row = result[k][L][m];
           for (unsigned int N = 0; N < 3; ++N)
-            row[N] = H[k][L] * Z[m][N] + Z[k][L] * H[m][N] + a * (F[k][L] * Y[m][N] + Y[k][L] * F[m][N]) +
+            row[N] = H[k][L] * Z[m][N] + Z[k][L] * H[m][N] + b * (F[k][L] * Y[m][N] + Y[k][L] * F[m][N]) +
                      H[k][N] * (c * H[m][L] + l.p * Y[m][L]) + l.p * Y[k][N] * H[m][L];
           if (k == m)
-            row[L] -= a * beta;
+            row[L] -= b * w_H;
         }
     return result;
   }

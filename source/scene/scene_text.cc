@@ -5,6 +5,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <boost/serialization/map.hpp>
+
 #include <algorithm>
 
 namespace dovetail {

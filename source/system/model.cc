@@ -55,7 +55,7 @@ void Model<dim>::pair()
       interface->pair(communicator);
       search_seconds += interface->pairing().seconds_of_search();
     }
-  setup_seconds_of_pairing = timer.wall_time();
+  pairing_seconds = timer.wall_time();
 }
 
 /// Every group of domains that is tied in a field needs a condition that keeps the field from drifting.

@@ -13,7 +13,7 @@ dealii::LinearAlgebra::distributed::Vector<double> domain_vector(const Domain<di
   dealii::IndexSet relevant;
   dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler(), relevant);
   dealii::LinearAlgebra::distributed::Vector<double> result(domain.dof_handler().locally_owned_dofs(), relevant,
-                                                            ghosted.get_mpi_communicator());
+                                                            ghosted.block(0).get_mpi_communicator());
   for (const auto dof : domain.dof_handler().locally_owned_dofs())
     result(dof) = ghosted(domain.first_dof + dof);
   result.update_ghost_values();

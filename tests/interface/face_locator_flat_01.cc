@@ -6,6 +6,8 @@
 // over the size. A gap beyond the search radius, a side that looks away and a side without faces find
 // nothing.
 
+// ranks: 1, 2, 3
+
 #include "face_locator_queries.h"
 
 using namespace dealii;

@@ -4,6 +4,8 @@
 // Where the sides touch, deal.II's Utilities::MPI::RemotePointEvaluation is another way to find the partner.
 // The position, evaluated at the partners it found, agrees with the closest point.
 
+// ranks: 1, 2, 3
+
 #include "face_locator_queries.h"
 
 #include <deal.II/base/mpi_remote_point_evaluation.h>

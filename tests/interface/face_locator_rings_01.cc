@@ -4,6 +4,8 @@
 // A ring in a ring, 3n/2 faces outside and n inside, and a shell in a shell, with mapping degrees 1 to 3: the
 // sides differ by the facets' sagitta, and no point may be lost, whichever side asks.
 
+// ranks: 1, 2, 3
+
 #include "face_locator_queries.h"
 
 using namespace dealii;

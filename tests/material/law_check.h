@@ -283,8 +283,8 @@ inline Tensor<2, 3> stress(const Material<3> &material, const Tensor<2, 3> &F, d
   return P;
 }
 
-/// All that a solid law must fulfil; W(F, e) is its energy, law the text of its subsection Solid, with the
-/// shear modulus 1.3 and the bulk modulus 2.7.
+/// All that a solid law must fulfil; W(F, e) is the energy of the law @p type with the shear modulus 1.3 and
+/// the bulk modulus 2.7.
 template <typename Energy>
 void check_solid(const std::string &type, const Energy &W)
 {

@@ -36,7 +36,6 @@ public:
 private:
   std::vector<dealii::Point<structdim>> points;
   dealii::TensorProductPolynomials<structdim> polynomials;
-  unsigned int degree;
 };
 
 } // namespace dovetail

@@ -46,7 +46,8 @@ public:
   struct Match
   {
     bool found = false;
-    /// Of the winner or, if not found, of the nearest candidate within the boxes (infinity if there is none).
+    /// This and all below: of the winner or, if not found, of the nearest candidate within the boxes (if
+    /// there is none, the distance is infinite and the face invalid).
     double distance = std::numeric_limits<double>::infinity();
     double angle = 0; ///< between N and minus the partner's outward normal [rad]
     unsigned int rank = dealii::numbers::invalid_unsigned_int;

@@ -71,6 +71,10 @@ public:
   void curvature(const State<dim> &state, const std::vector<dealii::Tensor<1, dim>> &w,
                  dealii::FullMatrix<double> &result) const;
 
+  /// sigma = P F^T / J, the force per deformed area (P itself for a linear law, which knows no deformed area);
+  /// three-dimensional also in plane strain. NaN where the solid law is not defined. @pre The material has a displacement.
+  dealii::Tensor<2, 3> cauchy_stress(const State<dim> &state) const;
+
   bool depends(unsigned int field, unsigned int on_field) const; ///< whether A of one field depends on another
   bool is_linear(unsigned int field) const;                       ///< affine in all fields, so constant derivatives
   bool is_symmetric(unsigned int field) const;                    ///< own block of the tangent is symmetric

@@ -44,8 +44,8 @@ public:
   /// constant for scalars; translations and rotations about the domain's centre, scaled to order one, for vectors.
   std::vector<std::vector<double>> near_null_space(const Block &block) const;
 
-  double setup_seconds_of_pairing = 0; ///< search and shape functions
-  double search_seconds = 0;           ///< the search alone
+  double pairing_seconds = 0; ///< search and shape functions, this rank
+  double search_seconds = 0;  ///< the search alone, this rank
 
 private:
   void check_constants() const;

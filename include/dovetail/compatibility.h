@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The only place that asks for the version of deal.II (9.4 to 9.7).
+
+#pragma once
+
+#include <deal.II/base/config.h>
+#include <deal.II/base/index_set.h>
+#include <deal.II/lac/affine_constraints.h>
+
+namespace dovetail {
+
+/// Constraints that store the lines of @p stored unknowns, of which this rank owns @p owned.
+inline dealii::AffineConstraints<double> make_affine_constraints(const dealii::IndexSet &owned,
+                                                                 const dealii::IndexSet &stored)
+{
+#if DEAL_II_VERSION_GTE(9, 6, 0)
+  return dealii::AffineConstraints<double>(owned, stored);
+#else
+  (void)owned;
+  return dealii::AffineConstraints<double>(stored);
+#endif
+}
+
+} // namespace dovetail

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What happens at one point of an interface.
+
+#pragma once
+
+#include <dovetail/interface/interface.h>
+#include <dovetail/system/vector.h>
+
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace dovetail {
+
+/// Jumps and fluxes of all tied fields at one point after another; component by component.
+template <int dim>
+class InterfacePoint
+{
+public:
+  InterfacePoint(const Interface<dim> &interface, double t);
+
+  struct OfField
+  {
+    std::vector<double> jump; ///< [B]
+    std::array<std::vector<double>, 2>
+        flux;                           ///< A.N of each side through its own normal; NaN: law not defined
+    std::vector<double> numerical_flux; ///< the tie's, into the source; zero while the interface is inactive
+  };
+  std::vector<OfField> fields; ///< as in Interface::fields, at the point visited last
+
+  /// Visit all points of this rank, in order.
+  void for_each(const Vector &ghosted_solution, const std::function<void(unsigned int q)> &visit);
+
+  /// Whether the domain of a side has an exact solution of the field and of all that its flux depends on.
+  bool has_exact_flux(unsigned int field, unsigned int side) const;
+  /// A.N of the exact solution there.
+  std::vector<double> exact_flux(unsigned int field, unsigned int side, unsigned int q);
+
+private:
+  void evaluate(unsigned int q, const std::vector<double> &unknowns);
+  std::vector<double> normal_flux(const TiedField &field, unsigned int side, unsigned int q);
+
+  const Interface<dim> &interface;
+  const double t;
+  std::array<State<dim>, 2> state;
+  Response<dim> response;
+};
+
+} // namespace dovetail

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What a person sees on the screen while the program runs.
+
+#pragma once
+
+#include <dovetail/system/model.h>
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace dovetail {
+
+/// Writes to the standard output of rank 0; on a terminal with a progress bar over the steps below the last
+/// line.
+class Log
+{
+public:
+  explicit Log(const MPI_Comm &communicator);
+  ~Log();
+
+  void title(const std::string &scene);
+
+  /// Tables of domains and interfaces; collective. @pre The model is paired.
+  template <int dim>
+  void summary(const Model<dim> &model);
+
+  void step_begins(unsigned int step, unsigned int n_steps, double time);
+  /// Iteration 0 is the start: no linear iterations then.
+  void newton_iteration(unsigned int iteration, double residual, unsigned int linear_iterations = 0,
+                        double damping = 1);
+  /// @p remark: why the step ended otherwise than by convergence, e.g. "did not converge, half of the step is
+  /// tried".
+  void step_ends(const std::string &remark = "");
+
+  /// Probes, errors, jumps and seconds of the report, and where the files are.
+  void finish(const nlohmann::ordered_json &report, const std::string &directory);
+
+  void line(const std::string &text = "");
+
+private:
+  void draw_bar() const;
+  void erase_bar() const;
+
+  const bool is_speaking; ///< this is rank 0
+  const bool has_terminal;
+  unsigned int n_done = 0, n_steps = 0;
+};
+
+} // namespace dovetail

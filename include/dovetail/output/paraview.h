@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Pictures: files that ParaView opens.
+
+#pragma once
+
+#include <dovetail/output/interface_surface.h>
+#include <dovetail/system/model.h>
+#include <dovetail/system/vector.h>
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// Writes `<Directory>/solution.pvd`: time steps, and in each of them one block per domain and per interface,
+/// named as in the scene. Each block of a step is one file in `<Directory>/steps`.
+///
+/// A domain shows its fields and, where it has the law for them and `Fields` asks, the `heat flux` q = -k
+/// grad T (the physical one: minus the influx A of heat_law.h), the `Cauchy stress` P F^T / J (in 2D beside
+/// it `Cauchy stress zz`, for a plane tensor does not hold it) and its `von Mises` measure; these are
+/// evaluated in each cell and not averaged between cells. Everything is shown on the undeformed body: "Warp
+/// By Vector" with displacement deforms it. An interface shows what InterfaceSurface lists.
+///
+/// With `Paraview = false` nothing is allocated or written.
+template <int dim>
+class Paraview
+{
+public:
+  /// Reads `Fields` and `Paraview` of the section `Output`.
+  Paraview(const Section &output, const Model<dim> &model, const std::string &directory);
+  ~Paraview();
+
+  bool is_on() const { return writes; }
+
+  /// Add a time step; solution.pvd is whole after each. Collective; @p solution is ghosted. @pre The model is
+  /// paired.
+  void write(double time, const Vector &solution);
+
+private:
+  struct Block
+  {
+    std::string name;                               ///< as in the scene
+    std::string stem;                               ///< of its files
+    const Domain<dim> *domain = nullptr;            ///< or
+    std::unique_ptr<InterfaceSurface<dim>> surface; ///< of an interface
+  };
+
+  void read_fields(const Section &output);
+  void prepare(); ///< blocks and the directory, before the first step is written
+  void name_files();
+  void write_domain(const Domain<dim> &domain, double time, const Vector &solution,
+                    const std::string &file) const;
+  void write_index() const;
+
+  const Model<dim> &model;
+  const std::string directory;
+  bool writes = true;
+  std::set<std::string> fields;
+  std::vector<Block> blocks;
+  std::vector<double> times;
+};
+
+} // namespace dovetail

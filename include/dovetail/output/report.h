@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// report.json: what a run leaves behind in numbers.
+
+#pragma once
+
+#include <dovetail/system/model.h>
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// The report of a run. All keys stand in their order from the beginning; the run fills in their values.
+class Report
+{
+public:
+  /// Knows "version", "dealii" and "ranks" itself. @p directory is made if it does not exist. Collective.
+  Report(const std::string &directory, const MPI_Comm &communicator);
+
+  /// The value of one of the keys: dofs, converged, domains, interfaces, probes, steps, seconds, left out.
+  nlohmann::ordered_json &operator[](const std::string &key);
+
+  /// One solve with Newton's method.
+  void add_step(double time, const std::vector<double> &residuals,
+                const std::vector<unsigned int> &linear_iterations);
+  void leave_out(const std::string &sentence); ///< "what: why", what this run did not do
+
+  /// Write `<Directory>/report.json`; numbers that are not finite become null. "peak memory MiB" is the sum
+  /// over the ranks of the largest resident memory each had. Collective.
+  /// @return the whole report, for the log.
+  const nlohmann::ordered_json &write();
+
+  const std::string file_name;
+
+private:
+  MPI_Comm communicator;
+  nlohmann::ordered_json content;
+};
+
+/// Sentences about what a model does without: laws, interfaces, terms of a tie.
+template <int dim>
+std::vector<std::string> left_out(const Model<dim> &model);
+
+/// Make a directory on rank 0 and wait for it. Collective. @throw UserError on all ranks if that fails.
+void make_directory(const std::string &directory, const MPI_Comm &communicator);
+
+} // namespace dovetail

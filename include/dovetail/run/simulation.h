@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// From a scene to a report: the order in which things are made, and the loop over the steps.
+
+#pragma once
+
+#include <dovetail/output/log.h>
+#include <dovetail/output/paraview.h>
+#include <dovetail/output/probes.h>
+#include <dovetail/output/report.h>
+#include <dovetail/run/phases.h>
+#include <dovetail/solve/linear_solver.h>
+#include <dovetail/solve/newton.h>
+#include <dovetail/system/block_system.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace dovetail {
+
+/// How the load is divided: `subsection Steps`.
+struct Steps
+{
+  explicit Steps(const Section &section);
+  double end_time;
+  unsigned int n_steps;
+  bool is_adaptive; ///< halve a step that does not converge, down to 1/1024
+};
+
+/// A whole run of one scene.
+template <int dim>
+class Simulation
+{
+public:
+  /// Reads every entry of the scene and makes the meshes and pairings. Collective. @throw UserError
+  Simulation(const std::shared_ptr<SceneText> &text, const MPI_Comm &communicator);
+
+  /// Print the plan and the coverage, solve nothing.
+  void check();
+  /// @return whether all steps converged; otherwise the last good step is kept and written.
+  bool run();
+
+private:
+  std::vector<SolveGroup> solve_groups() const;
+  void set_initial_values();
+  void set_up(double t);
+  bool advance(double t);
+  NewtonResult solve_step();
+  void write_output(double t, unsigned int step, bool is_last);
+  void write_report(double t, bool is_converged);
+
+  MPI_Comm communicator;
+  Phases phases;
+  std::shared_ptr<SceneText> text;
+  Section scene;
+  Log log;
+  Model<dim> model;
+  Probes<dim> probes;
+  Steps steps;
+  Newton newton;
+  LinearSolver linear_solver;
+  std::string directory;
+  unsigned int every_steps;
+  std::unique_ptr<Paraview<dim>> paraview;
+  std::unique_ptr<BlockSystem<dim>> system;
+  std::unique_ptr<Report> report;
+  Vector solution, trial, update;
+  bool has_new_structure = true;
+};
+
+/// Read every entry that a scene can have, for the reference (@p text from SceneText::for_documentation).
+void read_all_entries(const std::shared_ptr<SceneText> &text);
+
+/// The dimension of a scene, and a check of its geometry.
+unsigned int read_dimension(const Section &scene);
+
+} // namespace dovetail

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Solves block systems; knows matrices and vectors, no finite elements.
+
+#pragma once
+
+#include <dovetail/scene/section.h>
+
+#include <deal.II/lac/trilinos_block_sparse_matrix.h>
+#include <deal.II/lac/trilinos_parallel_block_vector.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// A group of blocks that is solved at once.
+struct SolveGroup
+{
+  std::string name; ///< for messages
+  std::vector<unsigned int> blocks;
+  bool is_symmetric = true; ///< and positive definite
+  unsigned int dim = 3;
+  unsigned int degree = 1;
+  /// Near-null space of each of the blocks at this rank's unknowns: [block][mode][local unknown]; asked for only if
+  /// multigrid is used.
+  std::function<std::vector<std::vector<double>>(unsigned int block)> near_null_space;
+};
+
+/// Solves K dx = b for a matrix that is lower block triangular over the groups (a field does not depend on those after
+/// it), group after group, each merged into one matrix: by MUMPS, or by CG (symmetric) or GMRES with ML's smoothed
+/// aggregation and the near-null space of every block.
+class LinearSolver
+{
+public:
+  using Matrix = dealii::TrilinosWrappers::BlockSparseMatrix;
+  using Vector = dealii::TrilinosWrappers::MPI::BlockVector;
+
+  LinearSolver(const Section &section, std::vector<SolveGroup> groups);
+  ~LinearSolver();
+
+  /// The matrix has new entries (and, if @p has_new_structure, another sparsity).
+  void set_matrix(const Matrix &matrix, bool has_new_structure);
+
+  /// @return the number of linear iterations (1 per direct solve), or nothing if even the direct solver failed. A
+  /// group whose iteration fails is solved directly, now and from then on.
+  std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side);
+
+  /// What each group is solved with, for the plan: "displacement: CG with multigrid".
+  std::vector<std::string> description() const;
+
+private:
+  struct Group;
+  const Matrix *matrix = nullptr;
+  std::vector<std::unique_ptr<Group>> groups;
+  unsigned int type; ///< 0 automatic, 1 direct, 2 multigrid
+  double relative_tolerance;
+};
+
+} // namespace dovetail

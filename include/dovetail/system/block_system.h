@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Residual and tangent of all domains and interfaces in Trilinos block matrices.
+
+#pragma once
+
+#include <dovetail/domain/cell_terms.h>
+#include <dovetail/system/model.h>
+#include <dovetail/system/vector.h>
+
+#include <deal.II/lac/affine_constraints.h>
+#include <deal.II/lac/trilinos_block_sparse_matrix.h>
+
+#include <memory>
+#include <vector>
+
+namespace dovetail {
+
+/// The nonlinear system R(x) = 0 on the constraints of hanging nodes, prescribed values and ties. Newton's update dx
+/// solves K dx = -R with the constraints that make x + dx satisfy those of the current time, so prescribed values
+/// enter through the tangent and not by a jump at the boundary nodes.
+template <int dim>
+class BlockSystem
+{
+public:
+  explicit BlockSystem(Model<dim> &model);
+
+  /// Constraints, sparsity and matrix for what is active at time @p t. Collective.
+  void set_up(double t);
+  /// Whether set_up must be called again because toggles have changed.
+  bool is_outdated(double t) const;
+
+  /// Prescribed values of time @p t; weights and penalties of the ties frozen at @p x.
+  void begin_step(double t, const Vector &x);
+
+  /// R(x), and the tangent. @return false, on all ranks alike, if a law is not defined at x.
+  bool assemble(const Vector &x, bool with_tangent);
+
+  const dealii::TrilinosWrappers::BlockSparseMatrix &tangent() const { return matrix; }
+  const Vector &negative_residual() const { return right_hand_side; }
+
+  /// Largest over the fields of ||R_f|| relative to its largest value in this step; a field whose residual is
+  /// rounding noise counts as zero.
+  double residual_norm();
+  /// Forget the largest values: a new step begins.
+  void reset_norms();
+  /// The norm that the residual would have after dx, for linear systems: of K dx + R.
+  double linear_residual_norm(const Vector &dx);
+
+  /// Whether the last assembled right-hand side moves prescribed values.
+  bool moves_constraints() const { return constraints_move; }
+  /// Complete @p dx by the constrained unknowns.
+  void distribute(Vector &dx) const;
+
+  Vector owned_vector() const;
+  Vector ghosted_vector() const;
+
+  double seconds_of_ties() const { return tie_seconds; } ///< set-up of constraints and terms of interfaces, this rank
+
+private:
+  using SparseMatrix = dealii::TrilinosWrappers::BlockSparseMatrix;
+
+  void make_relevant_set();
+  void make_constraints(double t);
+  void make_sparsity(double t);
+  void move_constraints_from(const Vector &ghosted);
+  bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);
+  bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
+  void scatter(const std::vector<double> &residual, const std::vector<dealii::types::global_dof_index> &dofs,
+               bool with_tangent);
+  std::vector<bool> active_toggles(double t) const;
+
+  Model<dim> &model;
+  double time = 0;
+  std::vector<std::string> fields;          ///< of the norms
+  std::vector<unsigned int> field_of_block;
+  dealii::IndexSet relevant;                ///< relevant unknowns of the domains and those behind interface points
+  ConstraintLines tie_lines;                ///< of owned unknowns
+  dealii::AffineConstraints<double> constraints; ///< of x at the current time
+  dealii::AffineConstraints<double> update_constraints; ///< of dx
+  bool constraints_move = false;
+  std::vector<bool> toggles_of_set_up;
+  SparseMatrix matrix;
+  Vector right_hand_side;
+  mutable Vector ghosted_scratch;
+  std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
+  dealii::FullMatrix<double> local_matrix;
+  dealii::Vector<double> local_rhs;
+  std::vector<double> local_scale;          ///< per field: sum of squares of the cells' residuals
+  std::vector<double> scale, largest;       ///< per field
+  double tie_seconds = 0;
+};
+
+} // namespace dovetail

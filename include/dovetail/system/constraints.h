@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Constraints between unknowns of all domains, the same on every rank that needs them.
+
+#pragma once
+
+#include <dovetail/domain/constraint_lines.h>
+#include <dovetail/domain/numbering.h>
+
+#include <deal.II/lac/affine_constraints.h>
+
+namespace dovetail {
+
+/// From the lines of the unknowns that each rank owns, the closed constraints of all unknowns in @p needed and, since
+/// chains are resolved locally, of the unknowns their lines refer to, and so on. Collective; only lines that some
+/// other rank asks for are sent.
+dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned_lines, const Numbering &numbering,
+                                                    const dealii::IndexSet &needed, const MPI_Comm &communicator);
+
+} // namespace dovetail

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/output/interface_point.h>
+
+#include <limits>
+
+namespace dovetail {
+
+template <int dim>
+InterfacePoint<dim>::InterfacePoint(const Interface<dim> &interface, const double t)
+    : fields(interface.fields.size()), interface(interface),
+      t(t), state{{State<dim>(interface.sides[source].domain->n_components()),
+                   State<dim>(interface.sides[destination].domain->n_components())}},
+      response(1)
+{
+}
+
+template <int dim>
+void InterfacePoint<dim>::for_each(const Vector &solution, const std::function<void(unsigned int)> &visit)
+{
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns;
+  for (const auto &group : interface.pairing().groups) {
+    interface.group_dofs(group, dofs);
+    unknowns.resize(dofs.size());
+    for (unsigned int i = 0; i < dofs.size(); ++i)
+      unknowns[i] = solution(dofs[i]);
+    for (unsigned int q = group.begin; q < group.end; ++q) {
+      evaluate(q, unknowns);
+      visit(q);
+    }
+  }
+}
+
+template <int dim>
+void InterfacePoint<dim>::evaluate(const unsigned int q, const std::vector<double> &unknowns)
+{
+  for (const unsigned int side : {source, destination}) {
+    interface.evaluate(side, q, unknowns, state[side]);
+    for (unsigned int f = 0; f < fields.size(); ++f)
+      fields[f].flux[side] = normal_flux(interface.fields[f], side, q);
+  }
+  for (unsigned int f = 0; f < fields.size(); ++f) {
+    interface.jump(interface.fields[f], q, unknowns, fields[f].jump);
+    fields[f].numerical_flux.assign(interface.fields[f].n_components, 0.);
+    if (interface.is_active(t))
+      interface.tie().numerical_flux(interface, interface.fields[f], q, fields[f].flux, fields[f].jump,
+                                     fields[f].numerical_flux);
+  }
+}
+
+template <int dim>
+std::vector<double> InterfacePoint<dim>::normal_flux(const TiedField &field, const unsigned int side,
+                                                     const unsigned int q)
+{
+  state[side].X = interface.pairing().X(side, q);
+  state[side].t = t;
+  response = Response<dim>(state[side].value.size());
+  const bool is_defined = interface.sides[side].domain->material.evaluate(state[side], false, response);
+  std::vector<double> result(field.n_components, std::numeric_limits<double>::quiet_NaN());
+  for (unsigned int c = 0; is_defined && c < field.n_components; ++c)
+    result[c] = response.flux[field.first_component[side] + c] * interface.pairing().N(side, q);
+  return result;
+}
+
+template <int dim>
+bool InterfacePoint<dim>::has_exact_flux(const unsigned int field, const unsigned int side) const
+{
+  const Domain<dim> &domain = *interface.sides[side].domain;
+  for (unsigned int g = 0; g < domain.fields().size(); ++g)
+    if (domain.material.depends(interface.fields[field].field[side], g) &&
+        domain.exact().find(domain.fields()[g].name) == nullptr)
+      return false;
+  return true;
+}
+
+template <int dim>
+std::vector<double> InterfacePoint<dim>::exact_flux(const unsigned int field, const unsigned int side,
+                                                    const unsigned int q)
+{
+  const Domain<dim> &domain = *interface.sides[side].domain;
+  const dealii::Point<dim> &X = interface.pairing().X(side, q);
+  for (const Field &of_domain : domain.fields())
+    if (const Expression *exact = domain.exact().find(of_domain.name))
+      for (unsigned int c = 0; c < of_domain.n_components; ++c) {
+        state[side].value[of_domain.first_component + c] = exact->value(X, t, c);
+        state[side].gradient[of_domain.first_component + c] =
+            exact->gradient(X, t, c, domain.typical_length());
+      }
+  return normal_flux(interface.fields[field], side, q);
+}
+
+template class InterfacePoint<2>;
+template class InterfacePoint<3>;
+
+} // namespace dovetail

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/output/interface_point.h>
+#include <dovetail/output/measures.h>
+#include <dovetail/output/reaction.h>
+
+#include <limits>
+
+namespace dovetail {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// The unknowns of a cell or of a group of points, from the vector of all.
+void gather(const Vector &solution, const std::vector<dealii::types::global_dof_index> &dofs,
+            std::vector<double> &unknowns)
+{
+  unknowns.resize(dofs.size());
+  for (unsigned int i = 0; i < dofs.size(); ++i)
+    unknowns[i] = solution(dofs[i]);
+}
+
+double sum_over_ranks(const double value, const MPI_Comm &communicator)
+{
+  return dealii::Utilities::MPI::sum(value, communicator);
+}
+
+/// Squares of the L2 norms of error and exact solution, and of their gradients.
+struct Squares
+{
+  double error = 0, error_of_gradient = 0, norm = 0, norm_of_gradient = 0;
+};
+
+/// The share of one cell, for one field.
+template <int dim>
+void add_squares(const Domain<dim> &domain, const Field &field, const Expression &exact, const double t,
+                 const dealii::FEValues<dim> &values, const std::vector<double> &unknowns, Squares &squares)
+{
+  const unsigned int n = domain.n_nodes();
+  for (const unsigned int q : values.quadrature_point_indices())
+    for (unsigned int c = 0; c < field.n_components; ++c) {
+      const auto &X = values.quadrature_point(q);
+      const double B = exact.value(X, t, c);
+      const dealii::Tensor<1, dim> gradient = exact.gradient(X, t, c, domain.typical_length());
+      double error = -B;
+      dealii::Tensor<1, dim> error_of_gradient = -gradient;
+      for (unsigned int a = 0; a < n; ++a) {
+        const double unknown = unknowns[(field.first_component + c) * n + a];
+        error += unknown * values.shape_value(a, q);
+        error_of_gradient += unknown * values.shape_grad(a, q);
+      }
+      squares.error += error * error * values.JxW(q);
+      squares.error_of_gradient += error_of_gradient.norm_square() * values.JxW(q);
+      squares.norm += B * B * values.JxW(q);
+      squares.norm_of_gradient += gradient.norm_square() * values.JxW(q);
+    }
+}
+
+/// Adds "errors" and "norms" if the domain has an exact solution.
+template <int dim>
+void measure_errors(const Domain<dim> &domain, const Vector &solution, const double t, ordered_json &result)
+{
+  if (domain.exact().of_field.empty())
+    return;
+  const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
+  dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
+                               dealii::QGauss<dim>(domain.degree + 3),
+                               dealii::update_values | dealii::update_gradients |
+                                   dealii::update_quadrature_points | dealii::update_JxW_values);
+  std::map<std::string, Squares> squares;
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+      domain.cell_dofs(cell, dofs);
+      gather(solution, dofs, unknowns);
+      for (const Field &field : domain.fields())
+        if (const Expression *exact = domain.exact().find(field.name))
+          add_squares(domain, field, *exact, t, values, unknowns, squares[field.name]);
+    }
+
+  const auto norm = [&](const double square) { return std::sqrt(sum_over_ranks(square, communicator)); };
+  for (const Field &field : domain.fields())
+    if (domain.exact().find(field.name) != nullptr) {
+      const Squares &of_field = squares[field.name];
+      result["errors"][field.name] = {{"L2", norm(of_field.error)}, {"H1", norm(of_field.error_of_gradient)}};
+      result["norms"][field.name] = {{"L2", norm(of_field.norm)}, {"H1", norm(of_field.norm_of_gradient)}};
+    }
+}
+
+/// Adds "maximum" and "minimum" of each field over the nodes.
+template <int dim>
+void measure_extremes(const Domain<dim> &domain, const Vector &solution, ordered_json &result)
+{
+  const unsigned int n_fields = domain.fields().size(), n = domain.n_nodes();
+  std::vector<double> largest(n_fields, -std::numeric_limits<double>::max()), minus_smallest = largest;
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      domain.cell_dofs(cell, dofs);
+      gather(solution, dofs, unknowns);
+      for (unsigned int f = 0; f < n_fields; ++f)
+        for (unsigned int a = 0; a < n; ++a) {
+          const Field &field = domain.fields()[f];
+          double square = 0;
+          for (unsigned int c = 0; c < field.n_components; ++c)
+            square += std::pow(unknowns[(field.first_component + c) * n + a], 2);
+          const double value =
+              field.n_components == 1 ? unknowns[field.first_component * n + a] : std::sqrt(square);
+          largest[f] = std::max(largest[f], value);
+          minus_smallest[f] = std::max(minus_smallest[f], -value);
+        }
+    }
+  const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
+  dealii::Utilities::MPI::max(largest, communicator, largest);
+  dealii::Utilities::MPI::max(minus_smallest, communicator, minus_smallest);
+  for (unsigned int f = 0; f < n_fields; ++f)
+    result["maximum"][domain.fields()[f].name] = largest[f];
+  for (unsigned int f = 0; f < n_fields; ++f)
+    result["minimum"][domain.fields()[f].name] = -minus_smallest[f];
+}
+
+template <int dim>
+void measure_fluxes(const Interface<dim> &interface, const Vector &solution, const double t,
+                    ordered_json &result)
+{
+  struct Squares
+  {
+    double jump = 0, flux_jump = 0, flux_error = 0;
+  };
+  std::vector<Squares> squares(interface.fields.size());
+  InterfacePoint<dim> point(interface, t);
+  point.for_each(solution, [&](const unsigned int q) {
+    const double weight = interface.pairing().weight(q);
+    for (unsigned int f = 0; f < squares.size(); ++f) {
+      const auto &of_field = point.fields[f];
+      for (unsigned int c = 0; c < of_field.jump.size(); ++c) {
+        squares[f].jump += of_field.jump[c] * of_field.jump[c] * weight;
+        squares[f].flux_jump +=
+            std::pow(of_field.flux[source][c] + of_field.flux[destination][c], 2) * weight;
+      }
+      for (const unsigned int side : {source, destination})
+        if (point.has_exact_flux(f, side)) {
+          const std::vector<double> exact = point.exact_flux(f, side, q);
+          for (unsigned int c = 0; c < exact.size(); ++c)
+            squares[f].flux_error +=
+                std::pow(of_field.numerical_flux[c] - (side == source ? exact[c] : -exact[c]), 2) * weight;
+          break; // the destination only if the source has none
+        }
+    }
+  });
+
+  const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
+  const auto norm = [&](const double square) { return std::sqrt(sum_over_ranks(square, communicator)); };
+  for (unsigned int f = 0; f < squares.size(); ++f) {
+    const std::string &field = interface.fields[f].name;
+    result["jump L2"][field] = norm(squares[f].jump);
+    result["flux jump L2"][field] = norm(squares[f].flux_jump);
+    if (point.has_exact_flux(f, source) || point.has_exact_flux(f, destination))
+      result["flux error L2"][field] = norm(squares[f].flux_error);
+  }
+}
+
+template <int dim>
+void measure_resultants(const Interface<dim> &interface, const Vector &solution, const double t,
+                        ordered_json &result)
+{
+  for (const unsigned int side : {source, destination})
+    for (const TiedField &tied : interface.fields) {
+      const Domain<dim> &domain = *interface.sides[side].domain;
+      result[side == source ? "resultant source" : "resultant destination"][tied.name] = reaction(
+          domain, interface.sides[side].boundary_ids, domain.fields()[tied.field[side]], solution, t);
+    }
+}
+
+template <int dim>
+void measure_penalty(const Interface<dim> &interface, const MPI_Comm &communicator, ordered_json &result)
+{
+  const auto of_rank = interface.tie().penalty();
+  const double smallest = dealii::Utilities::MPI::min(of_rank.smallest, communicator);
+  const double largest = dealii::Utilities::MPI::max(of_rank.largest, communicator);
+  const double margin = dealii::Utilities::MPI::min(of_rank.coercivity_margin, communicator);
+  if (largest > 0)
+    result["penalty"] = {{"smallest", smallest}, {"largest", largest}};
+  if (std::isfinite(margin))
+    result["coercivity margin"] = margin;
+}
+
+} // namespace
+
+template <int dim>
+ordered_json measure_domains(const Model<dim> &model, const Vector &solution, const double t)
+{
+  ordered_json all = ordered_json::object();
+  for (const auto &domain : model.domains) {
+    ordered_json result;
+    result["cells"] = domain->mesh().n_global_active_cells();
+    result["dofs"] = domain->dof_handler().n_dofs();
+    measure_errors(*domain, solution, t, result);
+    measure_extremes(*domain, solution, result);
+    all[domain->name] = result;
+  }
+  return all;
+}
+
+template <int dim>
+ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution, const double t)
+{
+  ordered_json all = ordered_json::object();
+  for (const auto &interface : model.interfaces) {
+    ordered_json result;
+    const Coverage &coverage = interface->pairing().coverage();
+    result["area source"] = coverage.area[source];
+    result["area destination"] = coverage.area[destination];
+    result["covered source"] = coverage.covered[source];
+    result["covered destination"] = coverage.covered[destination];
+    result["uncovered points"] = coverage.n_uncovered;
+    result["largest gap"] = coverage.largest_gap;
+    result["points"] = coverage.n_points;
+    measure_fluxes(*interface, solution, t, result);
+    measure_resultants(*interface, solution, t, result);
+    measure_penalty(*interface, model.communicator, result);
+    all[interface->name] = result;
+  }
+  return all;
+}
+
+template ordered_json measure_domains(const Model<2> &, const Vector &, double);
+template ordered_json measure_domains(const Model<3> &, const Vector &, double);
+template ordered_json measure_interfaces(const Model<2> &, const Vector &, double);
+template ordered_json measure_interfaces(const Model<3> &, const Vector &, double);
+
+} // namespace dovetail

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/output/report.h>
+
+#include <deal.II/base/utilities.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace dovetail {
+
+namespace {
+
+bool speaks(const MPI_Comm &communicator)
+{
+  return dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
+}
+
+double peak_memory_in_MiB(const MPI_Comm &communicator)
+{
+  dealii::Utilities::System::MemoryStats memory;
+  dealii::Utilities::System::get_memory_stats(memory);
+  return dealii::Utilities::MPI::sum(static_cast<double>(memory.VmHWM) / 1024, communicator);
+}
+
+} // namespace
+
+void make_directory(const std::string &directory, const MPI_Comm &communicator)
+{
+  std::string problem;
+  if (speaks(communicator)) {
+    std::error_code error;
+    std::filesystem::create_directories(directory, error);
+    if (error)
+      problem = error.message();
+  }
+  problem = dealii::Utilities::MPI::broadcast(communicator, problem);
+  if (!problem.empty())
+    throw UserError("The directory '" + directory + "' for the results cannot be made: " + problem +
+                    ". Set Directory in the subsection Output to a place where you may write.");
+}
+
+Report::Report(const std::string &directory, const MPI_Comm &communicator)
+    : file_name(directory + "/report.json"), communicator(communicator)
+{
+  make_directory(directory, communicator);
+  content = {{"version", DOVETAIL_VERSION},
+             {"dealii", DEAL_II_PACKAGE_VERSION},
+             {"ranks", dealii::Utilities::MPI::n_mpi_processes(communicator)},
+             {"dofs", 0},
+             {"converged", false}};
+  for (const char *key : {"domains", "interfaces", "probes"})
+    content[key] = nlohmann::ordered_json::object();
+  content["steps"] = nlohmann::ordered_json::array();
+  content["seconds"] = nlohmann::ordered_json::object();
+  content["peak memory MiB"] = 0;
+  content["left out"] = nlohmann::ordered_json::array();
+}
+
+nlohmann::ordered_json &Report::operator[](const std::string &key)
+{
+  Assert(content.contains(key), dealii::ExcMessage("The report has no key " + key));
+  return content[key];
+}
+
+void Report::add_step(const double time, const std::vector<double> &residuals,
+                      const std::vector<unsigned int> &linear_iterations)
+{
+  content["steps"].push_back({{"time", time},
+                              {"newton iterations", linear_iterations.size()},
+                              {"residuals", residuals},
+                              {"linear iterations", linear_iterations}});
+}
+
+void Report::leave_out(const std::string &sentence)
+{
+  content["left out"].push_back(sentence);
+}
+
+const nlohmann::ordered_json &Report::write()
+{
+  content["peak memory MiB"] = peak_memory_in_MiB(communicator);
+  std::string problem;
+  if (speaks(communicator)) {
+    std::ofstream file(file_name);
+    file << content.dump(2) << std::endl;
+    if (!file)
+      problem = "The report '" + file_name + "' cannot be written. Is the disk full?";
+  }
+  problem = dealii::Utilities::MPI::broadcast(communicator, problem);
+  if (!problem.empty())
+    throw UserError(problem);
+  return content;
+}
+
+template <int dim>
+std::vector<std::string> left_out(const Model<dim> &model)
+{
+  std::vector<std::string> sentences;
+  for (const auto &[field, law] : {std::pair("displacement", "solid"), std::pair("temperature", "heat")}) {
+    std::vector<std::string> without;
+    for (const auto &domain : model.domains)
+      if (domain->material.find_field(field) == nullptr)
+        without.push_back(domain->name);
+    const std::string reason = std::string(": no ") + law + " law";
+    if (without.size() == model.domains.size())
+      sentences.push_back(field + reason);
+    else if (!without.empty())
+      sentences.push_back(field + (" of " + comma_separated(without)) + reason);
+  }
+  if (model.interfaces.empty())
+    sentences.push_back("pairing: no interfaces");
+  for (const auto &interface : model.interfaces) {
+    const std::string theta = interface->section.peek("Theta");
+    if (!theta.empty() && std::strtod(theta.c_str(), nullptr) == 0)
+      sentences.push_back("derivative of the mean flux on " + interface->name + ": Theta = 0");
+  }
+  return sentences;
+}
+
+template std::vector<std::string> left_out(const Model<2> &);
+template std::vector<std::string> left_out(const Model<3> &);
+
+} // namespace dovetail

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/run/simulation.h>
+
+#include <dovetail/output/measures.h>
+#include <dovetail/scene/scene_text.h>
+
+#include <cmath>
+#include <fstream>
+
+namespace dovetail {
+
+namespace {
+
+/// output/NAME-OF-THE-FILE
+std::string default_directory(const std::string &file_name)
+{
+  const std::string name = file_name.substr(file_name.rfind('/') + 1);
+  return "output/" + name.substr(0, name.rfind('.'));
+}
+
+std::string read_directory(const Section &output, const std::string &file_name)
+{
+  const auto directory = output.read<std::string>(
+      "Directory", "", "Where the results go; output/ and the name of the scene's file if empty [-]");
+  return directory.empty() ? default_directory(file_name) : directory;
+}
+
+} // namespace
+
+Steps::Steps(const Section &section)
+    : end_time((section.choose("Kind", {"static"}, 0, "static: loads follow the time t, nothing is inert [-]"),
+                section.read<double>("End time", 1., "The time t of the last step; the first step starts at 0 [s]",
+                                     Patterns::Double(1e-300)))),
+      n_steps(section.read<unsigned int>("Number of steps", 1, "Equal steps up to the end time [-]",
+                                         Patterns::Integer(1))),
+      is_adaptive(section.read<bool>("Adaptive", true,
+                                     "Halve a step that does not converge, down to 1/1024 of its size [-]"))
+{}
+
+unsigned int read_dimension(const Section &scene)
+{
+  const auto dimension =
+      scene.require<std::string>("Dimension", "The dimension of space [-]", Patterns::Selection("2|3"));
+  scene.choose("Geometry", {"plane strain"}, 0, "What a scene in 2D means [-]");
+  return dimension == "2" ? 2 : 3;
+}
+
+void read_all_entries(const std::shared_ptr<SceneText> &text)
+{
+  const Section scene = SceneText::root(text);
+  read_dimension(scene);
+  const Model<3> model(scene, MPI_COMM_WORLD);
+  const Probes<3> probes(scene, model);
+  const Steps steps(scene.subsection("Steps"));
+  const Newton newton(scene.subsection("Newton"));
+  const LinearSolver solver(scene.subsection("Linear solver"), {});
+  const Section output = scene.subsection("Output");
+  read_directory(output, "");
+  output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
+                            Patterns::Integer(1));
+  const Paraview<3> paraview(output, model, "");
+}
+
+template <int dim>
+Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Comm &communicator)
+    : communicator(communicator), text(text), scene(SceneText::root(text)), log(communicator),
+      model([&]() -> Model<dim> {
+        read_dimension(scene);
+        const Phases::Scope scope(phases, "mesh");
+        return Model<dim>(scene, communicator);
+      }()),
+      probes(scene, model), steps(scene.subsection("Steps")), newton(scene.subsection("Newton")),
+      linear_solver(scene.subsection("Linear solver"), solve_groups())
+{
+  const Section output = scene.subsection("Output");
+  directory = read_directory(output, text->file_name());
+  every_steps = output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
+                                          Patterns::Integer(1));
+  paraview = std::make_unique<Paraview<dim>>(output, model, directory);
+  text->check_all_read();
+
+  if (!model.interfaces.empty())
+    {
+      const Phases::Scope scope(phases, "pairing");
+      model.pair();
+    }
+  phases.add("tie", model.pairing_seconds);
+}
+
+template <int dim>
+std::vector<SolveGroup> Simulation<dim>::solve_groups() const
+{
+  std::vector<SolveGroup> groups;
+  for (const auto &fields : model.field_groups())
+    {
+      SolveGroup group;
+      group.name = comma_separated(fields);
+      group.dim = dim;
+      group.degree = model.degree();
+      group.is_symmetric = fields.size() == 1 && model.is_symmetric(fields[0]);
+      group.near_null_space = [this](const unsigned int block) {
+        return model.near_null_space(model.numbering->blocks()[block]);
+      };
+      const auto &blocks = model.numbering->blocks();
+      for (unsigned int b = 0; b < blocks.size(); ++b)
+        if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end())
+          group.blocks.push_back(b);
+      groups.push_back(std::move(group));
+    }
+  return groups;
+}
+
+template <int dim>
+void Simulation<dim>::check()
+{
+  log.title(text->file_name());
+  log.summary(model);
+  for (const std::string &sentence : left_out(model))
+    log.line("left out: " + sentence);
+}
+
+template <int dim>
+void Simulation<dim>::set_initial_values()
+{
+  for (const auto &domain : model.domains)
+    {
+      const unsigned int n = domain->n_nodes();
+      dealii::FEValues<dim> at_nodes(domain->mapping(), domain->scalar_element(),
+                                     domain->scalar_element().get_unit_support_points(),
+                                     dealii::update_quadrature_points);
+      std::vector<dealii::types::global_dof_index> dofs;
+      for (const Field &field : domain->fields())
+        if (const Expression *initial = domain->initial().find(field.name))
+          for (const auto &cell : domain->dof_handler().active_cell_iterators())
+            if (cell->is_locally_owned())
+              {
+                at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+                domain->cell_dofs(cell, dofs);
+                for (unsigned int c = 0; c < field.n_components; ++c)
+                  for (unsigned int a = 0; a < n; ++a)
+                    if (const auto dof = dofs[(field.first_component + c) * n + a];
+                        model.numbering->owned.is_element(dof))
+                      solution(dof) = initial->value(at_nodes.quadrature_point(a), 0., c);
+              }
+    }
+  solution.compress(dealii::VectorOperation::insert);
+}
+
+template <int dim>
+void Simulation<dim>::set_up(const double t)
+{
+  const Phases::Scope scope(phases, "setup");
+  system->set_up(t);
+  has_new_structure = true;
+}
+
+template <int dim>
+NewtonResult Simulation<dim>::solve_step()
+{
+  NewtonProblem problem;
+  problem.is_linear = model.is_linear();
+  problem.assemble = [&](const bool with_tangent) {
+    const Phases::Scope scope(phases, "assembly");
+    return system->assemble(trial, with_tangent) ? system->residual_norm() : std::nan("");
+  };
+  double linear_residual = 0;
+  problem.solve = [&]() {
+    const Phases::Scope scope(phases, "solve");
+    linear_solver.set_matrix(system->tangent(), has_new_structure);
+    has_new_structure = false;
+    const auto n_iterations = linear_solver.solve(update, system->negative_residual());
+    if (problem.is_linear)
+      linear_residual = system->linear_residual_norm(update);
+    system->distribute(update);
+    return n_iterations;
+  };
+  problem.try_update = [&](const double damping) {
+    trial = solution;
+    if (damping != 0)
+      trial.add(damping, update);
+  };
+  problem.accept = [&]() { solution = trial; };
+  problem.moves_constraints = [&]() { return system->moves_constraints(); };
+  problem.linear_residual = [&]() { return linear_residual; };
+  problem.report = [&](const unsigned int iteration, const double norm, const unsigned int linear_iterations,
+                       const double damping) { log.newton_iteration(iteration, norm, linear_iterations, damping); };
+  return newton.solve(problem);
+}
+
+/// One step to time t from the last good solution.
+template <int dim>
+bool Simulation<dim>::advance(const double t)
+{
+  if (system->is_outdated(t))
+    set_up(t);
+  const Vector last_good = solution;
+  {
+    const Phases::Scope scope(phases, "setup");
+    system->begin_step(t, solution);
+  }
+  const NewtonResult result = solve_step();
+  report->add_step(t, result.residuals, result.linear_iterations);
+  if (!result.is_converged)
+    solution = last_good;
+  return result.is_converged;
+}
+
+template <int dim>
+bool Simulation<dim>::run()
+{
+  log.title(text->file_name());
+  log.summary(model);
+  report = std::make_unique<Report>(directory, communicator);
+  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
+    {
+      std::ofstream used(directory + "/used.prm");
+      text->print_used(used);
+    }
+
+  system = std::make_unique<BlockSystem<dim>>(model);
+  const double nominal = steps.end_time / steps.n_steps;
+  set_up(nominal);
+  solution = system->owned_vector();
+  trial = solution;
+  update = solution;
+  set_initial_values();
+
+  double t = 0, size = nominal;
+  unsigned int n_done = 0;
+  bool is_converged = true;
+  while (t < steps.end_time * (1 - 1e-12))
+    {
+      const double next = std::min(t + size, steps.end_time);
+      const bool is_last = next >= steps.end_time * (1 - 1e-12);
+      log.step_begins(n_done + 1, steps.n_steps, is_last ? steps.end_time : next);
+      if (advance(is_last ? steps.end_time : next))
+        {
+          t = is_last ? steps.end_time : next;
+          ++n_done;
+          log.step_ends();
+          write_output(t, n_done, is_last);
+          size = std::min(nominal, 2 * size);
+        }
+      else if (steps.is_adaptive && size > nominal / 1024)
+        {
+          size /= 2;
+          log.step_ends("did not converge; half of the step is tried");
+        }
+      else
+        {
+          log.step_ends("did not converge");
+          is_converged = false;
+          break;
+        }
+    }
+  write_report(t, is_converged);
+  return is_converged;
+}
+
+template <int dim>
+void Simulation<dim>::write_output(const double t, const unsigned int step, const bool is_last)
+{
+  if (!paraview->is_on() || (step % every_steps != 0 && !is_last))
+    return;
+  const Phases::Scope scope(phases, "output");
+  Vector ghosted = system->ghosted_vector();
+  ghosted = solution;
+  paraview->write(t, ghosted);
+}
+
+template <int dim>
+void Simulation<dim>::write_report(const double t, const bool is_converged)
+{
+  {
+    const Phases::Scope scope(phases, "output");
+    Vector ghosted = system->ghosted_vector();
+    ghosted = solution;
+    (*report)["dofs"] = model.numbering->n_dofs();
+    (*report)["converged"] = is_converged;
+    (*report)["domains"] = measure_domains(model, ghosted, t);
+    (*report)["interfaces"] = measure_interfaces(model, ghosted, t);
+    (*report)["probes"] = probes.evaluate(ghosted, t);
+    for (const std::string &sentence : left_out(model))
+      report->leave_out(sentence);
+    if (!paraview->is_on())
+      report->leave_out("ParaView files: Paraview = false");
+  }
+  phases.add("tie", system->seconds_of_ties());
+  (*report)["seconds"] = phases.largest_of_ranks(communicator);
+  log.finish(report->write(), directory);
+}
+
+template class Simulation<2>;
+template class Simulation<3>;
+
+} // namespace dovetail

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Several blocks of a block matrix as one Epetra matrix.
+
+#pragma once
+
+#include <deal.II/lac/trilinos_block_sparse_matrix.h>
+#include <deal.II/lac/trilinos_parallel_block_vector.h>
+
+#include <Epetra_CrsMatrix.h>
+#include <Epetra_Map.h>
+
+#include <memory>
+#include <vector>
+
+namespace dovetail {
+
+/// The square matrix of some blocks, rows numbered so that each rank owns a contiguous range: its unknowns of the
+/// first block, then of the second, … ML and MUMPS want one matrix. The structure is merged once; after that only
+/// values are copied, through a table of positions. A single block is used as it is.
+class MergedMatrix
+{
+public:
+  using BlockMatrix = dealii::TrilinosWrappers::BlockSparseMatrix;
+  using BlockVector = dealii::TrilinosWrappers::MPI::BlockVector;
+
+  MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned int> &blocks);
+  void copy_values(const BlockMatrix &matrix);
+
+  const Epetra_CrsMatrix &matrix() const { return single ? *single : *merged; }
+  const std::vector<unsigned int> &blocks() const { return block_numbers; }
+
+  void gather(const BlockVector &from, dealii::TrilinosWrappers::MPI::Vector &to) const;
+  void scatter(const dealii::TrilinosWrappers::MPI::Vector &from, BlockVector &to) const;
+  dealii::TrilinosWrappers::MPI::Vector vector() const;
+  unsigned int n_local() const { return first_local.back(); }
+  unsigned int first_local_of(const unsigned int i) const { return first_local[i]; } ///< of the i-th block
+
+private:
+  void merge_structure(const BlockMatrix &matrix);
+
+  std::vector<unsigned int> block_numbers;
+  std::vector<unsigned int> first_local; ///< first local row of each block, and the number of local rows
+  const Epetra_CrsMatrix *single = nullptr;
+  std::unique_ptr<Epetra_CrsMatrix> merged;
+  std::vector<int> position; ///< in a merged row, of each entry in the order block row, row, block column, entry
+};
+
+} // namespace dovetail

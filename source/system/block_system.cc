@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/system/block_system.h>
+
+#include <dovetail/compatibility.h>
+#include <dovetail/system/constraints.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/table.h>
+#include <deal.II/base/timer.h>
+#include <deal.II/lac/block_sparsity_pattern.h>
+#include <deal.II/lac/sparsity_tools.h>
+
+#include <cmath>
+
+namespace dovetail {
+
+template <int dim>
+BlockSystem<dim>::BlockSystem(Model<dim> &model) : model(model)
+{
+  for (const auto &group : model.field_groups())
+    fields.insert(fields.end(), group.begin(), group.end());
+  for (const Block &block : model.numbering->blocks())
+    field_of_block.push_back(std::find(fields.begin(), fields.end(), block.field) - fields.begin());
+  for (const auto &domain : model.domains)
+    cell_terms.push_back(std::make_unique<CellTerms<dim>>(*domain));
+}
+
+template <int dim>
+std::vector<bool> BlockSystem<dim>::active_toggles(const double t) const
+{
+  std::vector<bool> active;
+  for (const auto &domain : model.domains)
+    for (const auto &condition : domain->conditions())
+      active.push_back(condition->is_active(t));
+  for (const auto &interface : model.interfaces)
+    active.push_back(interface->is_active(t));
+  return active;
+}
+
+template <int dim>
+bool BlockSystem<dim>::is_outdated(const double t) const
+{
+  return active_toggles(t) != toggles_of_set_up;
+}
+
+template <int dim>
+void BlockSystem<dim>::set_up(const double t)
+{
+  toggles_of_set_up = active_toggles(t);
+  make_relevant_set();
+
+  dealii::Timer timer;
+  tie_lines.clear();
+  ConstraintLines lines;
+  for (const auto &domain : model.domains)
+    domain->add_constraints(t, lines);
+  const ConstraintLines given = lines;
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t))
+      interface->tie().add_constraints(*interface, lines, model.communicator);
+  for (const auto &[dof, line] : lines)
+    if (given.count(dof) == 0)
+      tie_lines.emplace(dof, line);
+  if (!model.interfaces.empty())
+    tie_seconds += timer.wall_time();
+
+  make_constraints(t);
+  make_sparsity(t);
+  right_hand_side = owned_vector();
+  ghosted_scratch = ghosted_vector();
+}
+
+template <int dim>
+void BlockSystem<dim>::make_relevant_set()
+{
+  relevant = model.numbering->relevant;
+  std::vector<dealii::types::global_dof_index> dofs, all;
+  for (const auto &interface : model.interfaces)
+    for (const auto &group : interface->pairing().groups)
+      {
+        interface->group_dofs(group, dofs);
+        all.insert(all.end(), dofs.begin(), dofs.end());
+      }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  relevant.add_indices(all.begin(), all.end());
+  relevant.compress();
+}
+
+template <int dim>
+void BlockSystem<dim>::make_constraints(const double t)
+{
+  time = t;
+  ConstraintLines lines;
+  for (const auto &domain : model.domains)
+    domain->add_constraints(t, lines);
+  lines.insert(tie_lines.begin(), tie_lines.end());
+  constraints.clear();
+  constraints = close_constraints(lines, *model.numbering, relevant, model.communicator);
+  update_constraints.clear();
+  update_constraints.copy_from(constraints);
+  relevant.add_indices(constraints.get_local_lines()); // those that lines refer to, too
+  relevant.compress();
+}
+
+template <int dim>
+void BlockSystem<dim>::make_sparsity(const double t)
+{
+  const auto relevant_parts = model.numbering->split(relevant);
+  dealii::BlockDynamicSparsityPattern pattern(relevant_parts);
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &domain : model.domains)
+    {
+      const unsigned int n = domain->n_nodes();
+      dealii::Table<2, bool> couples(domain->dofs_per_cell(), domain->dofs_per_cell());
+      const auto &fields = domain->fields();
+      bool all_couple = true;
+      for (unsigned int f = 0; f < fields.size(); ++f)
+        for (unsigned int g = 0; g < fields.size(); ++g)
+          {
+            const bool depends = domain->material.depends(f, g);
+            all_couple = all_couple && depends;
+            for (unsigned int i = 0; depends && i < fields[f].n_components * n; ++i)
+              for (unsigned int j = 0; j < fields[g].n_components * n; ++j)
+                couples(fields[f].first_component * n + i, fields[g].first_component * n + j) = true;
+          }
+      for (const auto &cell : domain->dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned())
+          {
+            domain->cell_dofs(cell, dofs);
+            if (all_couple)
+              constraints.add_entries_local_to_global(dofs, pattern, false);
+            else
+              constraints.add_entries_local_to_global(dofs, pattern, false, couples);
+          }
+    }
+
+  dealii::Timer timer;
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t) && interface->tie().adds_terms())
+      {
+        dealii::Table<2, bool> couples;
+        for (const auto &group : interface->pairing().groups)
+          {
+            interface->group_dofs(group, dofs);
+            if (couples.n_rows() == 0)
+              {
+                couples.reinit(dofs.size(), dofs.size());
+                std::vector<unsigned int> component; // of each local unknown, counted over both sides
+                for (const unsigned int side : {source, destination})
+                  for (unsigned int k = 0; k < interface->components[side].size(); ++k)
+                    component.insert(component.end(), interface->sides[side].domain->n_nodes(),
+                                     k + (side == source ? 0 : interface->components[source].size()));
+                for (unsigned int i = 0; i < dofs.size(); ++i)
+                  for (unsigned int j = 0; j < dofs.size(); ++j)
+                    couples(i, j) = interface->couples(component[i], component[j]);
+              }
+            constraints.add_entries_local_to_global(dofs, pattern, false, couples);
+          }
+      }
+  if (!model.interfaces.empty())
+    tie_seconds += timer.wall_time();
+
+  dealii::SparsityTools::distribute_sparsity_pattern(pattern, model.numbering->owned, model.communicator, relevant);
+  matrix.clear();
+  matrix.reinit(model.numbering->split(model.numbering->owned), pattern, model.communicator, false);
+}
+
+template <int dim>
+Vector BlockSystem<dim>::owned_vector() const
+{
+  return Vector(model.numbering->split(model.numbering->owned), model.communicator);
+}
+
+template <int dim>
+Vector BlockSystem<dim>::ghosted_vector() const
+{
+  return Vector(model.numbering->split(model.numbering->owned), model.numbering->split(relevant), model.communicator);
+}
+
+template <int dim>
+void BlockSystem<dim>::begin_step(const double t, const Vector &x)
+{
+  make_constraints(t);
+  reset_norms();
+  if (model.interfaces.empty())
+    return;
+  dealii::Timer timer;
+  ghosted_scratch = x;
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t) && interface->tie().adds_terms())
+      interface->tie().begin_step(*interface, t,
+                                  [&](const typename Pairing<dim>::Group &group, std::vector<double> &unknowns) {
+                                    interface->group_dofs(group, dofs);
+                                    unknowns.resize(dofs.size());
+                                    ghosted_scratch.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+                                  });
+  tie_seconds += timer.wall_time();
+}
+
+/// The update's constraints from those of x: dx_i = sum w dx_j + (b_i + sum w x_j - x_i).
+template <int dim>
+void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
+{
+  double largest_move = 0, largest_value = 0;
+  for (const auto &line : constraints.get_lines())
+    {
+      double target = line.inhomogeneity;
+      for (const auto &[other, weight] : line.entries)
+        target += weight * ghosted(other);
+      const double move = target - ghosted(line.index);
+      largest_move = std::max(largest_move, std::abs(move));
+      largest_value = std::max(largest_value, std::abs(target));
+      update_constraints.set_inhomogeneity(line.index, move);
+    }
+  largest_move = dealii::Utilities::MPI::max(largest_move, model.communicator);
+  largest_value = dealii::Utilities::MPI::max(largest_value, model.communicator);
+  constraints_move = largest_move > 1e-14 * largest_value;
+}
+
+template <int dim>
+bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
+{
+  ghosted_scratch = x;
+  move_constraints_from(ghosted_scratch);
+  right_hand_side = 0;
+  if (with_tangent)
+    matrix = 0;
+  local_scale.assign(fields.size(), 0.);
+
+  bool is_defined = true;
+  for (unsigned int d = 0; d < model.domains.size(); ++d)
+    is_defined = assemble_domain(d, ghosted_scratch, with_tangent) && is_defined;
+  if (!model.interfaces.empty())
+    {
+      dealii::Timer timer;
+      for (const auto &interface : model.interfaces)
+        if (interface->is_active(time) && interface->tie().adds_terms())
+          is_defined = assemble_interface(*interface, ghosted_scratch, with_tangent) && is_defined;
+      tie_seconds += timer.wall_time();
+    }
+
+  if (with_tangent)
+    matrix.compress(dealii::VectorOperation::add);
+  right_hand_side.compress(dealii::VectorOperation::add);
+  scale.resize(fields.size());
+  dealii::Utilities::MPI::sum(local_scale, model.communicator, scale);
+  return dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
+}
+
+template <int dim>
+void BlockSystem<dim>::scatter(const std::vector<double> &residual,
+                               const std::vector<dealii::types::global_dof_index> &dofs, const bool with_tangent)
+{
+  local_rhs.reinit(residual.size(), true);
+  for (unsigned int i = 0; i < residual.size(); ++i)
+    local_rhs[i] = -residual[i];
+  if (with_tangent)
+    update_constraints.distribute_local_to_global(local_matrix, local_rhs, dofs, matrix, right_hand_side);
+  else
+    update_constraints.distribute_local_to_global(local_rhs, dofs, right_hand_side);
+}
+
+template <int dim>
+bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghosted, const bool with_tangent)
+{
+  const Domain<dim> &domain = *model.domains[d];
+  const unsigned int n_local = domain.dofs_per_cell(), n_nodes = domain.n_nodes();
+  std::vector<unsigned int> field; // of each component
+  for (const Field &of_domain : domain.fields())
+    field.insert(field.end(), of_domain.n_components,
+                 std::find(fields.begin(), fields.end(), of_domain.name) - fields.begin());
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns(n_local), residual(n_local);
+  local_matrix.reinit(n_local, n_local);
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned())
+      {
+        domain.cell_dofs(cell, dofs);
+        ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+        if (!cell_terms[d]->assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr))
+          return false;
+        for (unsigned int i = 0; i < n_local; ++i)
+          local_scale[field[i / n_nodes]] += residual[i] * residual[i];
+        scatter(residual, dofs, with_tangent);
+      }
+  return true;
+}
+
+template <int dim>
+bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vector &ghosted, const bool with_tangent)
+{
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns, residual;
+  const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
+  unknowns.resize(n_local);
+  local_matrix.reinit(n_local, n_local);
+  for (const auto &group : interface.pairing().groups)
+    {
+      interface.group_dofs(group, dofs);
+      ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+      residual.assign(n_local, 0.);
+      if (with_tangent)
+        local_matrix = 0;
+      if (!interface.tie().assemble(interface, group, time, unknowns, residual,
+                                    with_tangent ? &local_matrix : nullptr))
+        return false;
+      scatter(residual, dofs, with_tangent);
+    }
+  return true;
+}
+
+template <int dim>
+void BlockSystem<dim>::reset_norms()
+{
+  largest.assign(fields.size(), 0.);
+}
+
+namespace {
+
+/// Norms of the blocks of a vector, summed by field.
+std::vector<double> norms_by_field(const Vector &vector, const std::vector<unsigned int> &field_of_block,
+                                   const unsigned int n_fields)
+{
+  std::vector<double> squares(n_fields, 0.);
+  for (unsigned int b = 0; b < vector.n_blocks(); ++b)
+    squares[field_of_block[b]] += std::pow(vector.block(b).l2_norm(), 2);
+  for (double &square : squares)
+    square = std::sqrt(square);
+  return squares;
+}
+
+} // namespace
+
+template <int dim>
+double BlockSystem<dim>::residual_norm()
+{
+  const std::vector<double> norms = norms_by_field(right_hand_side, field_of_block, fields.size());
+  double relative = 0;
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    {
+      if (!std::isfinite(norms[f]))
+        return std::numeric_limits<double>::quiet_NaN();
+      largest[f] = std::max(largest[f], norms[f]);
+      const double noise = 1e-13 * std::sqrt(scale[f]);
+      if (norms[f] > noise)
+        relative = std::max(relative, norms[f] / largest[f]);
+    }
+  return relative;
+}
+
+template <int dim>
+double BlockSystem<dim>::linear_residual_norm(const Vector &dx)
+{
+  Vector difference = owned_vector();
+  matrix.vmult(difference, dx);
+  difference.sadd(-1., 1., right_hand_side);
+  const std::vector<double> norms = norms_by_field(difference, field_of_block, fields.size());
+  double relative = 0;
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    if (largest[f] > 0)
+      relative = std::max(relative, norms[f] / largest[f]);
+  return relative;
+}
+
+template <int dim>
+void BlockSystem<dim>::distribute(Vector &dx) const
+{
+  ghosted_scratch = dx;
+  for (const auto &line : update_constraints.get_lines())
+    if (model.numbering->owned.is_element(line.index))
+      {
+        double value = line.inhomogeneity;
+        for (const auto &[other, weight] : line.entries)
+          value += weight * ghosted_scratch(other);
+        dx(line.index) = value;
+      }
+  dx.compress(dealii::VectorOperation::insert);
+}
+
+template class BlockSystem<2>;
+template class BlockSystem<3>;
+
+} // namespace dovetail

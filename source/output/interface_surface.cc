@@ -5,6 +5,7 @@
 #include <dovetail/output/interface_surface.h>
 
 #include <deal.II/base/geometry_info.h>
+#include <deal.II/grid/reference_cell.h>
 
 #include <numeric>
 
@@ -153,6 +154,7 @@ InterfaceSurface<dim>::InterfaceSurface(const Interface<dim> &interface)
     else
       set_square(pairing.X(own, q), pairing.N(own, q), (has_both ? 2 : 1) * pairing.weight(q), patches[p]);
     patches[p].patch_index = p;
+    patches[p].reference_cell = dealii::ReferenceCells::get_hypercube<dim - 1>();
     patches[p].n_subdivisions = 1;
   }
 }
@@ -195,25 +197,6 @@ std::vector<std::string> InterfaceSurface<dim>::get_dataset_names() const
   names.push_back("gap");
   names.insert(names.end(), dim, "normal");
   return names;
-}
-
-template <int dim>
-std::vector<std::tuple<unsigned int, unsigned int, std::string,
-                       dealii::DataComponentInterpretation::DataComponentInterpretation>>
-InterfaceSurface<dim>::get_nonscalar_data_ranges() const
-{
-  const auto names = get_dataset_names();
-  std::vector<std::tuple<unsigned int, unsigned int, std::string,
-                         dealii::DataComponentInterpretation::DataComponentInterpretation>>
-      ranges;
-  for (unsigned int begin = 0, end; begin < names.size(); begin = end) {
-    for (end = begin + 1; end < names.size() && names[end] == names[begin];)
-      ++end;
-    if (end - begin > 1)
-      ranges.emplace_back(begin, end - 1, names[begin],
-                          dealii::DataComponentInterpretation::component_is_part_of_vector);
-  }
-  return ranges;
 }
 
 template class InterfaceSurface<2>;

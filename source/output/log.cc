@@ -88,12 +88,15 @@ std::vector<std::string> table_of_interfaces(const Model<dim> &model)
       {"interface", "tie", "source", "destination", "points", "covered", "largest gap"}};
   for (const auto &interface : model.interfaces) {
     const Coverage &coverage = interface->pairing().coverage();
+    // what is left of a gap by rounding
+    const bool is_closed = coverage.largest_gap < 1e-12 * interface->sides[source].domain->typical_length();
     const auto covered = [&](const unsigned int side) {
       return to_text(100 * coverage.covered[side] / coverage.area[side], "%.4g %%");
     };
     rows.push_back({interface->name, interface->section.peek("Type"), to_text(interface->sides[source]),
                     to_text(interface->sides[destination]), std::to_string(coverage.n_points),
-                    covered(source) + " / " + covered(destination), to_text(coverage.largest_gap)});
+                    covered(source) + " / " + covered(destination),
+                    to_text(is_closed ? 0. : coverage.largest_gap)});
   }
   return align(rows);
 }

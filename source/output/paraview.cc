@@ -1,126 +1,19 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/output/domain_picture.h>
 #include <dovetail/output/paraview.h>
 #include <dovetail/output/report.h>
 
-#include <deal.II/numerics/data_out.h>
-#include <deal.II/numerics/data_postprocessor.h>
-
+#include <cctype>
+#include <cstdio>
 #include <fstream>
 #include <iomanip>
-#include <limits>
 #include <sstream>
 
 namespace dovetail {
 
 namespace {
-
-namespace Interpretation = dealii::DataComponentInterpretation;
-
-/// What the laws say of a solution: heat flux, Cauchy stress, von Mises.
-template <int dim>
-class Derived : public dealii::DataPostprocessor<dim>
-{
-public:
-  Derived(const Material<dim> &material, const std::set<std::string> &fields, const double t)
-      : material(material), t(t)
-  {
-    has_heat_flux = fields.count("heat flux") > 0 && material.find_field("temperature") != nullptr;
-    const bool is_solid = material.find_field("displacement") != nullptr;
-    has_stress = fields.count("Cauchy stress") > 0 && is_solid;
-    has_von_mises = fields.count("von Mises") > 0 && is_solid;
-    if (has_heat_flux)
-      declare("heat flux", dim, Interpretation::component_is_part_of_vector);
-    if (has_stress)
-      declare("Cauchy stress", dim * dim, Interpretation::component_is_part_of_tensor);
-    if (has_stress && dim == 2)
-      declare("Cauchy stress zz", 1, Interpretation::component_is_scalar);
-    if (has_von_mises)
-      declare("von Mises", 1, Interpretation::component_is_scalar);
-  }
-
-  bool is_empty() const { return names.empty(); }
-  std::vector<std::string> get_names() const override { return names; }
-  std::vector<Interpretation::DataComponentInterpretation> get_data_component_interpretation() const override
-  {
-    return interpretations;
-  }
-  dealii::UpdateFlags get_needed_update_flags() const override
-  {
-    return dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points;
-  }
-
-  void evaluate_scalar_field(const dealii::DataPostprocessorInputs::Scalar<dim> &inputs,
-                             std::vector<dealii::Vector<double>> &results) const override
-  {
-    State<dim> state(1);
-    for (unsigned int p = 0; p < results.size(); ++p) {
-      state.value[0] = inputs.solution_values[p];
-      state.gradient[0] = inputs.solution_gradients[p];
-      evaluate(inputs.evaluation_points[p], state, results[p]);
-    }
-  }
-
-  void evaluate_vector_field(const dealii::DataPostprocessorInputs::Vector<dim> &inputs,
-                             std::vector<dealii::Vector<double>> &results) const override
-  {
-    State<dim> state(material.n_components());
-    for (unsigned int p = 0; p < results.size(); ++p) {
-      for (unsigned int c = 0; c < state.value.size(); ++c) {
-        state.value[c] = inputs.solution_values[p][c];
-        state.gradient[c] = inputs.solution_gradients[p][c];
-      }
-      evaluate(inputs.evaluation_points[p], state, results[p]);
-    }
-  }
-
-private:
-  void declare(const std::string &name, const unsigned int n_components,
-               const Interpretation::DataComponentInterpretation interpretation)
-  {
-    names.insert(names.end(), n_components, name);
-    interpretations.insert(interpretations.end(), n_components, interpretation);
-  }
-
-  void evaluate(const dealii::Point<dim> &X, State<dim> &state, dealii::Vector<double> &result) const
-  {
-    state.X = X;
-    state.t = t;
-    unsigned int i = 0;
-    if (has_heat_flux) {
-      Response<dim> response(material.n_components());
-      const bool is_defined = material.evaluate(state, false, response);
-      const auto &influx = response.flux[material.find_field("temperature")->first_component];
-      for (unsigned int d = 0; d < dim; ++d)
-        result[i++] = is_defined ? -influx[d] : std::numeric_limits<double>::quiet_NaN();
-    }
-    if (!has_stress && !has_von_mises)
-      return;
-    const dealii::Tensor<2, 3> sigma = material.cauchy_stress(state);
-    if (has_stress) {
-      for (unsigned int j = 0; j < dim; ++j)
-        for (unsigned int k = 0; k < dim; ++k)
-          result[i++] = sigma[j][k];
-      if (dim == 2)
-        result[i++] = sigma[2][2];
-    }
-    if (has_von_mises)
-      result[i++] = von_mises(sigma);
-  }
-
-  static double von_mises(const dealii::Tensor<2, 3> &sigma)
-  {
-    const auto stress = symmetrize(sigma);
-    return std::sqrt(1.5) * deviator(stress).norm();
-  }
-
-  const Material<dim> &material;
-  const double t;
-  bool has_heat_flux, has_stress, has_von_mises;
-  std::vector<std::string> names;
-  std::vector<Interpretation::DataComponentInterpretation> interpretations;
-};
 
 template <int dim>
 bool some_domain_has(const Model<dim> &model, const std::string &field)
@@ -137,11 +30,19 @@ dealii::DataOutBase::VtkFlags flags(const double time)
   return result;
 }
 
-std::string file_of(const std::string &stem, const unsigned int step)
+/// In the folder of the steps.
+std::string file_of(const std::string &stem, const unsigned int step, const std::string &ending)
 {
   std::ostringstream name;
-  name << "steps/" << stem << '.' << std::setw(4) << std::setfill('0') << step << ".vtu";
+  name << stem << '.' << std::setw(4) << std::setfill('0') << step << ending;
   return name.str();
+}
+
+/// Written beside and then renamed, so that a file is whole whenever somebody opens it.
+void write_file(const std::string &name, const std::string &text)
+{
+  std::ofstream(name + ".new") << text;
+  std::rename((name + ".new").c_str(), name.c_str());
 }
 
 std::string escape(const std::string &text)
@@ -228,10 +129,12 @@ void Paraview<dim>::write(const double time, const Vector &solution)
   if (blocks.empty())
     prepare();
   for (const Block &block : blocks) {
-    const std::string file = directory + "/" + file_of(block.stem, times.size());
-    if (block.domain != nullptr)
-      write_domain(*block.domain, time, solution, file);
-    else {
+    const std::string file = directory + "/steps/" + file_of(block.stem, times.size(), ".vtu");
+    if (block.domain != nullptr) {
+      DomainPicture<dim> picture(*block.domain, fields, solution, time);
+      picture.set_flags(flags(time));
+      picture.write_vtu_in_parallel(file, model.communicator);
+    } else {
       block.surface->update(solution, time);
       block.surface->set_flags(flags(time));
       block.surface->write_vtu_in_parallel(file, model.communicator);
@@ -239,53 +142,30 @@ void Paraview<dim>::write(const double time, const Vector &solution)
   }
   times.push_back(time);
   if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
-    write_index();
+    write_indices();
 }
 
 template <int dim>
-void Paraview<dim>::write_domain(const Domain<dim> &domain, const double time, const Vector &solution,
-                                 const std::string &file) const
+void Paraview<dim>::write_indices() const
 {
-  const auto unknowns = domain_vector(domain, solution);
-  const Derived<dim> derived(domain.material, fields, time);
-  dealii::DataOut<dim> data;
-  data.set_flags(flags(time));
-  data.attach_dof_handler(domain.dof_handler());
-  if (fields.count("solution") > 0) {
-    std::vector<std::string> names;
-    std::vector<Interpretation::DataComponentInterpretation> interpretations;
-    for (const Field &field : domain.fields()) {
-      names.insert(names.end(), field.n_components, field.name);
-      interpretations.insert(interpretations.end(), field.n_components,
-                             field.n_components > 1 ? Interpretation::component_is_part_of_vector
-                                                    : Interpretation::component_is_scalar);
-    }
-    data.add_data_vector(unknowns, names, dealii::DataOut<dim>::type_dof_data, interpretations);
-  }
-  if (!derived.is_empty())
-    data.add_data_vector(unknowns, derived);
-  data.build_patches(domain.mapping(), domain.degree,
-                     domain.mapping_degree() > 1 ? dealii::DataOut<dim>::curved_inner_cells
-                                                 : dealii::DataOut<dim>::no_curved_cells);
-  data.write_vtu_in_parallel(file, model.communicator);
-}
+  const unsigned int last = times.size() - 1;
+  std::ostringstream of_step;
+  of_step << "<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\">\n"
+          << "<vtkMultiBlockDataSet>\n";
+  for (unsigned int b = 0; b < blocks.size(); ++b)
+    of_step << "<DataSet index=\"" << b << "\" name=\"" << escape(blocks[b].name) << "\" file=\""
+            << file_of(blocks[b].stem, last, ".vtu") << "\"/>\n";
+  of_step << "</vtkMultiBlockDataSet>\n</VTKFile>\n";
+  write_file(directory + "/steps/" + file_of("step", last, ".vtm"), of_step.str());
 
-/// Written beside and then renamed, so that it is whole whenever somebody opens it.
-template <int dim>
-void Paraview<dim>::write_index() const
-{
-  const std::string name = directory + "/solution.pvd";
-  {
-    std::ofstream index(name + ".new");
-    index << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n";
-    index << std::setprecision(16);
-    for (unsigned int step = 0; step < times.size(); ++step)
-      for (unsigned int b = 0; b < blocks.size(); ++b)
-        index << "<DataSet timestep=\"" << times[step] << "\" part=\"" << b << "\" name=\""
-              << escape(blocks[b].name) << "\" file=\"" << file_of(blocks[b].stem, step) << "\"/>\n";
-    index << "</Collection>\n</VTKFile>\n";
-  }
-  std::rename((name + ".new").c_str(), name.c_str());
+  std::ostringstream of_all;
+  of_all << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n"
+         << std::setprecision(16);
+  for (unsigned int step = 0; step <= last; ++step)
+    of_all << "<DataSet timestep=\"" << times[step] << "\" file=\"steps/" << file_of("step", step, ".vtm")
+           << "\"/>\n";
+  of_all << "</Collection>\n</VTKFile>\n";
+  write_file(directory + "/solution.pvd", of_all.str());
 }
 
 template class Paraview<2>;

@@ -5,12 +5,15 @@
 #include <dovetail/output/reaction.h>
 
 #include <deal.II/dofs/dof_tools.h>
+#include <deal.II/lac/trilinos_vector.h>
+
+#include <limits>
 
 namespace dovetail {
 
 namespace {
 
-using Weights = dealii::LinearAlgebra::distributed::Vector<double>;
+using Weights = dealii::TrilinosWrappers::MPI::Vector;
 
 template <int dim>
 bool is_on(const typename Domain<dim>::cell_iterator &cell, const unsigned int face,
@@ -27,7 +30,7 @@ Weights boundary_weights(const Domain<dim> &domain, const std::set<dealii::types
   dealii::IndexSet relevant;
   dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler(), relevant);
   const auto &owned = domain.dof_handler().locally_owned_dofs();
-  Weights w(owned, relevant, communicator);
+  Weights w(owned, communicator);
   std::vector<dealii::types::global_dof_index> dofs;
   // the rank that owns a node sees all faces around it
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
@@ -40,14 +43,16 @@ Weights boundary_weights(const Domain<dim> &domain, const std::set<dealii::types
                 owned.is_element(dofs[i] - domain.first_dof))
               w(dofs[i] - domain.first_dof) = 1;
         }
+  w.compress(dealii::VectorOperation::insert);
   if (domain.mesh().has_hanging_nodes()) {
     dealii::AffineConstraints<double> hanging(relevant);
     dealii::DoFTools::make_hanging_node_constraints(domain.dof_handler(), hanging);
     hanging.close();
     hanging.distribute(w);
   }
-  w.update_ghost_values();
-  return w;
+  Weights ghosted(owned, relevant, communicator);
+  ghosted = w;
+  return ghosted;
 }
 
 /// The influx that the conditions on the boundary itself prescribe, with the quadrature of CellTerms.

@@ -8,19 +8,22 @@
 namespace dovetail {
 
 template <int dim>
-dealii::LinearAlgebra::distributed::Vector<double> domain_vector(const Domain<dim> &domain, const Vector &ghosted)
+dealii::TrilinosWrappers::MPI::Vector domain_vector(const Domain<dim> &domain, const Vector &ghosted)
 {
-  dealii::IndexSet relevant;
-  dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler(), relevant);
-  dealii::LinearAlgebra::distributed::Vector<double> result(domain.dof_handler().locally_owned_dofs(), relevant,
-                                                            ghosted.block(0).get_mpi_communicator());
-  for (const auto dof : domain.dof_handler().locally_owned_dofs())
-    result(dof) = ghosted(domain.first_dof + dof);
-  result.update_ghost_values();
+  const MPI_Comm communicator = ghosted.block(0).get_mpi_communicator();
+  const dealii::IndexSet &owned_dofs = domain.dof_handler().locally_owned_dofs();
+  dealii::IndexSet relevant_dofs;
+  dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler(), relevant_dofs);
+  dealii::TrilinosWrappers::MPI::Vector owned(owned_dofs, communicator),
+      result(owned_dofs, relevant_dofs, communicator);
+  for (const auto dof : owned_dofs)
+    owned(dof) = ghosted(domain.first_dof + dof);
+  owned.compress(dealii::VectorOperation::insert);
+  result = owned;
   return result;
 }
 
-template dealii::LinearAlgebra::distributed::Vector<double> domain_vector(const Domain<2> &, const Vector &);
-template dealii::LinearAlgebra::distributed::Vector<double> domain_vector(const Domain<3> &, const Vector &);
+template dealii::TrilinosWrappers::MPI::Vector domain_vector(const Domain<2> &, const Vector &);
+template dealii::TrilinosWrappers::MPI::Vector domain_vector(const Domain<3> &, const Vector &);
 
 } // namespace dovetail

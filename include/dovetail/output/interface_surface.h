@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/output/domain_picture.h>
 #include <dovetail/system/vector.h>
 
 #include <deal.II/base/data_out_base.h>
@@ -38,7 +39,10 @@ protected:
   std::vector<std::string> get_dataset_names() const override;
   std::vector<std::tuple<unsigned int, unsigned int, std::string,
                          dealii::DataComponentInterpretation::DataComponentInterpretation>>
-  get_nonscalar_data_ranges() const override;
+  get_nonscalar_data_ranges() const override
+  {
+    return group_by_name(get_dataset_names());
+  }
 
 private:
   const Interface<dim> &interface;

@@ -17,13 +17,11 @@
 namespace dovetail {
 
 /// Writes `<Directory>/solution.pvd`: time steps, and in each of them one block per domain and per interface,
-/// named as in the scene. Each block of a step is one file in `<Directory>/steps`.
+/// named as in the scene. Each block of a step is one file in `<Directory>/steps`, and a .vtm file there
+/// holds them together.
 ///
-/// A domain shows its fields and, where it has the law for them and `Fields` asks, the `heat flux` q = -k
-/// grad T (the physical one: minus the influx A of heat_law.h), the `Cauchy stress` P F^T / J (in 2D beside
-/// it `Cauchy stress zz`, for a plane tensor does not hold it) and its `von Mises` measure; these are
-/// evaluated in each cell and not averaged between cells. Everything is shown on the undeformed body: "Warp
-/// By Vector" with displacement deforms it. An interface shows what InterfaceSurface lists.
+/// A domain shows what DomainPicture lists, an interface what InterfaceSurface lists. Everything is shown on
+/// the undeformed bodies: "Warp By Vector" with displacement deforms them.
 ///
 /// With `Paraview = false` nothing is allocated or written.
 template <int dim>
@@ -51,10 +49,9 @@ private:
 
   void read_fields(const Section &output);
   void prepare(); ///< blocks and the directory, before the first step is written
+  void make_blocks();
   void name_files();
-  void write_domain(const Domain<dim> &domain, double time, const Vector &solution,
-                    const std::string &file) const;
-  void write_index() const;
+  void write_indices() const;
 
   const Model<dim> &model;
   const std::string directory;

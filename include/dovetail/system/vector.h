@@ -7,7 +7,6 @@
 
 #include <dovetail/domain/domain.h>
 
-#include <deal.II/lac/la_parallel_vector.h>
 #include <deal.II/lac/trilinos_parallel_block_vector.h>
 
 namespace dovetail {
@@ -19,6 +18,6 @@ using Vector = dealii::TrilinosWrappers::MPI::BlockVector;
 /// The part of a ghosted vector of all unknowns that belongs to one domain, in the numbering of its DoFHandler, with
 /// ghosts.
 template <int dim>
-dealii::LinearAlgebra::distributed::Vector<double> domain_vector(const Domain<dim> &domain, const Vector &ghosted);
+dealii::TrilinosWrappers::MPI::Vector domain_vector(const Domain<dim> &domain, const Vector &ghosted);
 
 } // namespace dovetail

@@ -166,14 +166,14 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
 }
 
 template <int dim>
-void measure_resultants(const Interface<dim> &interface, const Vector &solution, const double t,
-                        ordered_json &result)
+void measure_resultants(const Model<dim> &model, const Interface<dim> &interface, const Vector &solution,
+                        const double t, ordered_json &result)
 {
   for (const unsigned int side : {source, destination})
     for (const TiedField &tied : interface.fields) {
       const Domain<dim> &domain = *interface.sides[side].domain;
       result[side == source ? "resultant source" : "resultant destination"][tied.name] = reaction(
-          domain, interface.sides[side].boundary_ids, domain.fields()[tied.field[side]], solution, t);
+          model, domain, interface.sides[side].boundary_ids, domain.fields()[tied.field[side]], solution, t);
     }
 }
 
@@ -222,7 +222,7 @@ ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution,
     result["largest gap"] = coverage.largest_gap;
     result["points"] = coverage.n_points;
     measure_fluxes(*interface, solution, t, result);
-    measure_resultants(*interface, solution, t, result);
+    measure_resultants(model, *interface, solution, t, result);
     measure_penalty(*interface, model.communicator, result);
     all[interface->name] = result;
   }

@@ -86,7 +86,7 @@ void compare_with_cell(const Domain<dim> &domain, const typename Domain<dim>::ce
 } // namespace
 
 template <int dim>
-Probes<dim>::Probes(const Section &scene, const Model<dim> &model) : communicator(model.communicator)
+Probes<dim>::Probes(const Section &scene, const Model<dim> &model) : model(model)
 {
   for (const std::string &name :
        scene.announce("Probes", "Probe", "Names of the numbers that are reported at the end [-]"))
@@ -193,13 +193,13 @@ nlohmann::ordered_json Probes<dim>::evaluate(const Vector &solution, const doubl
   for (const Probe &probe : probes) {
     std::vector<double> value(probe.field.n_components);
     if (!probe.boundary_ids.empty())
-      value = reaction(*probe.domain, probe.boundary_ids, probe.field, solution, t);
+      value = reaction(model, *probe.domain, probe.boundary_ids, probe.field, solution, t);
     else {
       const unsigned int n = probe.shape_values.size();
       for (unsigned int c = 0; c < value.size(); ++c)
         for (unsigned int a = 0; a < n; ++a)
           value[c] += probe.shape_values[a] * solution(probe.dofs[(probe.field.first_component + c) * n + a]);
-      dealii::Utilities::MPI::sum(value, communicator, value);
+      dealii::Utilities::MPI::sum(value, model.communicator, value);
     }
     if (value.size() == 1)
       result[probe.name] = value[0];

@@ -15,34 +15,80 @@ namespace {
 
 using Weights = dealii::TrilinosWrappers::MPI::Vector;
 
+using Ids = std::set<dealii::types::boundary_id>;
+
 template <int dim>
-bool is_on(const typename Domain<dim>::cell_iterator &cell, const unsigned int face,
-           const std::set<dealii::types::boundary_id> &boundary_ids)
+bool is_on(const typename Domain<dim>::cell_iterator &cell, const unsigned int face, const Ids &boundary_ids)
 {
   return cell->face(face)->at_boundary() && boundary_ids.count(cell->face(face)->boundary_id()) > 0;
 }
 
-/// The function w, in the unknowns of all components alike: 1 at the nodes of the boundary, and conforming.
+/// Boundaries off Gamma where the field is prescribed.
 template <int dim>
-Weights boundary_weights(const Domain<dim> &domain, const std::set<dealii::types::boundary_id> &boundary_ids,
-                         const MPI_Comm &communicator)
+Ids prescribed_elsewhere(const Domain<dim> &domain, const Ids &boundary_ids, const Field &field)
 {
-  dealii::IndexSet relevant;
-  dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler(), relevant);
+  Ids ids;
+  for (const auto &condition : domain.conditions())
+    if (condition->field.name == field.name && !condition->prescribed_components().empty())
+      for (const auto id : condition->boundary_ids)
+        if (boundary_ids.count(id) == 0)
+          ids.insert(id);
+  return ids;
+}
+
+/// Boundaries off Gamma where the field is tied.
+template <int dim>
+Ids tied_elsewhere(const Model<dim> &model, const Domain<dim> &domain, const Ids &boundary_ids,
+                   const Field &field)
+{
+  Ids ids;
+  for (const auto &interface : model.interfaces)
+    for (const auto &side : interface->sides)
+      for (const TiedField &tied : interface->fields)
+        if (side.domain == &domain && tied.name == field.name)
+          for (const auto id : side.boundary_ids)
+            if (boundary_ids.count(id) == 0)
+              ids.insert(id);
+  return ids;
+}
+
+/// Which nodes of the cells behind a boundary are meant.
+enum class Nodes { of_faces, of_cells };
+
+/// Set the function, in the unknowns of all components alike, at owned nodes of a boundary. The rank that
+/// owns a node sees all cells around it.
+template <int dim>
+void set_nodes(const Domain<dim> &domain, const Ids &boundary_ids, const Nodes nodes, const double value,
+               Weights &w)
+{
   const auto &owned = domain.dof_handler().locally_owned_dofs();
-  Weights w(owned, communicator);
   std::vector<dealii::types::global_dof_index> dofs;
-  // the rank that owns a node sees all faces around it
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (!cell->is_artificial() && cell->at_boundary())
       for (const unsigned int face : cell->face_indices())
         if (is_on<dim>(cell, face, boundary_ids)) {
           domain.cell_dofs(cell, dofs);
           for (unsigned int i = 0; i < dofs.size(); ++i)
-            if (domain.scalar_element().has_support_on_face(i % domain.n_nodes(), face) &&
-                owned.is_element(dofs[i] - domain.first_dof))
-              w(dofs[i] - domain.first_dof) = 1;
+            if (owned.is_element(dofs[i] - domain.first_dof) &&
+                (nodes == Nodes::of_cells ||
+                 domain.scalar_element().has_support_on_face(i % domain.n_nodes(), face)))
+              w(dofs[i] - domain.first_dof) = value;
         }
+}
+
+/// The function w, conforming at hanging nodes.
+template <int dim>
+Weights make_weights(const Model<dim> &model, const Domain<dim> &domain, const Ids &boundary_ids,
+                     const Field &field)
+{
+  dealii::IndexSet relevant;
+  dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler(), relevant);
+  const auto &owned = domain.dof_handler().locally_owned_dofs();
+  Weights w(owned, model.communicator);
+  set_nodes(domain, boundary_ids, Nodes::of_cells, 1, w);
+  set_nodes(domain, tied_elsewhere(model, domain, boundary_ids, field), Nodes::of_cells, 0, w);
+  set_nodes(domain, prescribed_elsewhere(domain, boundary_ids, field), Nodes::of_faces, 0, w);
+  set_nodes(domain, boundary_ids, Nodes::of_faces, 1, w);
   w.compress(dealii::VectorOperation::insert);
   if (domain.mesh().has_hanging_nodes()) {
     dealii::AffineConstraints<double> hanging(relevant);
@@ -50,7 +96,7 @@ Weights boundary_weights(const Domain<dim> &domain, const std::set<dealii::types
     hanging.close();
     hanging.distribute(w);
   }
-  Weights ghosted(owned, relevant, communicator);
+  Weights ghosted(owned, relevant, model.communicator);
   ghosted = w;
   return ghosted;
 }
@@ -60,8 +106,7 @@ template <int dim>
 class GivenInflux
 {
 public:
-  GivenInflux(const Domain<dim> &domain, const std::set<dealii::types::boundary_id> &boundary_ids,
-              const Field &field, const double t)
+  GivenInflux(const Domain<dim> &domain, const Ids &boundary_ids, const Field &field, const double t)
       : domain(domain), boundary_ids(boundary_ids), field(field), t(t),
         face_values(domain.mapping(), domain.scalar_element(), dealii::QGauss<dim - 1>(domain.degree + 1),
                     dealii::update_values | dealii::update_quadrature_points | dealii::update_JxW_values)
@@ -102,7 +147,7 @@ private:
   }
 
   const Domain<dim> &domain;
-  const std::set<dealii::types::boundary_id> &boundary_ids;
+  const Ids &boundary_ids;
   const Field &field;
   const double t;
   dealii::FEFaceValues<dim> face_values;
@@ -112,12 +157,10 @@ private:
 } // namespace
 
 template <int dim>
-std::vector<double> reaction(const Domain<dim> &domain,
-                             const std::set<dealii::types::boundary_id> &boundary_ids, const Field &field,
-                             const Vector &solution, const double t)
+std::vector<double> reaction(const Model<dim> &model, const Domain<dim> &domain, const Ids &boundary_ids,
+                             const Field &field, const Vector &solution, const double t)
 {
-  const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
-  const Weights w = boundary_weights(domain, boundary_ids, communicator);
+  const Weights w = make_weights(model, domain, boundary_ids, field);
   const unsigned int n = domain.n_nodes(), first = field.first_component * n;
   CellTerms<dim> terms(domain);
   GivenInflux<dim> given(domain, boundary_ids, field, t);
@@ -146,13 +189,13 @@ std::vector<double> reaction(const Domain<dim> &domain,
     }
   for (double &component : sum)
     component *= is_defined;
-  dealii::Utilities::MPI::sum(sum, communicator, sum);
+  dealii::Utilities::MPI::sum(sum, model.communicator, sum);
   return sum;
 }
 
-template std::vector<double> reaction(const Domain<2> &, const std::set<dealii::types::boundary_id> &,
-                                      const Field &, const Vector &, double);
-template std::vector<double> reaction(const Domain<3> &, const std::set<dealii::types::boundary_id> &,
-                                      const Field &, const Vector &, double);
+template std::vector<double> reaction(const Model<2> &, const Domain<2> &, const Ids &, const Field &,
+                                      const Vector &, double);
+template std::vector<double> reaction(const Model<3> &, const Domain<3> &, const Ids &, const Field &,
+                                      const Vector &, double);
 
 } // namespace dovetail

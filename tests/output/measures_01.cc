@@ -4,14 +4,13 @@
 // Errors, norms and numbers of an interface by hand. Two squares [0,1] x [0,1] and [1,2] x [0,1], one
 // temperature field each, interpolated from `Exact` on 4 x 4 and 3 x 3 bilinear cells:
 //
-//     left, k = 2:   T = x^2: the error of the linear interpolant of x^2 on cells of size h is h^2 / sqrt(30)
-//     in L2
-//                    and h / sqrt(3) in H1 (h = 1/4); norms 1/sqrt(5) and 2/sqrt(3); extremes 1 and 0
-//     right, k = 1:  T = x: no error; norms sqrt(7/3), 1; extremes 2 and 1
-//     at x = 1:      jump 1 - 1 = 0; A_src.N_src = 2 (2 - h) = 3.5 of the interpolant, A_dst.N_dst = -1: flux
-//     jump 2.5,
-//                    equal mean 2.25, exact 4: flux error 1.75. Reactions: A.N of the left is 3.5 by hand
-//                    (linear in x there), of the right -1.
+// left, k = 2:  T = x^2; the interpolant errs by h^2 / sqrt(30) in L2 and h / sqrt(3) in H1 (h = 1/4);
+//               norms 1/sqrt(5) and 2/sqrt(3); extremes 1 and 0
+// right, k = 1: T = x, no error; norms sqrt(7/3) and 1; extremes 2 and 1
+// at x = 1:     jump 1 - 1 = 0; A_src.N_src = 2 (2 - h) = 3.5 of the interpolant, A_dst.N_dst = -1,
+//               flux jump 2.5;
+//               equal mean 2.25, exact 4: flux error 1.75. Reactions: with the source -k T'' = -4 the nodal
+//               values are exact, so the left gives the exact flux 4; the right -1
 //
 // ranks: 1 2 3
 
@@ -52,6 +51,9 @@ subsection Domain left
   end
   subsection Exact
     set temperature = x^2
+  end
+  subsection Source
+    set temperature = -4
   end
   subsection Boundary condition cold
     set Type = value

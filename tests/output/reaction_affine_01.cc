@@ -8,10 +8,11 @@
 //                                                              2D  P = (2 lambda + 2 mu)/10 = 0.16 on x+:
 //                                                              0.32
 //
-// On x- a convection puts in h (Ambient - T) = -3, what A.N is there: it takes part where x- is an other
-// boundary and not where it is the boundary itself. On x+ nothing is prescribed although A.N = 3: the node of
-// its edge with y- carries half a cell (1/2) of it, so y- reacts with (6 + 3/2) * 1 * 3 = 22.5 (2D: 7.5).
-// Over all boundaries w = 1: the sum is zero.
+// On x- a convection puts in h (Ambient - T) = -3, and on x+ fluxes put in 3 and P, which is what A.N is
+// there: they count where they are an other boundary and not on the boundary itself, so y- reacts with 6 * 1
+// * 3 = 18 (2D: 6). The displacement is prescribed on x-, so only the edge that x- has in common with y-
+// counts for y-: half a cell (1/2) of P on x- is included, -0.2 * 0.5 * 3 = -0.3 (2D: -0.08). Over all
+// boundaries w = 1: the sum is zero.
 //
 // ranks: 1 2 3
 
@@ -39,7 +40,7 @@ subsection Material stuff
 end
 subsection Domain box
   set Material = stuff
-  set Boundary conditions = heated, fixed
+  set Boundary conditions = heated, fixed, heat in, pull
   subsection Mesh
     set Generator = subdivided_hyper_rectangle
     set Arguments = )" + (dim == 2 ? "3, 2 : 0, 0 : 1, 2 : true" : "3, 2, 2 : 0, 0, 0 : 1, 2, 3 : true") +
@@ -57,6 +58,19 @@ subsection Domain box
     set Coefficient = 1
     set Ambient = 2 - 2*y
   end
+  subsection Boundary condition heat in
+    set Type = flux
+    set Field = temperature
+    set Boundary ids = 1
+    set Expression = 3
+  end
+  subsection Boundary condition pull
+    set Type = flux
+    set Field = displacement
+    set Boundary ids = 1
+    set Expression = )" + (dim == 2 ? "0.16; 0" : "0.2; 0; 0") +
+                          R"(
+  end
   subsection Boundary condition fixed
     set Type = value
     set Field = displacement
@@ -73,12 +87,12 @@ end
   std::set<dealii::types::boundary_id> all;
   for (unsigned int id = 0; id < 2 * dim; ++id)
     all.insert(id);
-  print("temperature, all", reaction(box, all, T, given.solution, 1.));
-  print("displacement, all", reaction(box, all, u, given.solution, 1.));
+  print("temperature, all", reaction(given.model, box, all, T, given.solution, 1.));
+  print("displacement, all", reaction(given.model, box, all, u, given.solution, 1.));
 
   for (const unsigned int id : {0, 1, 2}) {
-    print("temperature, " + std::to_string(id), reaction(box, {id}, T, given.solution, 1.));
-    print("displacement, " + std::to_string(id), reaction(box, {id}, u, given.solution, 1.));
+    print("temperature, " + std::to_string(id), reaction(given.model, box, {id}, T, given.solution, 1.));
+    print("displacement, " + std::to_string(id), reaction(given.model, box, {id}, u, given.solution, 1.));
   }
 }
 

@@ -58,7 +58,7 @@ private:
   [[noreturn]] static void fail_outside(const Probe &probe, const Section &section,
                                         const dealii::Point<dim> &X, const MPI_Comm &communicator);
 
-  MPI_Comm communicator;
+  const Model<dim> &model;
   std::vector<Probe> probes;
 };
 

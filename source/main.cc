@@ -14,6 +14,9 @@
 #include <string>
 #include <vector>
 
+/// OpenBLAS, where it is the BLAS: the ranks are the parallelism, its threads would only fight for the cores.
+extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+
 using namespace dovetail;
 
 namespace {
@@ -133,6 +136,8 @@ std::string reason(const std::exception &error)
 int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  if (openblas_set_num_threads != nullptr)
+    openblas_set_num_threads(1);
   dealii::deal_II_exceptions::suppress_stacktrace_in_exceptions();
   const bool is_first_rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
   Status status = done;

@@ -100,8 +100,8 @@ std::vector<SolveGroup> Simulation<dim>::solve_groups() const
       group.dim = dim;
       group.degree = model.degree();
       group.is_symmetric = fields.size() == 1 && model.is_symmetric(fields[0]);
-      group.near_null_space = [this](const unsigned int block) {
-        return model.near_null_space(model.numbering->blocks()[block]);
+      group.near_null_space = [this](const unsigned int block, const bool of_all_blocks) {
+        return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
       };
       const auto &blocks = model.numbering->blocks();
       for (unsigned int b = 0; b < blocks.size(); ++b)

@@ -51,20 +51,22 @@ void BlockSystem<dim>::set_up(const double t)
   toggles_of_set_up = active_toggles(t);
   make_relevant_set();
 
-  dealii::Timer timer;
   tie_lines.clear();
-  ConstraintLines lines;
-  for (const auto &domain : model.domains)
-    domain->add_constraints(t, lines);
-  const ConstraintLines given = lines;
-  for (const auto &interface : model.interfaces)
-    if (interface->is_active(t))
-      interface->tie().add_constraints(*interface, lines, model.communicator);
-  for (const auto &[dof, line] : lines)
-    if (given.count(dof) == 0)
-      tie_lines.emplace(dof, line);
   if (!model.interfaces.empty())
-    tie_seconds += timer.wall_time();
+    {
+      ConstraintLines lines;
+      for (const auto &domain : model.domains)
+        domain->add_constraints(t, lines);
+      const ConstraintLines given = lines;
+      dealii::Timer timer;
+      for (const auto &interface : model.interfaces)
+        if (interface->is_active(t))
+          interface->tie().add_constraints(*interface, lines, model.communicator);
+      for (const auto &[dof, line] : lines)
+        if (given.count(dof) == 0)
+          tie_lines.emplace(dof, line);
+      tie_seconds += timer.wall_time();
+    }
 
   make_constraints(t);
   make_sparsity(t);
@@ -142,6 +144,7 @@ void BlockSystem<dim>::make_sparsity(const double t)
     if (interface->is_active(t) && interface->tie().adds_terms())
       {
         dealii::Table<2, bool> couples;
+        bool all_couple = true;
         for (const auto &group : interface->pairing().groups)
           {
             interface->group_dofs(group, dofs);
@@ -155,9 +158,15 @@ void BlockSystem<dim>::make_sparsity(const double t)
                                      k + (side == source ? 0 : interface->components[source].size()));
                 for (unsigned int i = 0; i < dofs.size(); ++i)
                   for (unsigned int j = 0; j < dofs.size(); ++j)
-                    couples(i, j) = interface->couples(component[i], component[j]);
+                    {
+                      couples(i, j) = interface->couples(component[i], component[j]);
+                      all_couple = all_couple && couples(i, j);
+                    }
               }
-            constraints.add_entries_local_to_global(dofs, pattern, false, couples);
+            if (all_couple) // faster
+              constraints.add_entries_local_to_global(dofs, pattern, false);
+            else
+              constraints.add_entries_local_to_global(dofs, pattern, false, couples);
           }
       }
   if (!model.interfaces.empty())

@@ -165,7 +165,7 @@ unsigned int Model<dim>::degree() const
 }
 
 template <int dim>
-std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block) const
+std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block, const bool of_all_domains) const
 {
   const Domain<dim> &domain = *domains[block.domain_index];
   const Field &field = domain.fields()[block.field_index];
@@ -173,6 +173,8 @@ std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block)
   if (field.n_components == 1)
     return {std::vector<double>(n_local, 1.)};
 
+  const dealii::Point<dim> centre = of_all_domains ? domains[0]->centre() : domain.centre();
+  const double length = of_all_domains ? domains[0]->typical_length() : domain.typical_length();
   const unsigned int n_modes = dim == 2 ? 3 : 6;
   std::vector<std::vector<double>> modes(n_modes, std::vector<double>(n_local, 0.));
   dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
@@ -198,7 +200,7 @@ std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block)
                 at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
               is_mapped = true;
               const dealii::Tensor<1, dim> r =
-                  (at_nodes.quadrature_point(a) - (getenv("SHARED")?dealii::Point<dim>():domain.centre())) * (2. / (getenv("SHARED")?1.:domain.typical_length()));
+                  (at_nodes.quadrature_point(a) - centre) * (2. / length);
               modes[c][i] = 1;
               if constexpr (dim == 2)
                 modes[2][i] = c == 0 ? -r[1] : r[0];

@@ -26,14 +26,14 @@ struct SolveGroup
   bool is_symmetric = true; ///< and positive definite
   unsigned int dim = 3;
   unsigned int degree = 1;
-  /// Near-null space of each of the blocks at this rank's unknowns: [block][mode][local unknown]; asked for only if
-  /// multigrid is used.
-  std::function<std::vector<std::vector<double>>(unsigned int block)> near_null_space;
+  /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks together
+  /// or by itself; asked for only if multigrid is used.
+  std::function<std::vector<std::vector<double>>(unsigned int block, bool of_all_blocks)> near_null_space;
 };
 
 /// Solves K dx = b for a matrix that is lower block triangular over the groups (a field does not depend on those after
 /// it), group after group, each merged into one matrix: by MUMPS, or by CG (symmetric) or GMRES with ML's smoothed
-/// aggregation and the near-null space of every block.
+/// aggregation and the near-null space of the blocks.
 class LinearSolver
 {
 public:

@@ -41,8 +41,9 @@ public:
   unsigned int degree() const;                         ///< the largest of the domains
 
   /// Near-null space of the block of a field of a domain at this rank's owned unknowns (in their order): the
-  /// constant for scalars; translations and rotations about the domain's centre, scaled to order one, for vectors.
-  std::vector<std::vector<double>> near_null_space(const Block &block) const;
+  /// constant for scalars; for vectors translations and rotations scaled to order one, about the centre of the domain
+  /// or, if @p of_all_domains, about one point for all of them.
+  std::vector<std::vector<double>> near_null_space(const Block &block, bool of_all_domains) const;
 
   double pairing_seconds = 0; ///< search and shape functions, this rank
   double search_seconds = 0;  ///< the search alone, this rank

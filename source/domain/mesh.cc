@@ -103,6 +103,35 @@ std::string reason(const std::exception &error)
   return error.what();
 }
 
+/// deal.II's reason why a generator fails, in words of the scene. It shows the arguments it expects as a pattern
+/// "[Tuple of <4> elements <...".
+[[noreturn]] void fail_generator(const Section &section, const std::string &generator, const std::string &arguments,
+                                 const std::string &reason)
+{
+  const std::string help = " See the function of this name in deal.II's GridGenerator.";
+  if (reason.find("not implemented") != std::string::npos)
+    {
+      const std::string guess = did_you_mean(
+          generator, {"hyper_cube", "subdivided_hyper_cube", "hyper_rectangle", "subdivided_hyper_rectangle",
+                      "hyper_ball", "hyper_ball_balanced", "quarter_hyper_ball", "half_hyper_ball", "hyper_shell",
+                      "quarter_hyper_shell", "half_hyper_shell", "cylinder", "subdivided_cylinder", "cylinder_shell",
+                      "truncated_cone", "hyper_L", "hyper_cube_with_cylindrical_hole", "plate_with_a_hole",
+                      "channel_with_cylinder", "parallelogram", "cheese", "simplex", "torus", "concentric_hyper_shells",
+                      "general_cell", "enclosed_hyper_cube", "cross"});
+      section.fail("Generator", "names '" + generator + "', which deal.II does not have in this dimension" +
+                                    (guess.empty() ? ": see GridGenerator in its documentation." : ". " + guess));
+    }
+  const std::string begin = "[Tuple of <";
+  if (const auto tuple = reason.find(begin); tuple != std::string::npos)
+    {
+      const auto first = tuple + begin.size();
+      section.fail("Arguments", "are '" + arguments + "', which do not fit the generator " + generator +
+                                    ": it takes " + reason.substr(first, reason.find('>', first) - first) +
+                                    " arguments separated by ':', lists by ','." + help);
+    }
+  section.fail("Generator", "could not be used to make the mesh: " + reason + help);
+}
+
 template <int dim>
 void make_coarse_mesh(const Section &section, dealii::Triangulation<dim> &mesh)
 {
@@ -132,10 +161,9 @@ void make_coarse_mesh(const Section &section, dealii::Triangulation<dim> &mesh)
     }
   catch (const std::exception &error)
     {
-      section.fail(source, "could not be used to make the mesh: " + reason(error) +
-                               (file_name.empty() ? " See the function of this name in deal.II's GridGenerator for "
-                                                    "its arguments."
-                                                  : ""));
+      if (file_name.empty())
+        fail_generator(section, generator, arguments, reason(error));
+      section.fail(source, "could not be used to make the mesh: " + reason(error));
     }
   section.check(mesh.n_active_cells() > 0, source, "gives a mesh without cells.");
   section.check(mesh.all_reference_cells_are_hyper_cube(), source,

@@ -75,6 +75,10 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       section.read<std::vector<std::string>>("Fields", {}, "The fields that are tied; all that both domains have [-]");
       return;
     }
+  for (const auto id : sides[source].boundary_ids)
+    section.check(sides[source].domain != sides[destination].domain || sides[destination].boundary_ids.count(id) == 0,
+                  "Destination", "and Source both have the boundary id " + std::to_string(id) + " of the domain " +
+                                     sides[source].domain->name + ": a boundary cannot be tied to itself.");
   options.integrate_on = method->integrates_on();
   read_fields();
   find_components();

@@ -94,7 +94,7 @@ private:
   std::array<std::unique_ptr<State<dim>>, 2> state;
   std::array<std::unique_ptr<Response<dim>>, 2> response;
   std::vector<double> jump, mean_flux;
-  std::vector<double> mean_flux_of; ///< d{A}_c / dx_i at i * n_components + c
+  std::vector<double> mean_flux_of; ///< d{A}_c / dx_i at c * n_local + i
 };
 
 template <int dim>
@@ -286,7 +286,7 @@ void Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
   const Pairing<dim> &pairing = interface.pairing();
   const TiedField &field = interface.fields[field_index];
   const Parameters &p = parameters[field_index * pairing.n_points() + q];
-  const unsigned int n_c = field.n_components;
+  const unsigned int n_c = field.n_components, n_local = interface.n_local(source) + interface.n_local(destination);
 
   interface.jump(field, q, unknowns, jump);
   mean_flux.assign(n_c, 0.);
@@ -313,7 +313,7 @@ void Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
                 double R = sign * test[a] * (p.gamma * jump[c] - mean_flux[c]);
                 if (theta != 0)
                   for (unsigned int d = 0; d < n_c; ++d)
-                    R -= theta * mean_flux_of[i * n_c + d] * jump[d];
+                    R -= theta * mean_flux_of[d * n_local + i] * jump[d];
                 residual[i] += pairing.weight(q) * R;
               }
         }
@@ -332,7 +332,8 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
 {
   const Pairing<dim> &pairing = interface.pairing();
   const unsigned int n_c = field.n_components;
-  mean_flux_of.assign((interface.n_local(source) + interface.n_local(destination)) * n_c, 0.);
+  const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
+  mean_flux_of.assign(n_c * n_local, 0.);
   unsigned int i = 0;
   for (const unsigned int side : {source, destination})
     {
@@ -353,7 +354,7 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
                   factor * (pairing.N(side, q) * response[side]->by_gradient[pair]);
               const double by_value = factor * (pairing.N(side, q) * response[side]->by_value[pair]);
               for (unsigned int a = 0; a < n_nodes; ++a)
-                mean_flux_of[(i + a) * n_c + c] =
+                mean_flux_of[c * n_local + i + a] =
                     by_gradient * pairing.gradients(side, q)[a] + by_value * pairing.values(side, q)[a];
             }
           i += n_nodes;
@@ -372,7 +373,7 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
     double trial, test;
   };
   static thread_local std::vector<InJump> in_jump;
-  static thread_local std::vector<std::pair<unsigned int, unsigned int>> of_field; // index, component
+  static thread_local std::vector<unsigned int> of_field;
   in_jump.clear();
   of_field.clear();
   const Pairing<dim> &pairing = interface.pairing();
@@ -387,7 +388,7 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
           for (unsigned int a = 0; a < interface.sides[side].domain->n_nodes(); ++a, ++i)
             if (c < n_c)
               {
-                of_field.emplace_back(i, c);
+                of_field.push_back(i);
                 const double trial = pairing.trial(side, q)[a], test = pairing.test(side, q)[a];
                 if (std::abs(trial) > 1e-14 || std::abs(test) > 1e-14)
                   in_jump.push_back({i, c, sign * trial, sign * test});
@@ -397,19 +398,25 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
 
   const double w = pairing.weight(q);
   const unsigned int n_local = tangent.n();
-  for (const InJump &row : in_jump)
-    {
-      const double test = w * row.test;
-      for (unsigned int j = 0; j < n_local; ++j)
-        tangent(row.i, j) -= test * mean_flux_of[j * n_c + row.c];
-      for (const InJump &column : in_jump)
-        if (column.c == row.c)
-          tangent(row.i, column.i) += p.gamma * test * column.trial;
-    }
+  for (const InJump &row : in_jump) {
+    const double test = w * row.test;
+    const double *mean = &mean_flux_of[row.c * n_local];
+    double *entries = &tangent(row.i, 0);
+    for (unsigned int j = 0; j < n_local; ++j)
+      entries[j] -= test * mean[j];
+    for (const InJump &column : in_jump)
+      if (column.c == row.c)
+        entries[column.i] += p.gamma * test * column.trial;
+  }
   if (theta != 0)
-    for (const auto &[row, c] : of_field)
+    for (const unsigned int row : of_field) {
+      std::array<double, dim> mean;
+      for (unsigned int c = 0; c < n_c; ++c)
+        mean[c] = theta * w * mean_flux_of[c * n_local + row];
+      double *entries = &tangent(row, 0);
       for (const InJump &column : in_jump)
-        tangent(row, column.i) -= theta * w * mean_flux_of[row * n_c + column.c] * column.trial;
+        entries[column.i] -= mean[column.c] * column.trial;
+    }
 }
 
 /// - theta [B]_c d2{A}_c(delta, d): the second derivative of the flux contracted with the jump.

@@ -16,6 +16,7 @@
 
 #include <dovetail/interface/interface.h>
 
+#include <deal.II/base/mpi.h>
 #include <deal.II/dofs/dof_tools.h>
 
 #include <cmath>
@@ -100,6 +101,7 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, Constraint
   const PartnerShapes<dim> shapes = fetch_shapes(*from.domain, locator, matches, communicator);
 
   const unsigned int n = from.domain->n_nodes();
+  unsigned int n_followers = 0, n_prescribed = 0;
   for (unsigned int i = 0; i < nodes.size(); ++i)
     {
       if (!matches[i].found)
@@ -110,6 +112,7 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, Constraint
         for (unsigned int c = 0; c < field.n_components; ++c)
           {
             const auto dof = nodes[i].dofs[field.first_component[destination] + c];
+            ++(lines.count(dof) > 0 ? n_prescribed : n_followers);
             if (lines.count(dof) > 0)
               continue;
             ConstraintLine line;
@@ -124,6 +127,12 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, Constraint
             lines.emplace(dof, std::move(line));
           }
     }
+  n_followers = dealii::Utilities::MPI::sum(n_followers, communicator);
+  n_prescribed = dealii::Utilities::MPI::sum(n_prescribed, communicator);
+  interface.section.check(n_followers > 0 || n_prescribed == 0, "Destination",
+                          "has unknowns that are prescribed already, all of them, by a boundary condition or by another "
+                          "interface: nothing is left to follow the source. Swap Source and Destination, or use "
+                          "Type = Nitsche.");
 }
 
 const bool registered = add_tie<Pointwise>("pointwise", "The destination's unknowns follow the source pointwise.");

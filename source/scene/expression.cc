@@ -92,7 +92,9 @@ std::string explain(const mu::Parser &parser, const mu::Parser::exception_type &
   std::vector<std::string> functions;
   for (const auto &function : parser.GetFunDef())
     functions.push_back(function.first);
-  const std::string &token = error.GetToken();
+  const std::string token = dealii::Utilities::trim(error.GetToken());
+  if (token[0] == '&' || token[0] == '|')
+    return "'" + token.substr(0, 1) + "' is not known; 'and' is written '&&', 'or' is written '||'.";
   std::string message = "'" + token + "' is not known";
   if (token == "z" && !has_z)
     message += " in two dimensions";

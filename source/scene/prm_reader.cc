@@ -124,10 +124,15 @@ void PrmParser::parse_line(const LogicalLine &line, const Location &location)
     close_subsection(location);
   else if (keyword == "include")
     include(line.rest, location);
-  else
-    throw UserError(location.text() + ": '" + trim(keyword + " " + line.rest) +
-                    "' is not understood. A line begins with set, subsection, end, include or #. " +
-                    did_you_mean(keyword, {"set", "subsection", "end", "include"}));
+  else {
+    const std::string text = trim(keyword + " " + line.rest);
+    const std::string guess = did_you_mean(keyword, {"set", "subsection", "end", "include"});
+    throw UserError(trim(location.text() + ": '" + text +
+                         "' is not understood. A line begins with set, subsection, end, include or #. " +
+                         (guess.empty() && text.find('=') != std::string::npos
+                              ? "Did you mean 'set " + text + "'?"
+                              : guess)));
+  }
 }
 
 void PrmParser::open_subsection(const std::string &name, const Location &location)

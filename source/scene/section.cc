@@ -78,9 +78,12 @@ template <typename T>
 T to_value(const Section &section, const std::string &name, const std::string &text,
            const Patterns::PatternBase &pattern)
 {
-  if (!pattern.match(text) || is_negative_unsigned<T>(text))
+  if (!pattern.match(text) || is_negative_unsigned<T>(text)) {
+    const std::vector<std::string> choices = choices_of(pattern);
     section.fail(name, (text.empty() ? "is empty" : "is '" + text + "'") + ", but must be " +
-                           readable_range(pattern) + ". " + did_you_mean(text, choices_of(pattern)));
+                           readable_range(pattern) + ". " +
+                           (choices.size() == 1 ? "" : did_you_mean(text, choices)));
+  }
   return Patterns::Tools::Convert<T>::to_value(text, pattern);
 }
 
@@ -156,6 +159,12 @@ Section::BoundaryReference parse_boundary(const Section &section, const std::str
   return reference;
 }
 
+/// A description without its unit in brackets: "The material of this body".
+std::string without_unit(const std::string &description)
+{
+  return trim(description.substr(0, description.rfind('[')));
+}
+
 /// What the person may have written instead of @p name.
 std::string unread_entry_near(const SceneState &state, const std::string &path, const std::string &name)
 {
@@ -223,8 +232,8 @@ std::string Section::declare(const std::string &name, const std::optional<std::s
 
   if (!default_text && value.empty())
     check(false, name,
-          std::string(entry ? "is empty" : "is missing") + "; it must be " + range + "." +
-              unread_entry_near(state(), section_path, name));
+          std::string(entry ? "is empty" : "is missing") + (range == "text" ? "" : "; it must be " + range) +
+              " (" + without_unit(description) + ")." + unread_entry_near(state(), section_path, name));
   return value;
 }
 
@@ -294,6 +303,8 @@ std::vector<std::string> Section::announce(const std::string &plural, const std:
       declare(plural, "", description, "names, each with a subsection '" + singular + " NAME'");
   if (documenting())
     return {"NAME"};
+  const std::string misspelt = unread_entry_near(state(), section_path, plural);
+  check(!value.empty() || misspelt.empty(), plural, "is missing." + misspelt);
   const std::vector<std::string> names = split_string_list(value, ',');
   check_announced(*this, state(), names, plural, singular);
   return names;

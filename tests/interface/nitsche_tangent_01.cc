@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Nitsche's tie, group by group: the tangent against central differences of the residual (relative error at
+// most 1e-7) at random states with a jump, for every law, theta, choice of weights and sides, and gap
+// extension, over an interface with a gap. Entries that Interface::couples excludes must vanish; for theta =
+// 1 the tangent of a single field is symmetric to 1e-12, except if the gap extension is not.
+
+#include "../system/scene_model.h"
+
+#include <array>
+
+using namespace test;
+
+struct Choice
+{
+  std::string theta, weights, integrate_on, extension;
+};
+
+struct Laws
+{
+  std::string name, source, destination; ///< entries of the two materials
+  double size;                           ///< of the displacement gradients
+  unsigned int n_fields;
+};
+
+std::string solid(const std::string &type, const std::string &more = "")
+{
+  return subsection("Solid",
+                    set("Type", type) + set("Young modulus", "2") + set("Poisson ratio", "0.3") + more);
+}
+
+std::string heat(const std::string &conductivity)
+{
+  return subsection("Heat", set("Type", "Fourier") + set("Conductivity", conductivity));
+}
+
+template <int dim>
+std::string scene(const Laws &laws, const Choice &choice, const unsigned int degree)
+{
+  const bool has_solid = laws.source.find("Solid") != std::string::npos,
+             has_heat = laws.source.find("Heat") != std::string::npos;
+  const std::string clamp =
+      subsection("Boundary condition clamp", set("Type", "value") + set("Field", "displacement") +
+                                                 set("Boundary ids", "0") +
+                                                 set("Expression", dim == 2 ? "0; 0" : "0; 0; 0"));
+  const std::string cold =
+      subsection("Boundary condition cold", set("Type", "value") + set("Field", "temperature") +
+                                                set("Boundary ids", "0") + set("Expression", "3"));
+  std::string conditions = has_solid ? "clamp" : "";
+  if (has_heat)
+    conditions += has_solid ? ", cold" : "cold";
+  const std::string given_degree = set("Degree", std::to_string(degree));
+  return set("Materials", "first, second") + set("Domains", "left, right") + set("Interfaces", "seam") +
+         subsection("Material first", laws.source) + subsection("Material second", laws.destination) +
+         subsection("Domain left", set("Material", "first") + set("Boundary conditions", conditions) +
+                                       given_degree + (has_solid ? clamp : "") + (has_heat ? cold : "") +
+                                       box(dim == 2 ? "1, 2 : 0, 0 : 1, 1" : "1, 1, 2 : 0, 0, 0 : 1, 1, 1")) +
+         subsection("Domain right",
+                    set("Material", "second") + given_degree +
+                        box(dim == 2 ? "1, 3 : 1.02, 0 : 2, 1" : "1, 2, 1 : 1.02, 0, 0 : 2, 1, 1")) +
+         subsection("Interface seam",
+                    set("Type", "Nitsche") + set("Source", "left : 1") + set("Destination", "right : 0") +
+                        set("Theta", choice.theta) + set("Weights", choice.weights) +
+                        set("Integrate on", choice.integrate_on) + set("Gap extension", choice.extension) +
+                        set("Points per face", "2"));
+}
+
+/// Largest relative errors: of the tangent, of its symmetry, of what must not couple.
+struct Errors
+{
+  double tangent = 0, symmetry = 0, coupling = 0;
+};
+
+template <int dim>
+Errors check(const Laws &laws, const Choice &choice, const unsigned int degree, const unsigned int n_groups)
+{
+  SceneModel<dim> scene_model(scene<dim>(laws, choice, degree));
+  Model<dim> &model = scene_model.model;
+  const Interface<dim> &interface = *model.interfaces[0];
+  Tie<dim> &tie = interface.tie();
+
+  std::vector<double> x(model.numbering->n_dofs());
+  for (unsigned int i = 0; i < x.size(); ++i)
+    x[i] = model.numbering->blocks()[model.numbering->block_of(i)].field == "temperature"
+               ? 3 + noise(i)
+               : laws.size * noise(i);
+  tie.begin_step(interface, 1., [&](const auto &group, std::vector<double> &unknowns) {
+    unknowns = of_group(interface, group, x);
+  });
+
+  Errors errors;
+  const auto &groups = interface.pairing().groups;
+  for (unsigned int g = 0; g < std::min<std::size_t>(n_groups, groups.size()); ++g) {
+    const auto &group = groups[g];
+    std::vector<double> unknowns = of_group(interface, group, x);
+    const unsigned int n = unknowns.size();
+    std::vector<double> residual(n, 0.);
+    dealii::FullMatrix<double> tangent(n, n), difference(n, n);
+    bool is_defined = tie.assemble(interface, group, 1., unknowns, residual, &tangent);
+    const double h = 1e-5;
+    for (unsigned int j = 0; j < n; ++j) {
+      std::vector<double> plus(n, 0.), minus(n, 0.);
+      const double center = unknowns[j];
+      unknowns[j] = center + h;
+      is_defined = tie.assemble(interface, group, 1., unknowns, plus, nullptr) && is_defined;
+      unknowns[j] = center - h;
+      is_defined = tie.assemble(interface, group, 1., unknowns, minus, nullptr) && is_defined;
+      unknowns[j] = center;
+      for (unsigned int i = 0; i < n; ++i)
+        difference(i, j) = (plus[i] - minus[i]) / (2 * h);
+    }
+    const double norm = tangent.frobenius_norm();
+    dealii::FullMatrix<double> antisymmetric = tangent;
+    antisymmetric.Tadd(-1, tangent);
+    difference.add(-1, tangent);
+    errors.tangent = std::max(errors.tangent, is_defined ? difference.frobenius_norm() / norm : 1e300);
+    errors.symmetry = std::max(errors.symmetry, antisymmetric.frobenius_norm() / norm);
+
+    std::vector<unsigned int> component;
+    for (const unsigned int side : {source, destination})
+      for (unsigned int k = 0; k < interface.components[side].size(); ++k)
+        component.insert(component.end(), interface.sides[side].domain->n_nodes(),
+                         k + (side == source ? 0 : interface.components[source].size()));
+    for (unsigned int i = 0; i < n; ++i)
+      for (unsigned int j = 0; j < n; ++j)
+        if (!interface.couples(component[i], component[j]))
+          errors.coupling = std::max(errors.coupling, std::abs(tangent(i, j)));
+  }
+  return errors;
+}
+
+template <int dim>
+void test_laws(const std::vector<Laws> &all_laws, const unsigned int degree, const unsigned int n_groups)
+{
+  const std::array<std::string, 4> thetas = {{"1", "0", "-1", "0.3"}};
+  const std::array<std::string, 4> weights = {{"volume", "equal", "source", "destination"}};
+  const std::array<std::string, 3> sides = {{"source", "destination", "both"}};
+  const std::array<std::string, 3> extensions = {{"symmetric", "trial", "none"}};
+  unsigned int n_choices = 0;
+  for (const Laws &laws : all_laws) {
+    Errors errors;
+    // seven choices per law, each theta with different companions; over all laws every pair occurs
+    for (unsigned int i = 0; i < 7; ++i, ++n_choices) {
+      const Choice choice = {thetas[i % 4], weights[(i + i / 4 + n_choices / 7) % 4], sides[n_choices % 3],
+                             extensions[(n_choices + n_choices / 3) % 3]};
+      const Errors of_choice = check<dim>(laws, choice, degree, n_groups);
+      errors.tangent = std::max(errors.tangent, of_choice.tangent);
+      errors.coupling = std::max(errors.coupling, of_choice.coupling);
+      if (choice.theta == "1" && choice.extension != "trial" && laws.n_fields == 1)
+        errors.symmetry = std::max(errors.symmetry, of_choice.symmetry);
+    }
+    const std::string name =
+        std::to_string(dim) + "D, degree " + std::to_string(degree) + ", " + laws.name + ": ";
+    report(name + "tangent", errors.tangent, 1e-7);
+    report(name + "symmetric for theta = 1", errors.symmetry, 1e-12);
+    report(name + "couplings", errors.coupling, 0.);
+  }
+}
+
+int main(int argc, char **argv)
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  const std::string expansion = set("Expansion coefficient", "0.03") + set("Reference temperature", "2.5");
+  const Laws conduction = {"k(T)", heat("1 + 0.1*T^2"), heat("2 + x + 0.3*T"), 0, 1};
+  const Laws linear = {"linear elastic", solid("linear elastic"), solid("linear elastic"), 0.05, 1};
+  const Laws saint_venant = {"Saint Venant-Kirchhoff", solid("Saint Venant-Kirchhoff"),
+                             solid("Saint Venant-Kirchhoff"), 0.03, 1};
+  const Laws neo_hookean = {"neo-Hookean", solid("neo-Hookean"), solid("neo-Hookean"), 0.03, 1};
+  const Laws mixed = {"linear elastic to neo-Hookean", solid("linear elastic"), solid("neo-Hookean"), 0.03,
+                      1};
+  const Laws thermoelastic = {"linear thermo-elastic", solid("linear elastic", expansion) + heat("1 + 0.1*T"),
+                              solid("linear elastic") + heat("2"), 0.03, 2};
+  const Laws coupled = {"thermo-elastic", solid("neo-Hookean", expansion) + heat("1 + 0.1*T"),
+                        solid("Saint Venant-Kirchhoff", expansion) + heat("2"), 0.03, 2};
+
+  test_laws<2>({conduction,
+                {"tensor k(T)", heat("2 + 0.1*T; 0.3*T; 0.1; 1 + x"), heat("1; 2 + 0.2*T"), 0, 2},
+                linear,
+                saint_venant,
+                neo_hookean,
+                mixed,
+                thermoelastic,
+                coupled},
+               1, 10);
+  test_laws<2>({conduction, neo_hookean, coupled}, 2, 1);
+  test_laws<3>(
+      {conduction,
+       {"tensor k(T)", heat("3; 0.1*T; 0; 0.2; 2 + 0.1*T; 0; 0.1; 0; 1"), heat("1; 2; 1 + 0.1*T"), 0, 2},
+       saint_venant,
+       coupled},
+      1, 1);
+}

@@ -95,6 +95,7 @@ private:
   std::array<std::unique_ptr<Response<dim>>, 2> response;
   std::vector<double> jump, mean_flux;
   std::vector<double> mean_flux_of; ///< d{A}_c / dx_i at c * n_local + i
+  std::vector<double> variation_of; ///< delta{A}_c for the test function i, likewise
 };
 
 template <int dim>
@@ -313,7 +314,7 @@ void Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
                 double R = sign * test[a] * (p.gamma * jump[c] - mean_flux[c]);
                 if (theta != 0)
                   for (unsigned int d = 0; d < n_c; ++d)
-                    R -= theta * mean_flux_of[d * n_local + i] * jump[d];
+                    R -= theta * variation_of[d * n_local + i] * jump[d];
                 residual[i] += pairing.weight(q) * R;
               }
         }
@@ -325,7 +326,9 @@ void Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
     add_curvature(interface, field, p, q, *tangent);
 }
 
-/// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a).
+/// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a), and the first
+/// term of it alone, delta{A}: a test function varies the flux through its gradient only, so that a constant one does
+/// not and the fluxes of both sides balance also for k(T).
 template <int dim>
 void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
                                        const Parameters &p, const unsigned int q)
@@ -334,6 +337,7 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
   const unsigned int n_c = field.n_components;
   const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
   mean_flux_of.assign(n_c * n_local, 0.);
+  variation_of.assign(n_c * n_local, 0.);
   unsigned int i = 0;
   for (const unsigned int side : {source, destination})
     {
@@ -353,9 +357,12 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
               const dealii::Tensor<1, dim> by_gradient =
                   factor * (pairing.N(side, q) * response[side]->by_gradient[pair]);
               const double by_value = factor * (pairing.N(side, q) * response[side]->by_value[pair]);
+              double *variation = &variation_of[c * n_local + i], *mean = &mean_flux_of[c * n_local + i];
               for (unsigned int a = 0; a < n_nodes; ++a)
-                mean_flux_of[c * n_local + i + a] =
-                    by_gradient * pairing.gradients(side, q)[a] + by_value * pairing.values(side, q)[a];
+                {
+                  variation[a] = by_gradient * pairing.gradients(side, q)[a];
+                  mean[a] = variation[a] + by_value * pairing.values(side, q)[a];
+                }
             }
           i += n_nodes;
         }
@@ -412,7 +419,7 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
     for (const unsigned int row : of_field) {
       std::array<double, dim> mean;
       for (unsigned int c = 0; c < n_c; ++c)
-        mean[c] = theta * w * mean_flux_of[c * n_local + row];
+        mean[c] = theta * w * variation_of[c * n_local + row];
       double *entries = &tangent(row, 0);
       for (const InJump &column : in_jump)
         entries[column.i] -= mean[column.c] * column.trial;
@@ -444,19 +451,18 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
           const dealii::Tensor<1, dim> *gradients = pairing.gradients(side, q);
           for (unsigned int k = 0; k < components.size(); ++k)
             {
-              // delta{A} varies the tied field only
+              // delta{A} varies the gradient of the tied field only
               if (components[k] - field.first_component[side] >= field.n_components)
                 continue;
               for (unsigned int l = 0; l < components.size(); ++l)
                 for (unsigned int a = 0; a < n_nodes; ++a)
                   {
                     const unsigned int row = components[k] * (1 + dim), column = components[l] * (1 + dim);
-                    dealii::Tensor<1, dim> g; // row S(phi_a) times H, by gradient and by value of the column
-                    double v = values[a] * H(row, column);
+                    dealii::Tensor<1, dim> g; // grad phi_a times H, by gradient and by value of the column
+                    double v = 0;
                     for (unsigned int J = 0; J < dim; ++J)
                       {
                         v += gradients[a][J] * H(row + 1 + J, column);
-                        g[J] += values[a] * H(row, column + 1 + J);
                         for (unsigned int L = 0; L < dim; ++L)
                           g[L] += gradients[a][J] * H(row + 1 + J, column + 1 + L);
                       }

@@ -163,7 +163,7 @@ NewtonResult Simulation<dim>::solve_step()
   problem.is_linear = model.is_linear();
   problem.assemble = [&](const bool with_tangent) {
     const Phases::Scope scope(phases, "assembly");
-    return system->assemble(trial, with_tangent) ? system->residual_norm() : std::nan("");
+    return system->assemble(trial, with_tangent) ? system->residual_norm(newton.absolute_tolerance()) : std::nan("");
   };
   double linear_residual = 0;
   problem.solve = [&]() {
@@ -252,6 +252,8 @@ bool Simulation<dim>::run()
         {
           log.step_ends("did not converge");
           is_converged = false;
+          if (n_done > 0 && n_done % every_steps != 0)
+            write_output(t, n_done, true); // the last good step is always kept
           break;
         }
     }

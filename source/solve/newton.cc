@@ -11,6 +11,9 @@ Newton::Newton(const Section &section)
     : relative_tolerance(section.read<double>("Relative tolerance", 1e-9,
                                               "Residual over its largest value in the step, field by field [-]",
                                               Patterns::Double(0, 1))),
+      tolerance(section.read<double>("Absolute tolerance", 0,
+                                     "A field whose residual (Euclidean norm) is below this is solved [N or W]",
+                                     Patterns::Double(0))),
       maximum_iterations(
           section.read<unsigned int>("Maximum iterations", 20, "Iterations per step [-]", Patterns::Integer(1))),
       line_search(section.read<bool>("Line search", true, "Damp an update that does not reduce the residual [-]"))

@@ -345,7 +345,7 @@ std::vector<double> norms_by_field(const Vector &vector, const std::vector<unsig
 } // namespace
 
 template <int dim>
-double BlockSystem<dim>::residual_norm()
+double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
 {
   const std::vector<double> norms = norms_by_field(right_hand_side, field_of_block, fields.size());
   double relative = 0;
@@ -355,7 +355,7 @@ double BlockSystem<dim>::residual_norm()
         return std::numeric_limits<double>::quiet_NaN();
       largest[f] = std::max(largest[f], norms[f]);
       const double noise = 1e-13 * std::sqrt(scale[f]);
-      if (norms[f] > noise)
+      if (norms[f] > std::max(noise, absolute_tolerance))
         relative = std::max(relative, norms[f] / largest[f]);
     }
   return relative;

@@ -61,6 +61,44 @@ ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_
   return lines;
 }
 
+/// Whether following the entries of @p lines leads back to where one started: then they have no solution.
+bool has_cycle(const ConstraintLines &lines)
+{
+  enum State
+  {
+    open,
+    active,
+    done
+  };
+  std::map<Index, State> state;
+  for (const auto &start : lines)
+    {
+      if (state[start.first] == done)
+        continue;
+      std::vector<std::pair<Index, std::size_t>> path = {{start.first, 0}}; // unknown, next entry
+      state[start.first] = active;
+      while (!path.empty())
+        {
+          auto &[dof, next] = path.back();
+          const auto &entries = lines.at(dof).entries;
+          if (next == entries.size())
+            {
+              state[dof] = done;
+              path.pop_back();
+              continue;
+            }
+          const Index other = entries[next++].first;
+          if (lines.count(other) == 0 || state[other] == done)
+            continue;
+          if (state[other] == active)
+            return true;
+          state[other] = active;
+          path.emplace_back(other, 0);
+        }
+    }
+  return false;
+}
+
 } // namespace
 
 dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned_lines, const Numbering &numbering,
@@ -94,6 +132,9 @@ dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned
           }
       }
 
+  if (dealii::Utilities::MPI::max(has_cycle(lines) ? 1 : 0, communicator) > 0)
+    throw UserError("Pointwise interfaces follow each other in a circle where they meet. Swap Source and Destination of "
+                    "one of them, or tie one by Type = Nitsche.");
   auto constraints = make_affine_constraints(numbering.owned, known);
   for (const auto &[dof, line] : lines)
     {

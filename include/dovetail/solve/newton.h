@@ -48,10 +48,13 @@ public:
   explicit Newton(const Section &section);
   NewtonResult solve(const NewtonProblem &problem) const;
 
+  /// A field whose residual is below this counts as solved.
+  double absolute_tolerance() const { return tolerance; }
+
 private:
   double search_line(const NewtonProblem &problem, double norm, bool with_tangent, double &damping) const;
 
-  double relative_tolerance;
+  double relative_tolerance, tolerance;
   unsigned int maximum_iterations;
   bool line_search;
 };

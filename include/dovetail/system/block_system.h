@@ -41,8 +41,8 @@ public:
   const Vector &negative_residual() const { return right_hand_side; }
 
   /// Largest over the fields of ||R_f|| relative to its largest value in this step; a field whose residual is
-  /// rounding noise counts as zero.
-  double residual_norm();
+  /// rounding noise or not above @p absolute_tolerance counts as zero.
+  double residual_norm(double absolute_tolerance = 0);
   /// Forget the largest values: a new step begins.
   void reset_norms();
   /// The norm that the residual would have after dx, for linear systems: of K dx + R.

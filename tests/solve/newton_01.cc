@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Newton's method for one unknown. Quadratic: x^2 - 2 from 1.5, where e_(k+1) = e_k^2 / (2 x_k), by hand.
+// Line search: log(x) from 5, whose full update leaves the domain of the logarithm, and exp(x) - 1 from -6,
+// whose full update of 402 makes the residual grow by 1e174. A failure is a status, not an exception.
+
+#include <dovetail/scene/scene_text.h>
+#include <dovetail/solve/newton.h>
+
+#include <cmath>
+#include <iomanip>
+#include <iostream>
+
+using namespace dovetail;
+
+/// f(x) = 0 from x, and what Newton's method asks for.
+struct Toy
+{
+  std::function<double(double)> f, slope;
+  double x;
+  bool is_linear = false, moves_constraints = false;
+  double linear_residual = 0;
+  unsigned int fails_at = 1000; ///< number of the solve that fails
+  unsigned int n_solves = 0, n_assemblies = 0, n_tangents = 0;
+  std::vector<double> dampings;
+
+  NewtonResult solve(const std::string &settings = "")
+  {
+    double trial = x, tangent = 0, residual = 0, dx = 0;
+    NewtonProblem problem;
+    problem.is_linear = is_linear;
+    problem.assemble = [&](const bool with_tangent) {
+      ++n_assemblies;
+      n_tangents += with_tangent;
+      residual = f(trial);
+      tangent = with_tangent ? slope(trial) : 0; // a tangent that was not asked for is of no use
+      return std::abs(residual);
+    };
+    problem.solve = [&]() -> std::optional<unsigned int> {
+      if (++n_solves == fails_at)
+        return {};
+      dx = -residual / tangent;
+      return 3;
+    };
+    problem.try_update = [&](const double damping) { trial = x + (damping == 0 ? 0. : damping * dx); };
+    problem.accept = [&]() { x = trial; };
+    problem.moves_constraints = [&]() { return moves_constraints; };
+    problem.linear_residual = [&]() { return linear_residual; };
+    problem.report = [&](unsigned int, double, unsigned int, const double damping) {
+      dampings.push_back(damping);
+    };
+    return Newton(SceneText::root(SceneText::from_prm(settings))).solve(problem);
+  }
+};
+
+void show(const std::string &name, Toy toy, const std::string &settings = "")
+{
+  const NewtonResult result = toy.solve(settings);
+  std::cout << name << ": " << (result.is_converged ? "converged" : "failed") << ", x " << toy.x
+            << ", residuals " << result.residuals.size() << ", linear iterations";
+  for (const unsigned int n : result.linear_iterations)
+    std::cout << ' ' << n;
+  std::cout << ", assemblies " << toy.n_assemblies << " with tangent " << toy.n_tangents << ", dampings";
+  for (const double damping : toy.dampings)
+    std::cout << ' ' << damping;
+  std::cout << std::endl;
+}
+
+int main(int argc, char **argv)
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  std::cout << std::setprecision(6);
+  const double nan = std::nan("");
+  const Toy root = {[](double x) { return x * x - 2; }, [](double x) { return 2 * x; }, 1.5};
+  const Toy logarithm = {[](double x) { return std::log(x); }, [](double x) { return 1 / x; }, 5};
+  const Toy exponential = {[](double x) { return std::exp(x) - 1; }, [](double x) { return std::exp(x); },
+                           -6};
+
+  show("quadratic", root);
+  Toy toy = root;
+  const auto residuals = toy.solve("set Relative tolerance = 1e-13").residuals;
+  std::cout << "e_k+1 / e_k^2 * 2 x_k";
+  double x = 1.5;
+  for (unsigned int k = 0; k + 2 < residuals.size(); ++k) {
+    // f = e (2 sqrt 2 + e)
+    const auto error = [](const double f) { return std::sqrt(2 + f) - std::sqrt(2.); };
+    std::cout << ' ' << error(residuals[k + 1]) / std::pow(error(residuals[k]), 2) * 2 * x;
+    x = x / 2 + 1 / x;
+  }
+  std::cout << std::endl;
+
+  show("logarithm", logarithm);
+  show("logarithm without line search", logarithm, "set Line search = false");
+  show("exponential", exponential);
+  show("too few iterations", root, "set Maximum iterations = 2");
+
+  toy = root;
+  toy.fails_at = 2;
+  show("the second solve fails", toy);
+  toy = root;
+  toy.f = [](double) { return std::nan(""); };
+  show("not defined at the start", toy);
+  toy = root;
+  toy.f = [nan](const double x) { return x == 1.5 ? 1. : nan; };
+  show("not defined anywhere else", toy);
+  toy = exponential;
+  toy.slope = [](const double x) { return -std::exp(x); };
+  show("an update that leads away", toy, "set Maximum iterations = 3");
+
+  toy = {[](double x) { return 4 * x - 2; }, [](double) { return 4.; }, 7};
+  toy.is_linear = true;
+  toy.linear_residual = 1e-11;
+  show("linear", toy);
+  toy.x = 0.5;
+  show("already solved", toy);
+  toy.moves_constraints = true;
+  show("already solved, but prescribed values move", toy);
+  toy = logarithm;
+  toy.x = 2;
+  toy.moves_constraints = true;
+  show("no damping while prescribed values move", toy, "set Maximum iterations = 1");
+}

@@ -151,6 +151,14 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
   const unsigned int first_point = weights.size();
   const std::array<unsigned int, 2> first_cell = {
       {static_cast<unsigned int>(cells[source].size()), static_cast<unsigned int>(cells[destination].size())}};
+  for (const unsigned int side : {source, destination})
+    {
+      const std::size_t size = (first_point + order.size()) * n_nodes[side];
+      shape_values[side].reserve(size);
+      shape_gradients[side].reserve(size);
+      if (extension != GapExtension::none)
+        extended_values[side].reserve(size);
+    }
   for (const unsigned int q : order)
     {
       weights.push_back(factor * points_of_own.JxW[q]);

@@ -21,13 +21,7 @@ using namespace dovetail;
 
 namespace {
 
-enum Status
-{
-  done = 0,
-  wrong_input = 1,
-  not_converged = 2,
-  failed = 3
-};
+enum Status { done = 0, wrong_input = 1, not_converged = 2, failed = 3 };
 
 const char *const usage = R"(Dovetail: heat and solids on several bodies whose meshes do not match.
 
@@ -51,34 +45,31 @@ struct Arguments
 Arguments parse(const int argc, char **argv)
 {
   Arguments arguments;
-  for (int i = 1; i < argc; ++i)
-    {
-      const std::string word = argv[i];
-      if (word == "--help" || word == "-h")
-        arguments.help = true;
-      else if (word == "--version")
-        arguments.version = true;
-      else if (word == "--parameters")
-        arguments.parameters = true;
-      else if (word == "--check")
-        arguments.check = true;
-      else if (word == "--set")
-        {
-          if (i + 1 == argc)
-            throw UserError("--set needs an argument, for instance --set 'Interface seam/Theta=-1'.");
-          arguments.overrides.push_back(argv[++i]);
-        }
-      else if (word == "--study" || word == "--resume")
-        throw UserError("The option " + word + " is not available yet.");
-      else if (!word.empty() && word[0] == '-')
-        throw UserError("The option '" + word + "' is not known. " +
-                        did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set"}) +
-                        " See dovetail --help.");
-      else if (!arguments.scene.empty())
-        throw UserError("Two scenes are given, " + arguments.scene + " and " + word + "; run them one by one.");
-      else
-        arguments.scene = word;
-    }
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--help" || word == "-h")
+      arguments.help = true;
+    else if (word == "--version")
+      arguments.version = true;
+    else if (word == "--parameters")
+      arguments.parameters = true;
+    else if (word == "--check")
+      arguments.check = true;
+    else if (word == "--set") {
+      if (i + 1 == argc)
+        throw UserError("--set needs an argument, for instance --set 'Interface seam/Theta=-1'.");
+      arguments.overrides.push_back(argv[++i]);
+    } else if (word == "--study" || word == "--resume")
+      throw UserError("The option " + word + " is not available yet.");
+    else if (!word.empty() && word[0] == '-')
+      throw UserError("The option '" + word + "' is not known. " +
+                      did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set"}) +
+                      " See dovetail --help.");
+    else if (!arguments.scene.empty())
+      throw UserError("Two scenes are given, " + arguments.scene + " and " + word + "; run them one by one.");
+    else
+      arguments.scene = word;
+  }
   return arguments;
 }
 
@@ -86,32 +77,29 @@ template <int dim>
 Status run(const std::shared_ptr<SceneText> &text, const bool only_check)
 {
   Simulation<dim> simulation(text, MPI_COMM_WORLD);
-  if (only_check)
-    {
-      simulation.check();
-      return done;
-    }
+  if (only_check) {
+    simulation.check();
+    return done;
+  }
   return simulation.run() ? done : not_converged;
 }
 
 Status run(const Arguments &arguments, const bool is_first_rank)
 {
-  if (arguments.version || arguments.help || arguments.parameters)
-    {
-      if (!is_first_rank)
-        return done;
-      if (arguments.version)
-        std::cout << "Dovetail " << DOVETAIL_VERSION << std::endl;
-      else if (arguments.help)
-        std::cout << usage << std::flush;
-      else
-        {
-          const auto text = SceneText::for_documentation();
-          read_all_entries(text);
-          text->print_reference(std::cout);
-        }
+  if (arguments.version || arguments.help || arguments.parameters) {
+    if (!is_first_rank)
       return done;
+    if (arguments.version)
+      std::cout << "Dovetail " << DOVETAIL_VERSION << std::endl;
+    else if (arguments.help)
+      std::cout << usage << std::flush;
+    else {
+      const auto text = SceneText::for_documentation();
+      read_all_entries(text);
+      text->print_reference(std::cout);
     }
+    return done;
+  }
   if (arguments.scene.empty())
     throw UserError("Which scene? For instance: dovetail prm/quick_start.prm. See dovetail --help.");
   const auto text = SceneText::from_file(arguments.scene, arguments.overrides);
@@ -141,27 +129,22 @@ int main(int argc, char **argv)
   dealii::deal_II_exceptions::suppress_stacktrace_in_exceptions();
   const bool is_first_rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
   Status status = done;
-  try
-    {
-      status = run(parse(argc, argv), is_first_rank);
-    }
-  catch (const UserError &error)
-    {
-      // thrown on all ranks alike
-      if (is_first_rank)
-        std::cerr << "Error: " << error.what() << std::endl;
-      MPI_Barrier(MPI_COMM_WORLD);
-      return wrong_input;
-    }
-  catch (const std::exception &error)
-    {
-      // perhaps on one rank only: the others may wait for it
-      std::cerr << "Dovetail stopped on rank " << dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) << ": "
-                << reason(error) << std::endl;
-      if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
-        MPI_Abort(MPI_COMM_WORLD, failed);
-      return failed;
-    }
+  try {
+    status = run(parse(argc, argv), is_first_rank);
+  } catch (const UserError &error) {
+    // thrown on all ranks alike
+    if (is_first_rank)
+      std::cerr << "Error: " << error.what() << std::endl;
+    MPI_Barrier(MPI_COMM_WORLD);
+    return wrong_input;
+  } catch (const std::exception &error) {
+    // perhaps on one rank only: the others may wait for it
+    std::cerr << "Dovetail stopped on rank " << dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD)
+              << ": " << reason(error) << std::endl;
+    if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
+      MPI_Abort(MPI_COMM_WORLD, failed);
+    return failed;
+  }
   MPI_Barrier(MPI_COMM_WORLD); // an early exit of one rank would end the others before they have written
   return status;
 }

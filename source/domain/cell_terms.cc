@@ -9,19 +9,17 @@ template <int dim>
 void evaluate_state(const unsigned int n_components, const unsigned int n_nodes, const double *shape_values,
                     const dealii::Tensor<1, dim> *shape_gradients, const double *unknowns, State<dim> &state)
 {
-  for (unsigned int c = 0; c < n_components; ++c, unknowns += n_nodes)
-    {
-      double value = 0;
-      dealii::Tensor<1, dim> gradient;
-      for (unsigned int a = 0; a < n_nodes; ++a)
-        {
-          value += shape_values[a] * unknowns[a];
-          for (unsigned int d = 0; d < dim; ++d)
-            gradient[d] += shape_gradients[a][d] * unknowns[a];
-        }
-      state.value[c] = value;
-      state.gradient[c] = gradient;
+  for (unsigned int c = 0; c < n_components; ++c, unknowns += n_nodes) {
+    double value = 0;
+    dealii::Tensor<1, dim> gradient;
+    for (unsigned int a = 0; a < n_nodes; ++a) {
+      value += shape_values[a] * unknowns[a];
+      for (unsigned int d = 0; d < dim; ++d)
+        gradient[d] += shape_gradients[a][d] * unknowns[a];
     }
+    state.value[c] = value;
+    state.gradient[c] = gradient;
+  }
 }
 
 template <int dim>
@@ -39,12 +37,11 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
   for (unsigned int f = 0; f < fields.size(); ++f)
     for (unsigned int g = 0; g < fields.size(); ++g)
       for (unsigned int c = 0; c < fields[f].n_components; ++c)
-        for (unsigned int d = 0; d < fields[g].n_components; ++d)
-          {
-            const unsigned int pair = (fields[f].first_component + c) * n + fields[g].first_component + d;
-            couples[pair] = domain.material.depends(f, g);
-            by_value[pair] = couples[pair] && (f != g || !domain.material.is_linear(f));
-          }
+        for (unsigned int d = 0; d < fields[g].n_components; ++d) {
+          const unsigned int pair = (fields[f].first_component + c) * n + fields[g].first_component + d;
+          couples[pair] = domain.material.depends(f, g);
+          by_value[pair] = couples[pair] && (f != g || !domain.material.is_linear(f));
+        }
   for (const Field &field : fields)
     for (unsigned int c = 0; c < field.n_components; ++c)
       source_of_component[field.first_component + c] = {domain.source().find(field.name), c};
@@ -65,15 +62,14 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     *tangent = 0;
   state.t = t;
   cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-  for (const unsigned int q : cell_values.quadrature_point_indices())
-    {
-      state.X = cell_values.quadrature_point(q);
-      load_point(cell_values, q);
-      evaluate_state<dim>(n, n_nodes, shape.data(), gradient.data(), unknowns.data(), state);
-      if (!domain.material.evaluate(state, tangent != nullptr, response))
-        return false;
-      add_flux_terms(cell_values.JxW(q), residual, tangent);
-    }
+  for (const unsigned int q : cell_values.quadrature_point_indices()) {
+    state.X = cell_values.quadrature_point(q);
+    load_point(cell_values, q);
+    evaluate_state<dim>(n, n_nodes, shape.data(), gradient.data(), unknowns.data(), state);
+    if (!domain.material.evaluate(state, tangent != nullptr, response))
+      return false;
+    add_flux_terms(cell_values.JxW(q), residual, tangent);
+  }
   add_source(t, residual);
   if (!flux_conditions.empty() && cell->at_boundary())
     add_boundary_terms(cell, t, unknowns, residual, tangent);
@@ -83,13 +79,12 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
 template <int dim>
 void CellTerms<dim>::load_point(const dealii::FEValuesBase<dim> &values, const unsigned int q)
 {
-  for (unsigned int a = 0; a < n_nodes; ++a)
-    {
-      shape[a] = values.shape_value(a, q);
-      gradient[a] = values.shape_grad(a, q);
-      for (unsigned int d = 0; d < dim; ++d)
-        gradient_of_direction[d][a] = gradient[a][d];
-    }
+  for (unsigned int a = 0; a < n_nodes; ++a) {
+    shape[a] = values.shape_value(a, q);
+    gradient[a] = values.shape_grad(a, q);
+    for (unsigned int d = 0; d < dim; ++d)
+      gradient_of_direction[d][a] = gradient[a][d];
+  }
 }
 
 template <int dim>
@@ -105,29 +100,26 @@ void CellTerms<dim>::add_flux_terms(const double JxW, std::vector<double> &resid
   // K_(c,a)(d,b) = grad phi_a . ( dA_c/dgrad B_d . grad phi_b + dA_c/dB_d phi_b )
   for (unsigned int c = 0; c < n; ++c)
     for (unsigned int d = 0; d < n; ++d)
-      if (couples[c * n + d])
-        {
-          const dealii::Tensor<2, dim> &D = response.by_gradient[c * n + d];
-          const dealii::Tensor<1, dim> &v = response.by_value[c * n + d];
-          for (unsigned int a = 0; a < n_nodes; ++a)
-            {
-              const dealii::Tensor<1, dim> g = JxW * (gradient[a] * D);
-              double *row = &(*tangent)(c * n_nodes + a, d * n_nodes);
-              const double *x = gradient_of_direction[0].data(), *y = gradient_of_direction[1].data(),
-                           *z = gradient_of_direction[dim - 1].data();
-              for (unsigned int b = 0; b < n_nodes; ++b)
-                if constexpr (dim == 3)
-                  row[b] += g[0] * x[b] + g[1] * y[b] + g[2] * z[b];
-                else
-                  row[b] += g[0] * x[b] + g[1] * y[b];
-              if (by_value[c * n + d])
-                {
-                  const double of_value = JxW * (gradient[a] * v);
-                  for (unsigned int b = 0; b < n_nodes; ++b)
-                    row[b] += of_value * shape[b];
-                }
-            }
+      if (couples[c * n + d]) {
+        const dealii::Tensor<2, dim> &D = response.by_gradient[c * n + d];
+        const dealii::Tensor<1, dim> &v = response.by_value[c * n + d];
+        for (unsigned int a = 0; a < n_nodes; ++a) {
+          const dealii::Tensor<1, dim> g = JxW * (gradient[a] * D);
+          double *row = &(*tangent)(c * n_nodes + a, d * n_nodes);
+          const double *x = gradient_of_direction[0].data(), *y = gradient_of_direction[1].data(),
+                       *z = gradient_of_direction[dim - 1].data();
+          for (unsigned int b = 0; b < n_nodes; ++b)
+            if constexpr (dim == 3)
+              row[b] += g[0] * x[b] + g[1] * y[b] + g[2] * z[b];
+            else
+              row[b] += g[0] * x[b] + g[1] * y[b];
+          if (by_value[c * n + d]) {
+            const double of_value = JxW * (gradient[a] * v);
+            for (unsigned int b = 0; b < n_nodes; ++b)
+              row[b] += of_value * shape[b];
+          }
         }
+      }
 }
 
 template <int dim>
@@ -135,12 +127,11 @@ void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
 {
   for (unsigned int c = 0; c < n; ++c)
     if (const auto &[source, component] = source_of_component[c]; source != nullptr)
-      for (const unsigned int q : cell_values.quadrature_point_indices())
-        {
-          const double f = source->value(cell_values.quadrature_point(q), t, component) * cell_values.JxW(q);
-          for (unsigned int a = 0; a < n_nodes; ++a)
-            residual[c * n_nodes + a] -= f * cell_values.shape_value(a, q);
-        }
+      for (const unsigned int q : cell_values.quadrature_point_indices()) {
+        const double f = source->value(cell_values.quadrature_point(q), t, component) * cell_values.JxW(q);
+        for (unsigned int a = 0; a < n_nodes; ++a)
+          residual[c * n_nodes + a] -= f * cell_values.shape_value(a, q);
+      }
 }
 
 template <int dim>
@@ -148,49 +139,44 @@ void CellTerms<dim>::add_boundary_terms(const typename Domain<dim>::cell_iterato
                                         const std::vector<double> &unknowns, std::vector<double> &residual,
                                         dealii::FullMatrix<double> *tangent)
 {
-  for (const unsigned int face : cell->face_indices())
-    {
-      if (!cell->face(face)->at_boundary())
+  for (const unsigned int face : cell->face_indices()) {
+    if (!cell->face(face)->at_boundary())
+      continue;
+    bool is_mapped = false;
+    for (const Condition<dim> *condition : flux_conditions) {
+      if (condition->boundary_ids.count(cell->face(face)->boundary_id()) == 0 || !condition->is_active(t))
         continue;
-      bool is_mapped = false;
-      for (const Condition<dim> *condition : flux_conditions)
-        {
-          if (condition->boundary_ids.count(cell->face(face)->boundary_id()) == 0 || !condition->is_active(t))
-            continue;
-          if (!is_mapped)
-            face_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell), face);
-          is_mapped = true;
+      if (!is_mapped)
+        face_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell), face);
+      is_mapped = true;
 
-          const unsigned int first = condition->field.first_component, n_c = condition->field.n_components;
-          std::vector<double> trace(n_c), flux(n_c);
-          dealii::FullMatrix<double> d_flux(n_c, n_c);
-          for (const unsigned int q : face_values.quadrature_point_indices())
-            {
-              std::fill(flux.begin(), flux.end(), 0.);
-              d_flux = 0;
-              for (unsigned int c = 0; c < n_c; ++c)
-                {
-                  trace[c] = 0;
-                  for (unsigned int a = 0; a < n_nodes; ++a)
-                    trace[c] += face_values.shape_value(a, q) * unknowns[(first + c) * n_nodes + a];
-                }
-              condition->flux(face_values.quadrature_point(q), t, trace.data(), flux, d_flux);
-              for (unsigned int c = 0; c < n_c; ++c)
-                for (unsigned int a = 0; a < n_nodes; ++a)
-                  {
-                    const double test = face_values.shape_value(a, q) * face_values.JxW(q);
-                    const unsigned int i = (first + c) * n_nodes + a;
-                    residual[i] -= test * flux[c];
-                    if (tangent != nullptr)
-                      for (unsigned int d = 0; d < n_c; ++d)
-                        if (d_flux(c, d) != 0)
-                          for (unsigned int b = 0; b < n_nodes; ++b)
-                            (*tangent)(i, (first + d) * n_nodes + b) -=
-                                test * d_flux(c, d) * face_values.shape_value(b, q);
-                  }
-            }
+      const unsigned int first = condition->field.first_component, n_c = condition->field.n_components;
+      std::vector<double> trace(n_c), flux(n_c);
+      dealii::FullMatrix<double> d_flux(n_c, n_c);
+      for (const unsigned int q : face_values.quadrature_point_indices()) {
+        std::fill(flux.begin(), flux.end(), 0.);
+        d_flux = 0;
+        for (unsigned int c = 0; c < n_c; ++c) {
+          trace[c] = 0;
+          for (unsigned int a = 0; a < n_nodes; ++a)
+            trace[c] += face_values.shape_value(a, q) * unknowns[(first + c) * n_nodes + a];
         }
+        condition->flux(face_values.quadrature_point(q), t, trace.data(), flux, d_flux);
+        for (unsigned int c = 0; c < n_c; ++c)
+          for (unsigned int a = 0; a < n_nodes; ++a) {
+            const double test = face_values.shape_value(a, q) * face_values.JxW(q);
+            const unsigned int i = (first + c) * n_nodes + a;
+            residual[i] -= test * flux[c];
+            if (tangent != nullptr)
+              for (unsigned int d = 0; d < n_c; ++d)
+                if (d_flux(c, d) != 0)
+                  for (unsigned int b = 0; b < n_nodes; ++b)
+                    (*tangent)(i, (first + d) * n_nodes + b) -=
+                        test * d_flux(c, d) * face_values.shape_value(b, q);
+          }
+      }
     }
+  }
 }
 
 template void evaluate_state<2>(unsigned int, unsigned int, const double *, const dealii::Tensor<1, 2> *,

@@ -9,15 +9,14 @@ namespace {
 
 Field read_field(const Section &section, const std::vector<Field> &fields)
 {
-  const auto name =
-      section.require<std::string>("Field", "The field it acts on, for instance temperature or displacement [-]");
+  const auto name = section.require<std::string>(
+      "Field", "The field it acts on, for instance temperature or displacement [-]");
   std::vector<std::string> known;
-  for (const Field &field : fields)
-    {
-      if (field.name == name)
-        return field;
-      known.push_back(field.name);
-    }
+  for (const Field &field : fields) {
+    if (field.name == name)
+      return field;
+    known.push_back(field.name);
+  }
   section.check(false, "Field",
                 "names '" + name + "', which this domain does not have; its material gives it: " +
                     comma_separated(known) + ".");
@@ -45,7 +44,8 @@ template <int dim>
 Condition<dim>::Condition(const Section &section, const std::vector<Field> &fields, const Toggles &toggles)
     : section(section), name(last_part(section.path())), field(read_field(section, fields)),
       boundary_ids(read_boundary_ids(section)), toggles(&toggles), toggle(toggles.read_reference(section))
-{}
+{
+}
 
 template class Condition<2>;
 template class Condition<3>;

@@ -23,10 +23,12 @@ class Convection : public Condition<dim>
 public:
   Convection(const Section &section, const std::vector<Field> &fields, const Toggles &toggles)
       : Condition<dim>(section, fields, toggles),
-        coefficient(section.require_expression("Coefficient", {1}, "The heat transfer coefficient h [W/(m^2 K)]")),
+        coefficient(
+            section.require_expression("Coefficient", {1}, "The heat transfer coefficient h [W/(m^2 K)]")),
         ambient(section.require_expression("Ambient", {1}, "The temperature of the surroundings [K]"))
   {
-    section.check(this->field.n_components == 1, "Type", "convection acts on scalar fields such as temperature.");
+    section.check(this->field.n_components == 1, "Type",
+                  "convection acts on scalar fields such as temperature.");
   }
 
   bool adds_flux() const override { return true; }
@@ -46,7 +48,8 @@ private:
   const Expression ambient;
 };
 
-const bool registered = add_condition<Convection>("convection", "Heat exchange with a fluid, h (Ambient - T).");
+const bool registered =
+    add_condition<Convection>("convection", "Heat exchange with a fluid, h (Ambient - T).");
 
 } // namespace
 

@@ -6,8 +6,8 @@
 #include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
-#include <deal.II/fe/mapping_q.h>
 #include <deal.II/fe/fe_values.h>
+#include <deal.II/fe/mapping_q.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/lac/affine_constraints.h>
 
@@ -17,7 +17,8 @@ template <int dim>
 Domain<dim>::Domain(const std::string &name, const Section &section, const Material<dim> &material,
                     const Toggles &toggles, const MPI_Comm &communicator)
     : name(name), section(section), material(material),
-      degree(section.read<unsigned int>("Degree", 1, "Polynomial degree of all fields and of the curved mapping [-]",
+      degree(section.read<unsigned int>("Degree", 1,
+                                        "Polynomial degree of all fields and of the curved mapping [-]",
                                         Patterns::Integer(1, 4))),
       triangulation(make_mesh<dim>(section.subsection("Mesh"), communicator))
 {
@@ -26,61 +27,84 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
   if (section.documenting())
     return;
 
-  measures = boundary_measures(*triangulation, communicator);
+  collect_boundary_faces(communicator);
   check_conditions();
 
   degree_of_mapping = is_straight(*triangulation) ? 1 : degree;
   cell_mapping = std::make_unique<dealii::MappingQ<dim>>(degree_of_mapping);
   const auto box = dealii::GridTools::compute_bounding_box(*triangulation);
   std::vector<double> corners;
-  for (unsigned int d = 0; d < dim; ++d)
-    {
-      const bool has_cells = triangulation->n_active_cells() > 0;
-      corners.push_back(has_cells ? box.get_boundary_points().first[d] : std::numeric_limits<double>::max());
-      corners.push_back(has_cells ? -box.get_boundary_points().second[d] : std::numeric_limits<double>::max());
-    }
+  for (unsigned int d = 0; d < dim; ++d) {
+    const bool has_cells = triangulation->n_active_cells() > 0;
+    corners.push_back(has_cells ? box.get_boundary_points().first[d] : std::numeric_limits<double>::max());
+    corners.push_back(has_cells ? -box.get_boundary_points().second[d] : std::numeric_limits<double>::max());
+  }
   dealii::Utilities::MPI::min(corners, communicator, corners);
   dealii::Tensor<1, dim> diagonal;
-  for (unsigned int d = 0; d < dim; ++d)
-    {
-      middle[d] = (corners[2 * d] - corners[2 * d + 1]) / 2;
-      diagonal[d] = -corners[2 * d + 1] - corners[2 * d];
-    }
+  for (unsigned int d = 0; d < dim; ++d) {
+    middle[d] = (corners[2 * d] - corners[2 * d + 1]) / 2;
+    diagonal[d] = -corners[2 * d + 1] - corners[2 * d];
+  }
   length = diagonal.norm();
 
   distribute_dofs();
 }
 
 template <int dim>
+void Domain<dim>::collect_boundary_faces(const MPI_Comm &communicator)
+{
+  std::map<dealii::types::boundary_id, double> of_this_rank;
+  for (const auto &cell : triangulation->active_cell_iterators())
+    if (!cell->is_artificial() && cell->at_boundary())
+      for (const unsigned int number : cell->face_indices())
+        if (const auto face = cell->face(number); face->at_boundary()) {
+          faces.push_back({cell, number, face->boundary_id()});
+          if (!cell->is_locally_owned())
+            continue;
+          // the polygon of the vertices is enough for a message
+          double &measure = of_this_rank[face->boundary_id()];
+          if constexpr (dim == 2)
+            measure += face->vertex(0).distance(face->vertex(1));
+          else
+            measure +=
+                dealii::cross_product_3d(face->vertex(3) - face->vertex(0), face->vertex(2) - face->vertex(1))
+                    .norm() /
+                2;
+        }
+  for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, of_this_rank))
+    for (const auto &[id, measure] : of_rank)
+      measures[id] += measure;
+}
+
+template <int dim>
 void Domain<dim>::read_given(const Section &section)
 {
   for (auto [kind, given, text] :
-       {std::make_tuple("Source", &given_source, "Density of the source: body force or heat [N/m^3 or W/m^3]"),
+       {std::make_tuple("Source", &given_source,
+                        "Density of the source: body force or heat [N/m^3 or W/m^3]"),
         std::make_tuple("Initial", &given_initial, "First guess of a static scene [m or K]"),
-        std::make_tuple("Exact", &given_exact, "Exact solution: its errors are reported [m or K]")})
-    {
-      const Section part = section.subsection(kind);
-      const std::vector<Field> every_field = {{"displacement", 3, 0}, {"temperature", 1, 3}};
-      for (const Field &field : section.documenting() ? every_field : fields())
-        {
-          const Expression expression = part.read_expression(field.name, "", {field.n_components}, text);
-          if (part.is_set(field.name))
-            given->of_field.emplace(field.name, expression);
-        }
+        std::make_tuple("Exact", &given_exact, "Exact solution: its errors are reported [m or K]")}) {
+    const Section part = section.subsection(kind);
+    const std::vector<Field> every_field = {{"displacement", 3, 0}, {"temperature", 1, 3}};
+    for (const Field &field : section.documenting() ? every_field : fields()) {
+      const Expression expression = part.read_expression(field.name, "", {field.n_components}, text);
+      if (part.is_set(field.name))
+        given->of_field.emplace(field.name, expression);
     }
+  }
 }
 
 template <int dim>
 void Domain<dim>::read_conditions(const Section &section, const Toggles &toggles)
 {
-  for (const std::string &condition : section.announce("Boundary conditions", "Boundary condition",
-                                                       "Names of what happens on the boundary of this domain [-]"))
-    {
-      auto created = ConditionCatalogue<dim>::create(section.subsection("Boundary condition " + condition), "",
-                                                     "What the condition prescribes [-]", fields(), toggles);
-      if (created)
-        all_conditions.push_back(std::move(created));
-    }
+  for (const std::string &condition :
+       section.announce("Boundary conditions", "Boundary condition",
+                        "Names of what happens on the boundary of this domain [-]")) {
+    auto created = ConditionCatalogue<dim>::create(section.subsection("Boundary condition " + condition), "",
+                                                   "What the condition prescribes [-]", fields(), toggles);
+    if (created)
+      all_conditions.push_back(std::move(created));
+  }
 }
 
 template <int dim>
@@ -90,12 +114,12 @@ void Domain<dim>::check_boundary_id(const dealii::types::boundary_id id, const S
   if (measures.count(id) > 0)
     return;
   std::string known;
-  for (const auto &[known_id, measure] : measures)
-    {
-      std::ostringstream words;
-      words << (known.empty() ? "" : ", ") << known_id << " (" << (dim == 2 ? "length " : "area ") << measure << ")";
-      known += words.str();
-    }
+  for (const auto &[known_id, measure] : measures) {
+    std::ostringstream words;
+    words << (known.empty() ? "" : ", ") << known_id << " (" << (dim == 2 ? "length " : "area ") << measure
+          << ")";
+    known += words.str();
+  }
   asking.fail(entry, "has the boundary id " + std::to_string(id) + ", which the mesh of domain " + name +
                          " does not have. It has " + known + ".");
 }
@@ -106,23 +130,21 @@ void Domain<dim>::check_conditions() const
   // at most one condition per field, component and boundary id; conditions with toggles may take turns
   std::map<std::tuple<std::string, unsigned int, dealii::types::boundary_id>, std::string> owner;
   for (const auto &condition : all_conditions)
-    for (const auto id : condition->boundary_ids)
-      {
-        check_boundary_id(id, condition->section, "Boundary ids");
-        std::vector<unsigned int> components = condition->prescribed_components();
-        if (condition->adds_flux())
-          for (unsigned int c = 0; c < condition->field.n_components; ++c)
-            components.push_back(c);
-        for (const unsigned int c : components)
-          if (condition->toggle_name().empty())
-            {
-              const auto [entry, is_new] = owner.insert({{condition->field.name, c, id}, condition->name});
-              condition->section.check(is_new, "Boundary ids",
-                                       "has " + std::to_string(id) + ", where the boundary condition '" +
-                                           entry->second + "' already acts on the same component of the " +
-                                           condition->field.name + ". Remove the id from one of the two.");
-            }
-      }
+    for (const auto id : condition->boundary_ids) {
+      check_boundary_id(id, condition->section, "Boundary ids");
+      std::vector<unsigned int> components = condition->prescribed_components();
+      if (condition->adds_flux())
+        for (unsigned int c = 0; c < condition->field.n_components; ++c)
+          components.push_back(c);
+      for (const unsigned int c : components)
+        if (condition->toggle_name().empty()) {
+          const auto [entry, is_new] = owner.insert({{condition->field.name, c, id}, condition->name});
+          condition->section.check(is_new, "Boundary ids",
+                                   "has " + std::to_string(id) + ", where the boundary condition '" +
+                                       entry->second + "' already acts on the same component of the " +
+                                       condition->field.name + ". Remove the id from one of the two.");
+        }
+    }
 }
 
 template <int dim>
@@ -131,14 +153,13 @@ void Domain<dim>::distribute_dofs()
   element = std::make_unique<dealii::FESystem<dim>>(dealii::FE_Q<dim>(degree), n_components());
   dofs.reinit(*triangulation);
   dofs.distribute_dofs(*element);
-  if (fields().size() > 1)
-    {
-      std::vector<unsigned int> field_of_component(n_components());
-      for (unsigned int f = 0; f < fields().size(); ++f)
-        for (unsigned int c = 0; c < fields()[f].n_components; ++c)
-          field_of_component[fields()[f].first_component + c] = f;
-      dealii::DoFRenumbering::component_wise(dofs, field_of_component);
-    }
+  if (fields().size() > 1) {
+    std::vector<unsigned int> field_of_component(n_components());
+    for (unsigned int f = 0; f < fields().size(); ++f)
+      for (unsigned int c = 0; c < fields()[f].n_components; ++c)
+        field_of_component[fields()[f].first_component + c] = f;
+    dealii::DoFRenumbering::component_wise(dofs, field_of_component);
+  }
 
   by_component.resize(dofs_per_cell());
   for (unsigned int c = 0; c < n_components(); ++c)
@@ -147,7 +168,8 @@ void Domain<dim>::distribute_dofs()
 }
 
 template <int dim>
-void Domain<dim>::cell_dofs(const cell_iterator &cell, std::vector<dealii::types::global_dof_index> &indices) const
+void Domain<dim>::cell_dofs(const cell_iterator &cell,
+                            std::vector<dealii::types::global_dof_index> &indices) const
 {
   static thread_local std::vector<dealii::types::global_dof_index> in_order_of_element;
   in_order_of_element.resize(dofs_per_cell());
@@ -177,36 +199,30 @@ void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
 {
   add_hanging_nodes(lines);
 
-  // Lagrange elements: the prescribed value at the support points of the faces. The rank that owns an unknown sees
-  // all cells around it, as its own or as ghosts.
+  // Lagrange elements: the prescribed value at the support points of the faces. The rank that owns an unknown
+  // sees all cells around it, as its own or as ghosts.
   const unsigned int n = n_nodes();
   dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), scalar_element().get_unit_support_points(),
                                  dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> indices;
-  for (const auto &condition : all_conditions)
-    {
-      const auto components = condition->prescribed_components();
-      if (components.empty() || !condition->is_active(t))
-        continue;
-      for (const auto &cell : dofs.active_cell_iterators())
-        if (!cell->is_artificial() && cell->at_boundary())
-          for (const unsigned int face : cell->face_indices())
-            if (cell->face(face)->at_boundary() && condition->boundary_ids.count(cell->face(face)->boundary_id()) > 0)
-              {
-                at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-                cell_dofs(cell, indices);
-                for (unsigned int a = 0; a < n; ++a)
-                  if (scalar_element().has_support_on_face(a, face))
-                    for (const unsigned int c : components)
-                      {
-                        const auto dof = indices[(condition->field.first_component + c) * n + a];
-                        if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)
-                          continue;
-                        lines[dof].inhomogeneity =
-                            condition->prescribed_value(at_nodes.quadrature_point(a), t, c);
-                      }
-              }
-    }
+  for (const auto &condition : all_conditions) {
+    const auto components = condition->prescribed_components();
+    if (components.empty() || !condition->is_active(t))
+      continue;
+    for (const auto &[cell, face, id] : faces)
+      if (condition->boundary_ids.count(id) > 0) {
+        at_nodes.reinit(cell);
+        cell_dofs(dof_cell(cell), indices);
+        for (unsigned int a = 0; a < n; ++a)
+          if (scalar_element().has_support_on_face(a, face))
+            for (const unsigned int c : components) {
+              const auto dof = indices[(condition->field.first_component + c) * n + a];
+              if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)
+                continue;
+              lines[dof].inhomogeneity = condition->prescribed_value(at_nodes.quadrature_point(a), t, c);
+            }
+      }
+  }
 }
 
 template class Domain<2>;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// A nominal influx per undeformed area: A.N = h(X, t). For the displacement a dead load, the first Piola-Kirchhoff
-// traction P N; for the temperature the heat into the body.
+// A nominal influx per undeformed area: A.N = h(X, t). For the displacement a dead load, the first
+// Piola-Kirchhoff traction P N; for the temperature the heat into the body.
 //
 //     subsection Boundary condition pull
 //       set Type         = flux
@@ -23,9 +23,11 @@ class Flux : public Condition<dim>
 public:
   Flux(const Section &section, const std::vector<Field> &fields, const Toggles &toggles)
       : Condition<dim>(section, fields, toggles),
-        expression(section.require_expression("Expression", {this->field.n_components},
-                                              "The influx per undeformed area: traction or heat into the body [Pa or W/m^2]"))
-  {}
+        expression(section.require_expression(
+            "Expression", {this->field.n_components},
+            "The influx per undeformed area: traction or heat into the body [Pa or W/m^2]"))
+  {
+  }
 
   bool adds_flux() const override { return true; }
 

@@ -21,9 +21,11 @@ template <int dim>
 class TransformedManifold : public dealii::Manifold<dim>
 {
 public:
-  TransformedManifold(const dealii::Manifold<dim> &base, const double scale, const dealii::Tensor<1, dim> &shift)
+  TransformedManifold(const dealii::Manifold<dim> &base, const double scale,
+                      const dealii::Tensor<1, dim> &shift)
       : base(base.clone()), scale(scale), shift(shift)
-  {}
+  {
+  }
 
   std::unique_ptr<dealii::Manifold<dim>> clone() const override
   {
@@ -56,12 +58,11 @@ std::string suffix_of(const std::string &file_name)
 bool is_abaqus(const std::string &file_name)
 {
   std::ifstream file(file_name);
-  for (std::string line; std::getline(file, line);)
-    {
-      const auto first = line.find_first_not_of(" \t\r");
-      if (first != std::string::npos)
-        return line[first] == '*';
-    }
+  for (std::string line; std::getline(file, line);) {
+    const auto first = line.find_first_not_of(" \t\r");
+    if (first != std::string::npos)
+      return line[first] == '*';
+  }
   return false;
 }
 
@@ -70,7 +71,8 @@ void read_file(const Section &section, const std::string &file_name, dealii::Tri
 {
   std::ifstream file(file_name);
   section.check(file.good(), "File",
-                "names '" + file_name + "', which cannot be read. Relative paths start at the working directory.");
+                "names '" + file_name +
+                    "', which cannot be read. Relative paths start at the working directory.");
   dealii::GridIn<dim> reader(mesh);
   const std::string suffix = suffix_of(file_name);
   if (suffix == ".msh")
@@ -82,53 +84,73 @@ void read_file(const Section &section, const std::string &file_name, dealii::Tri
   else if (suffix == ".inp")
     is_abaqus(file_name) ? reader.read_abaqus(file) : reader.read_ucd(file);
   else
-    section.fail("File", "names '" + file_name + "', whose format is not known. Use .msh (Gmsh 2.2 or 4.1), .inp "
-                         "(Abaqus or AVS UCD), .vtk or .unv.");
+    section.fail("File", "names '" + file_name +
+                             "', whose format is not known. Use .msh (Gmsh 2.2 or 4.1), .inp "
+                             "(Abaqus or AVS UCD), .vtk or .unv.");
 }
 
 /// deal.II's reasons without its banner and stack.
 std::string reason(const std::exception &error)
 {
-  if (const auto *exception = dynamic_cast<const dealii::ExceptionBase *>(&error))
-    {
-      std::ostringstream text;
-      exception->print_info(text);
-      std::string words;
-      for (const char letter : text.str())
-        words += (letter == '\n') ? ' ' : letter;
-      const auto first = words.find_first_not_of(' ');
-      const auto last = words.find_last_not_of(' ');
-      return first == std::string::npos ? exception->get_exc_name() : words.substr(first, last - first + 1);
-    }
+  if (const auto *exception = dynamic_cast<const dealii::ExceptionBase *>(&error)) {
+    std::ostringstream text;
+    exception->print_info(text);
+    std::string words;
+    for (const char letter : text.str())
+      words += (letter == '\n') ? ' ' : letter;
+    const auto first = words.find_first_not_of(' ');
+    const auto last = words.find_last_not_of(' ');
+    return first == std::string::npos ? exception->get_exc_name() : words.substr(first, last - first + 1);
+  }
   return error.what();
 }
 
-/// deal.II's reason why a generator fails, in words of the scene. It shows the arguments it expects as a pattern
+/// deal.II's reason why a generator fails, in words of the scene. It shows the arguments it expects as a
+/// pattern
 /// "[Tuple of <4> elements <...".
-[[noreturn]] void fail_generator(const Section &section, const std::string &generator, const std::string &arguments,
-                                 const std::string &reason)
+[[noreturn]] void fail_generator(const Section &section, const std::string &generator,
+                                 const std::string &arguments, const std::string &reason)
 {
   const std::string help = " See the function of this name in deal.II's GridGenerator.";
-  if (reason.find("not implemented") != std::string::npos)
-    {
-      const std::string guess = did_you_mean(
-          generator, {"hyper_cube", "subdivided_hyper_cube", "hyper_rectangle", "subdivided_hyper_rectangle",
-                      "hyper_ball", "hyper_ball_balanced", "quarter_hyper_ball", "half_hyper_ball", "hyper_shell",
-                      "quarter_hyper_shell", "half_hyper_shell", "cylinder", "subdivided_cylinder", "cylinder_shell",
-                      "truncated_cone", "hyper_L", "hyper_cube_with_cylindrical_hole", "plate_with_a_hole",
-                      "channel_with_cylinder", "parallelogram", "cheese", "simplex", "torus", "concentric_hyper_shells",
-                      "general_cell", "enclosed_hyper_cube", "cross"});
-      section.fail("Generator", "names '" + generator + "', which deal.II does not have in this dimension" +
-                                    (guess.empty() ? ": see GridGenerator in its documentation." : ". " + guess));
-    }
+  if (reason.find("not implemented") != std::string::npos) {
+    const std::string guess = did_you_mean(generator, {"hyper_cube",
+                                                       "subdivided_hyper_cube",
+                                                       "hyper_rectangle",
+                                                       "subdivided_hyper_rectangle",
+                                                       "hyper_ball",
+                                                       "hyper_ball_balanced",
+                                                       "quarter_hyper_ball",
+                                                       "half_hyper_ball",
+                                                       "hyper_shell",
+                                                       "quarter_hyper_shell",
+                                                       "half_hyper_shell",
+                                                       "cylinder",
+                                                       "subdivided_cylinder",
+                                                       "cylinder_shell",
+                                                       "truncated_cone",
+                                                       "hyper_L",
+                                                       "hyper_cube_with_cylindrical_hole",
+                                                       "plate_with_a_hole",
+                                                       "channel_with_cylinder",
+                                                       "parallelogram",
+                                                       "cheese",
+                                                       "simplex",
+                                                       "torus",
+                                                       "concentric_hyper_shells",
+                                                       "general_cell",
+                                                       "enclosed_hyper_cube",
+                                                       "cross"});
+    section.fail("Generator",
+                 "names '" + generator + "', which deal.II does not have in this dimension" +
+                     (guess.empty() ? ": see GridGenerator in its documentation." : ". " + guess));
+  }
   const std::string begin = "[Tuple of <";
-  if (const auto tuple = reason.find(begin); tuple != std::string::npos)
-    {
-      const auto first = tuple + begin.size();
-      section.fail("Arguments", "are '" + arguments + "', which do not fit the generator " + generator +
-                                    ": it takes " + reason.substr(first, reason.find('>', first) - first) +
-                                    " arguments separated by ':', lists by ','." + help);
-    }
+  if (const auto tuple = reason.find(begin); tuple != std::string::npos) {
+    const auto first = tuple + begin.size();
+    section.fail("Arguments", "are '" + arguments + "', which do not fit the generator " + generator +
+                                  ": it takes " + reason.substr(first, reason.find('>', first) - first) +
+                                  " arguments separated by ':', lists by ','." + help);
+  }
   section.fail("Generator", "could not be used to make the mesh: " + reason + help);
 }
 
@@ -140,31 +162,28 @@ void make_coarse_mesh(const Section &section, dealii::Triangulation<dim> &mesh)
   const auto generator = section.read<std::string>(
       "Generator", "", "Instead of a file: the name of one of deal.II's functions in GridGenerator [-]");
   const auto arguments = section.read<std::string>(
-      "Arguments", "", "The generator's arguments, separated by ':', lists by ',', as in deal.II's documentation [-]");
+      "Arguments", "",
+      "The generator's arguments, separated by ':', lists by ',', as in deal.II's documentation [-]");
   if (section.documenting())
     return;
 
-  section.check(file_name.empty() || generator.empty(), "File", "and Generator exclude each other: give one.");
+  section.check(file_name.empty() || generator.empty(), "File",
+                "and Generator exclude each other: give one.");
   section.check(!file_name.empty() || !generator.empty(), "",
                 "a mesh needs either File or Generator (with Arguments).");
   const std::string source = file_name.empty() ? "Generator" : "File";
-  try
-    {
-      if (file_name.empty())
-        dealii::GridGenerator::generate_from_name_and_arguments(mesh, generator, arguments);
-      else
-        read_file(section, file_name, mesh);
-    }
-  catch (const UserError &)
-    {
-      throw;
-    }
-  catch (const std::exception &error)
-    {
-      if (file_name.empty())
-        fail_generator(section, generator, arguments, reason(error));
-      section.fail(source, "could not be used to make the mesh: " + reason(error));
-    }
+  try {
+    if (file_name.empty())
+      dealii::GridGenerator::generate_from_name_and_arguments(mesh, generator, arguments);
+    else
+      read_file(section, file_name, mesh);
+  } catch (const UserError &) {
+    throw;
+  } catch (const std::exception &error) {
+    if (file_name.empty())
+      fail_generator(section, generator, arguments, reason(error));
+    section.fail(source, "could not be used to make the mesh: " + reason(error));
+  }
   section.check(mesh.n_active_cells() > 0, source, "gives a mesh without cells.");
   section.check(mesh.all_reference_cells_are_hyper_cube(), source,
                 "gives a mesh with triangles, tetrahedra or wedges; only " +
@@ -188,11 +207,10 @@ void transform(const double scale, const dealii::Tensor<1, dim> &shift, dealii::
   dealii::GridTools::transform(
       [&](const dealii::Point<dim> &X) { return dealii::Point<dim>(scale * X + shift); }, mesh);
   for (const auto id : mesh.get_manifold_ids())
-    if (id != dealii::numbers::flat_manifold_id)
-      {
-        const TransformedManifold<dim> image(mesh.get_manifold(id), scale, shift);
-        mesh.set_manifold(id, image);
-      }
+    if (id != dealii::numbers::flat_manifold_id) {
+      const TransformedManifold<dim> image(mesh.get_manifold(id), scale, shift);
+      mesh.set_manifold(id, image);
+    }
 }
 
 } // namespace
@@ -204,8 +222,9 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   make_coarse_mesh(section, mesh->origin);
   const auto n_refinements = section.read<unsigned int>(
       "Refinements", 0, "How often every cell is divided into 2^d [-]", Patterns::Integer(0, 20));
-  const auto scale = section.read<double>("Scale", 1, "All lengths of the mesh are multiplied by this, before Shift [-]",
-                                          Patterns::Double(1e-300));
+  const auto scale =
+      section.read<double>("Scale", 1, "All lengths of the mesh are multiplied by this, before Shift [-]",
+                           Patterns::Double(1e-300));
   const dealii::Point<3> shift =
       section.read_point("Shift", dealii::Point<3>(), "Added to all points of the mesh, after Scale [m]");
 
@@ -226,33 +245,6 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
 }
 
 template <int dim>
-std::map<dealii::types::boundary_id, double> boundary_measures(const dealii::Triangulation<dim> &mesh,
-                                                               const MPI_Comm &communicator)
-{
-  std::map<dealii::types::boundary_id, double> measures;
-  for (const auto &cell : mesh.active_cell_iterators())
-    if (cell->is_locally_owned() && cell->at_boundary())
-      for (const auto &face : cell->face_iterators())
-        if (face->at_boundary())
-          {
-            // the polygon of the vertices is enough for a message
-            double measure = 0;
-            if constexpr (dim == 2)
-              measure = face->vertex(0).distance(face->vertex(1));
-            else
-              measure = dealii::cross_product_3d(face->vertex(3) - face->vertex(0), face->vertex(2) - face->vertex(1))
-                            .norm() /
-                        2;
-            measures[face->boundary_id()] += measure;
-          }
-  std::map<dealii::types::boundary_id, double> sum;
-  for (const auto &of_one_rank : dealii::Utilities::MPI::all_gather(communicator, measures))
-    for (const auto &[id, measure] : of_one_rank)
-      sum[id] += measure;
-  return sum;
-}
-
-template <int dim>
 bool is_straight(const dealii::Triangulation<dim> &mesh)
 {
   for (const auto id : mesh.get_manifold_ids())
@@ -263,10 +255,6 @@ bool is_straight(const dealii::Triangulation<dim> &mesh)
 
 template std::unique_ptr<Mesh<2>> make_mesh<2>(const Section &, const MPI_Comm &);
 template std::unique_ptr<Mesh<3>> make_mesh<3>(const Section &, const MPI_Comm &);
-template std::map<dealii::types::boundary_id, double> boundary_measures<2>(const dealii::Triangulation<2> &,
-                                                                           const MPI_Comm &);
-template std::map<dealii::types::boundary_id, double> boundary_measures<3>(const dealii::Triangulation<3> &,
-                                                                           const MPI_Comm &);
 template bool is_straight<2>(const dealii::Triangulation<2> &);
 template bool is_straight<3>(const dealii::Triangulation<3> &);
 

@@ -12,45 +12,41 @@ template <int dim>
 Numbering::Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, const MPI_Comm &communicator)
 {
   dealii::types::global_dof_index n_dofs = 0;
-  for (unsigned int d = 0; d < domains.size(); ++d)
-    {
-      Domain<dim> &domain = *domains[d];
-      domain.first_dof = n_dofs;
-      std::vector<dealii::types::global_dof_index> sizes;
-      if (domain.fields().size() == 1)
-        sizes = {domain.dof_handler().n_dofs()};
-      else
-        {
-          std::vector<unsigned int> field_of_component(domain.n_components());
-          for (unsigned int f = 0; f < domain.fields().size(); ++f)
-            for (unsigned int c = 0; c < domain.fields()[f].n_components; ++c)
-              field_of_component[domain.fields()[f].first_component + c] = f;
-          sizes = dealii::DoFTools::count_dofs_per_fe_block(domain.dof_handler(), field_of_component);
-        }
-      const auto &owned_by_domain = domain.dof_handler().locally_owned_dofs();
-      dealii::types::global_dof_index begin = 0;
+  for (unsigned int d = 0; d < domains.size(); ++d) {
+    Domain<dim> &domain = *domains[d];
+    domain.first_dof = n_dofs;
+    std::vector<dealii::types::global_dof_index> sizes;
+    if (domain.fields().size() == 1)
+      sizes = {domain.dof_handler().n_dofs()};
+    else {
+      std::vector<unsigned int> field_of_component(domain.n_components());
       for (unsigned int f = 0; f < domain.fields().size(); ++f)
-        {
-          const auto part = owned_by_domain.get_view(begin, begin + sizes[f]);
-          std::vector<dealii::types::global_dof_index> first_of_rank = {0};
-          for (const auto count : dealii::Utilities::MPI::all_gather(communicator, part.n_elements()))
-            first_of_rank.push_back(first_of_rank.back() + count);
-          all_blocks.push_back({domain.name, domain.fields()[f].name, d, f, n_dofs + begin, n_dofs + begin + sizes[f],
-                                part, first_of_rank});
-          begin += sizes[f];
-        }
-      n_dofs += begin;
+        for (unsigned int c = 0; c < domain.fields()[f].n_components; ++c)
+          field_of_component[domain.fields()[f].first_component + c] = f;
+      sizes = dealii::DoFTools::count_dofs_per_fe_block(domain.dof_handler(), field_of_component);
     }
+    const auto &owned_by_domain = domain.dof_handler().locally_owned_dofs();
+    dealii::types::global_dof_index begin = 0;
+    for (unsigned int f = 0; f < domain.fields().size(); ++f) {
+      const auto part = owned_by_domain.get_view(begin, begin + sizes[f]);
+      std::vector<dealii::types::global_dof_index> first_of_rank = {0};
+      for (const auto count : dealii::Utilities::MPI::all_gather(communicator, part.n_elements()))
+        first_of_rank.push_back(first_of_rank.back() + count);
+      all_blocks.push_back({domain.name, domain.fields()[f].name, d, f, n_dofs + begin,
+                            n_dofs + begin + sizes[f], part, first_of_rank});
+      begin += sizes[f];
+    }
+    n_dofs += begin;
+  }
 
   owned.set_size(n_dofs);
   relevant.set_size(n_dofs);
-  for (const auto &domain : domains)
-    {
-      dealii::IndexSet relevant_to_domain;
-      dealii::DoFTools::extract_locally_relevant_dofs(domain->dof_handler(), relevant_to_domain);
-      owned.add_indices(domain->dof_handler().locally_owned_dofs(), domain->first_dof);
-      relevant.add_indices(relevant_to_domain, domain->first_dof);
-    }
+  for (const auto &domain : domains) {
+    dealii::IndexSet relevant_to_domain;
+    dealii::DoFTools::extract_locally_relevant_dofs(domain->dof_handler(), relevant_to_domain);
+    owned.add_indices(domain->dof_handler().locally_owned_dofs(), domain->first_dof);
+    relevant.add_indices(relevant_to_domain, domain->first_dof);
+  }
   owned.compress();
   relevant.compress();
 }

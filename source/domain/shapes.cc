@@ -10,35 +10,33 @@ namespace dovetail {
 template <int dim>
 ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
     : domain(domain), geometry(domain.mapping_degree()), element(domain.degree),
-      geometry_nodes(domain.mapping(), domain.scalar_element(), dealii::Quadrature<dim>(geometry.support_points()),
-                     dealii::update_quadrature_points),
-      measure_of_cell(domain.mapping(), domain.scalar_element(), dealii::QGauss<dim>(domain.mapping_degree() + 1),
-                      dealii::update_JxW_values),
-      measure_of_face(domain.mapping(), domain.scalar_element(), dealii::QGauss<dim - 1>(domain.mapping_degree() + 1),
-                      dealii::update_JxW_values),
+      geometry_nodes(domain.mapping(), domain.scalar_element(),
+                     dealii::Quadrature<dim>(geometry.support_points()), dealii::update_quadrature_points),
+      measure_of_cell(domain.mapping(), domain.scalar_element(),
+                      dealii::QGauss<dim>(domain.mapping_degree() + 1), dealii::update_JxW_values),
+      measure_of_face(domain.mapping(), domain.scalar_element(),
+                      dealii::QGauss<dim - 1>(domain.mapping_degree() + 1), dealii::update_JxW_values),
       nodes(geometry.size()), values(element.size()), geometry_gradients(geometry.size()),
       element_gradients(element.size())
 {
-  for (const auto &point : domain.scalar_element().get_unit_support_points())
-    {
-      unsigned int nearest = 0;
-      for (unsigned int i = 1; i < element.size(); ++i)
-        if (point.distance_square(element.support_points()[i]) <
-            point.distance_square(element.support_points()[nearest]))
-          nearest = i;
-      lexicographic.push_back(nearest);
-    }
+  for (const auto &point : domain.scalar_element().get_unit_support_points()) {
+    unsigned int nearest = 0;
+    for (unsigned int i = 1; i < element.size(); ++i)
+      if (point.distance_square(element.support_points()[i]) <
+          point.distance_square(element.support_points()[nearest]))
+        nearest = i;
+    lexicographic.push_back(nearest);
+  }
 }
 
 template <int dim>
 void ShapeEvaluator<dim>::reinit(const cell_iterator &cell)
 {
-  if (domain.mapping_degree() == 1)
-    {
-      for (const unsigned int v : cell->vertex_indices())
-        nodes[v] = cell->vertex(v);
-      return;
-    }
+  if (domain.mapping_degree() == 1) {
+    for (const unsigned int v : cell->vertex_indices())
+      nodes[v] = cell->vertex(v);
+    return;
+  }
   geometry_nodes.reinit(cell);
   nodes = geometry_nodes.get_quadrature_points();
 }
@@ -55,11 +53,10 @@ void ShapeEvaluator<dim>::evaluate(const dealii::Point<dim> &unit_point, double 
   const dealii::Tensor<2, dim> inverse = dealii::invert(jacobian);
 
   element.evaluate(unit_point, values, element_gradients, no_hessians);
-  for (unsigned int a = 0; a < lexicographic.size(); ++a)
-    {
-      shape_values[a] = values[lexicographic[a]];
-      shape_gradients[a] = element_gradients[lexicographic[a]] * inverse;
-    }
+  for (unsigned int a = 0; a < lexicographic.size(); ++a) {
+    shape_values[a] = values[lexicographic[a]];
+    shape_gradients[a] = element_gradients[lexicographic[a]] * inverse;
+  }
 }
 
 template <int dim>

@@ -27,18 +27,18 @@ std::vector<unsigned int> read_components(const Section &section, const Field &f
     for (unsigned int c = 0; c < field.n_components; ++c)
       components.push_back(c);
   else
-    for (const std::string &name : names)
-      {
-        const auto c = name.size() == 1 ? letters.find(name) : std::string::npos;
-        section.check(c != std::string::npos && c < field.n_components && field.n_components > 1, "Components",
-                      "has '" + name + "', but " +
-                          (field.n_components > 1 ? "the components of the " + field.name + " are " +
-                                                        (field.n_components == 2 ? "x, y." : "x, y, z.")
-                                                  : "the " + field.name + " is a scalar: leave the entry out."));
-        section.check(std::find(components.begin(), components.end(), c) == components.end(), "Components",
-                      "has '" + name + "' twice.");
-        components.push_back(c);
-      }
+    for (const std::string &name : names) {
+      const auto c = name.size() == 1 ? letters.find(name) : std::string::npos;
+      section.check(c != std::string::npos && c < field.n_components && field.n_components > 1, "Components",
+                    "has '" + name + "', but " +
+                        (field.n_components > 1
+                             ? "the components of the " + field.name + " are " +
+                                   (field.n_components == 2 ? "x, y." : "x, y, z.")
+                             : "the " + field.name + " is a scalar: leave the entry out."));
+      section.check(std::find(components.begin(), components.end(), c) == components.end(), "Components",
+                    "has '" + name + "' twice.");
+      components.push_back(c);
+    }
   return components;
 }
 
@@ -48,13 +48,16 @@ class Value : public Condition<dim>
 public:
   Value(const Section &section, const std::vector<Field> &fields, const Toggles &toggles)
       : Condition<dim>(section, fields, toggles), components(read_components(section, this->field)),
-        expression(section.require_expression("Expression", {static_cast<unsigned int>(components.size())},
-                                              "The value, one formula per component, separated by ';' [m or K]"))
-  {}
+        expression(
+            section.require_expression("Expression", {static_cast<unsigned int>(components.size())},
+                                       "The value, one formula per component, separated by ';' [m or K]"))
+  {
+  }
 
   std::vector<unsigned int> prescribed_components() const override { return components; }
 
-  double prescribed_value(const dealii::Point<dim> &X, const double t, const unsigned int component) const override
+  double prescribed_value(const dealii::Point<dim> &X, const double t,
+                          const unsigned int component) const override
   {
     const auto position = std::find(components.begin(), components.end(), component) - components.begin();
     return expression.value(X, t, position);

@@ -18,27 +18,25 @@ InterfaceSide<dim> find_side(const Section &section, const std::string &entry,
   const auto reference = section.require_boundary(
       entry, "One side of the interface, domain : boundary ids, for instance left : 1 [-]");
   std::vector<std::string> names;
-  for (const auto &domain : domains)
-    {
-      if (domain->name == reference.domain)
-        {
-          for (const unsigned int id : reference.ids)
-            domain->check_boundary_id(id, section, entry);
-          return {domain.get(), {reference.ids.begin(), reference.ids.end()}};
-        }
-      names.push_back(domain->name);
+  for (const auto &domain : domains) {
+    if (domain->name == reference.domain) {
+      for (const unsigned int id : reference.ids)
+        domain->check_boundary_id(id, section, entry);
+      return {domain.get(), {reference.ids.begin(), reference.ids.end()}};
     }
+    names.push_back(domain->name);
+  }
   section.check(false, entry,
-                "names the domain '" + reference.domain + "', which is not among Domains (" + comma_separated(names) +
-                    "). " + did_you_mean(reference.domain, names));
+                "names the domain '" + reference.domain + "', which is not among Domains (" +
+                    comma_separated(names) + "). " + did_you_mean(reference.domain, names));
   return {};
 }
 
 unsigned int read_points_per_face(const Section &section)
 {
-  const auto text = section.read<std::string>(
-      "Points per face", "automatic",
-      "Gauss points in each direction of a face; automatic follows the degrees and the ratio of the face sizes [-]");
+  const auto text = section.read<std::string>("Points per face", "automatic",
+                                              "Gauss points in each direction of a face; automatic follows "
+                                              "the degrees and the ratio of the face sizes [-]");
   if (text == "automatic" || section.documenting())
     return 0;
   const bool is_number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -57,28 +55,31 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       toggles(&toggles), toggle(toggles.read_reference(section)),
       method(TieCatalogue<dim>::create(section, "", "The method that ties the two sides [-]"))
 {
-  section.choose("Quadrature", {"mapped points"}, 0,
-                 "mapped points: Gauss points of the faces, each with the closest point of the other side [-]");
+  section.choose(
+      "Quadrature", {"mapped points"}, 0,
+      "mapped points: Gauss points of the faces, each with the closest point of the other side [-]");
   options.points_per_direction = read_points_per_face(section);
   options.search_radius =
       section.read<double>("Search radius", 0.2, "Largest gap that is tied, in units of the face size [-]",
                            Patterns::Double(1e-300));
-  options.gap_extension = static_cast<GapExtension>(
-      section.choose("Gap extension", {"symmetric", "trial", "none"}, 0,
-                     "Extend the partner's field affinely over the gap: solution and test functions, only the "
-                     "solution, or not at all [-]"));
+  options.gap_extension = static_cast<GapExtension>(section.choose(
+      "Gap extension", {"symmetric", "trial", "none"}, 0,
+      "Extend the partner's field affinely over the gap: solution and test functions, only the "
+      "solution, or not at all [-]"));
   const std::vector<std::string> answers = {"error", "warn", "allow"};
   uncovered = answers[section.choose("Uncovered", answers, 0,
                                      "What to do if both sides have parts that face nothing [-]")];
-  if (section.documenting())
-    {
-      section.read<std::vector<std::string>>("Fields", {}, "The fields that are tied; all that both domains have [-]");
-      return;
-    }
+  if (section.documenting()) {
+    section.read<std::vector<std::string>>("Fields", {},
+                                           "The fields that are tied; all that both domains have [-]");
+    return;
+  }
   for (const auto id : sides[source].boundary_ids)
-    section.check(sides[source].domain != sides[destination].domain || sides[destination].boundary_ids.count(id) == 0,
-                  "Destination", "and Source both have the boundary id " + std::to_string(id) + " of the domain " +
-                                     sides[source].domain->name + ": a boundary cannot be tied to itself.");
+    section.check(sides[source].domain != sides[destination].domain ||
+                      sides[destination].boundary_ids.count(id) == 0,
+                  "Destination",
+                  "and Source both have the boundary id " + std::to_string(id) + " of the domain " +
+                      sides[source].domain->name + ": a boundary cannot be tied to itself.");
   options.integrate_on = method->integrates_on();
   read_fields();
   find_components();
@@ -96,37 +97,34 @@ void Interface<dim>::read_fields()
   section.check(!common.empty(), "Source",
                 "and Destination have no field in common: " + sides[source].domain->name + " and " +
                     sides[destination].domain->name + " share no kind of law.");
-  for (const std::string &field : asked.empty() ? common : asked)
-    {
-      section.check(std::find(common.begin(), common.end(), field) != common.end(), "Fields",
-                    "names '" + field + "', but the fields that both domains have are " + comma_separated(common) +
-                        ". " + did_you_mean(field, common));
-      TiedField tied;
-      tied.name = field;
-      for (const unsigned int side : {source, destination})
-        {
-          const Field *of_side = sides[side].domain->material.find_field(field);
-          tied.n_components = of_side->n_components;
-          tied.first_component[side] = of_side->first_component;
-          tied.field[side] = of_side - sides[side].domain->fields().data();
-        }
-      fields.push_back(tied);
+  for (const std::string &field : asked.empty() ? common : asked) {
+    section.check(std::find(common.begin(), common.end(), field) != common.end(), "Fields",
+                  "names '" + field + "', but the fields that both domains have are " +
+                      comma_separated(common) + ". " + did_you_mean(field, common));
+    TiedField tied;
+    tied.name = field;
+    for (const unsigned int side : {source, destination}) {
+      const Field *of_side = sides[side].domain->material.find_field(field);
+      tied.n_components = of_side->n_components;
+      tied.first_component[side] = of_side->first_component;
+      tied.field[side] = of_side - sides[side].domain->fields().data();
     }
+    fields.push_back(tied);
+  }
 }
 
 template <int dim>
 void Interface<dim>::find_components()
 {
   for (const unsigned int side : {source, destination})
-    for (unsigned int g = 0; g < sides[side].domain->fields().size(); ++g)
-      {
-        const Field &field = sides[side].domain->fields()[g];
-        bool is_needed = false;
-        for (const TiedField &tied : fields)
-          is_needed = is_needed || sides[side].domain->material.depends(tied.field[side], g);
-        for (unsigned int c = 0; is_needed && c < field.n_components; ++c)
-          components[side].push_back(field.first_component + c);
-      }
+    for (unsigned int g = 0; g < sides[side].domain->fields().size(); ++g) {
+      const Field &field = sides[side].domain->fields()[g];
+      bool is_needed = false;
+      for (const TiedField &tied : fields)
+        is_needed = is_needed || sides[side].domain->material.depends(tied.field[side], g);
+      for (unsigned int c = 0; is_needed && c < field.n_components; ++c)
+        components[side].push_back(field.first_component + c);
+    }
 }
 
 template <int dim>
@@ -142,15 +140,14 @@ void Interface<dim>::report_uncovered() const
   const Coverage &coverage = pairing().coverage();
   std::ostringstream message;
   message.precision(3);
-  if (coverage.n_points == 0)
-    {
-      message << "and Destination do not face each other anywhere";
-      if (std::isfinite(coverage.nearest_miss))
-        message << "; the nearest points are " << coverage.nearest_miss << " apart";
-      message << ". Check the boundary ids, Scale and Shift of the two meshes, or enlarge Search radius (now "
-              << options.search_radius << " of the face size).";
-      section.fail("Source", message.str());
-    }
+  if (coverage.n_points == 0) {
+    message << "and Destination do not face each other anywhere";
+    if (std::isfinite(coverage.nearest_miss))
+      message << "; the nearest points are " << coverage.nearest_miss << " apart";
+    message << ". Check the boundary ids, Scale and Shift of the two meshes, or enlarge Search radius (now "
+            << options.search_radius << " of the face size).";
+    section.fail("Source", message.str());
+  }
   if (coverage.is_complete(source) || coverage.is_complete(destination) || uncovered == "allow")
     return;
   message << 100 * (1 - coverage.covered[source] / coverage.area[source]) << " % of the source and "
@@ -169,33 +166,30 @@ void Interface<dim>::group_dofs(const typename Pairing<dim>::Group &group,
                                 std::vector<dealii::types::global_dof_index> &dofs) const
 {
   dofs.clear();
-  for (const unsigned int side : {source, destination})
-    {
-      const auto &of_cell = pairing().cells[side][group.cells[side]].dofs;
-      const unsigned int n = sides[side].domain->n_nodes();
-      for (const unsigned int c : components[side])
-        dofs.insert(dofs.end(), of_cell.begin() + c * n, of_cell.begin() + (c + 1) * n);
-    }
+  for (const unsigned int side : {source, destination}) {
+    const auto &of_cell = pairing().cells[side][group.cells[side]].dofs;
+    const unsigned int n = sides[side].domain->n_nodes();
+    for (const unsigned int c : components[side])
+      dofs.insert(dofs.end(), of_cell.begin() + c * n, of_cell.begin() + (c + 1) * n);
+  }
 }
 
 template <int dim>
-void Interface<dim>::evaluate(const unsigned int side, const unsigned int q, const std::vector<double> &unknowns,
-                              State<dim> &state) const
+void Interface<dim>::evaluate(const unsigned int side, const unsigned int q,
+                              const std::vector<double> &unknowns, State<dim> &state) const
 {
   const unsigned int n = sides[side].domain->n_nodes();
   const double *values = pairing().values(side, q);
   const dealii::Tensor<1, dim> *gradients = pairing().gradients(side, q);
   const double *unknown = unknowns.data() + (side == source ? 0 : n_local(source));
-  for (const unsigned int c : components[side])
-    {
-      state.value[c] = 0;
-      state.gradient[c] = 0;
-      for (unsigned int a = 0; a < n; ++a, ++unknown)
-        {
-          state.value[c] += values[a] * *unknown;
-          state.gradient[c] += *unknown * gradients[a];
-        }
+  for (const unsigned int c : components[side]) {
+    state.value[c] = 0;
+    state.gradient[c] = 0;
+    for (unsigned int a = 0; a < n; ++a, ++unknown) {
+      state.value[c] += values[a] * *unknown;
+      state.gradient[c] += *unknown * gradients[a];
     }
+  }
 }
 
 template <int dim>
@@ -203,17 +197,16 @@ void Interface<dim>::jump(const TiedField &field, const unsigned int q, const st
                           std::vector<double> &result) const
 {
   result.assign(field.n_components, 0.);
-  for (const unsigned int side : {source, destination})
-    {
-      const unsigned int n = sides[side].domain->n_nodes();
-      const double *trial = pairing().trial(side, q);
-      const double sign = side == source ? 1 : -1;
-      const unsigned int first = (side == source ? 0 : n_local(source)) +
-                                 position(side, field.first_component[side]) * n;
-      for (unsigned int c = 0; c < field.n_components; ++c)
-        for (unsigned int a = 0; a < n; ++a)
-          result[c] += sign * trial[a] * unknowns[first + c * n + a];
-    }
+  for (const unsigned int side : {source, destination}) {
+    const unsigned int n = sides[side].domain->n_nodes();
+    const double *trial = pairing().trial(side, q);
+    const double sign = side == source ? 1 : -1;
+    const unsigned int first =
+        (side == source ? 0 : n_local(source)) + position(side, field.first_component[side]) * n;
+    for (unsigned int c = 0; c < field.n_components; ++c)
+      for (unsigned int a = 0; a < n; ++a)
+        result[c] += sign * trial[a] * unknowns[first + c * n + a];
+  }
 }
 
 template <int dim>
@@ -226,8 +219,9 @@ template <int dim>
 bool Interface<dim>::couples(const unsigned int row, const unsigned int column) const
 {
   const auto side_and_component = [this](const unsigned int i) {
-    return i < components[source].size() ? std::make_pair(source, components[source][i])
-                                         : std::make_pair(destination, components[destination][i - components[source].size()]);
+    return i < components[source].size()
+               ? std::make_pair(source, components[source][i])
+               : std::make_pair(destination, components[destination][i - components[source].size()]);
   };
   const auto contains = [](const unsigned int first, const unsigned int n, const unsigned int c) {
     return c >= first && c < first + n;
@@ -235,13 +229,12 @@ bool Interface<dim>::couples(const unsigned int row, const unsigned int column) 
   const auto [row_side, row_component] = side_and_component(row);
   const auto [side, component] = side_and_component(column);
   for (const TiedField &tied : fields)
-    if (contains(tied.first_component[row_side], tied.n_components, row_component))
-      {
-        const auto &of_side = sides[side].domain->fields();
-        for (unsigned int g = 0; g < of_side.size(); ++g)
-          if (contains(of_side[g].first_component, of_side[g].n_components, component))
-            return g == tied.field[side] || sides[side].domain->material.depends(tied.field[side], g);
-      }
+    if (contains(tied.first_component[row_side], tied.n_components, row_component)) {
+      const auto &of_side = sides[side].domain->fields();
+      for (unsigned int g = 0; g < of_side.size(); ++g)
+        if (contains(of_side[g].first_component, of_side[g].n_components, component))
+          return g == tied.field[side] || sides[side].domain->material.depends(tied.field[side], g);
+    }
   return false;
 }
 

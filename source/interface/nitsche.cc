@@ -7,8 +7,8 @@
 //     R(delta) = int_Gamma  - {A}.delta[B]  - theta delta{A}.[B]  + gamma [B].delta[B]  dGamma
 //
 // with the signs of pairing.h. theta = 1 is symmetric, 0 nonsymmetric (delta{A} is never evaluated), -1
-// skew-symmetric. The tangent is exact: for theta != 0 and a nonlinear law it holds the second derivative of A,
-// contracted with the jump. Weights and penalty are frozen at the beginning of a step.
+// skew-symmetric. The tangent is exact: for theta != 0 and a nonlinear law it holds the second derivative of
+// A, contracted with the jump. Weights and penalty are frozen at the beginning of a step.
 //
 //     subsection Interface seam
 //       set Type        = Nitsche
@@ -28,13 +28,7 @@ namespace dovetail {
 namespace {
 
 /// Which of the two sides' fluxes enter {A}, and how much.
-enum class Weights
-{
-  volume,
-  equal,
-  source,
-  destination
-};
+enum class Weights { volume, equal, source, destination };
 
 template <int dim>
 class Nitsche : public Tie<dim>
@@ -50,8 +44,8 @@ public:
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent) override;
-  void numerical_flux(const Interface<dim> &interface, const TiedField &field,
-                      unsigned int q, const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
+  void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
+                      const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
                       std::vector<double> &result) const override;
   typename Tie<dim>::Penalty penalty() const override { return range; }
 
@@ -68,13 +62,13 @@ private:
                    const dealii::Tensor<1, dim> &N) const;
   Parameters choose_parameters(const Interface<dim> &interface, const TiedField &field,
                                const typename Pairing<dim>::Group &group, unsigned int q, double t);
-  bool evaluate_sides(const Interface<dim> &interface, unsigned int q, double t, const std::vector<double> &unknowns,
-                      bool with_derivatives);
+  bool evaluate_sides(const Interface<dim> &interface, unsigned int q, double t,
+                      const std::vector<double> &unknowns, bool with_derivatives);
   void add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q,
                  const std::vector<double> &unknowns, std::vector<double> &residual,
                  dealii::FullMatrix<double> *tangent);
-  void linearise_mean_flux(const Interface<dim> &interface, const TiedField &field, const Parameters &parameters,
-                           unsigned int q);
+  void linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
+                           const Parameters &parameters, unsigned int q);
   void add_tangent(const Interface<dim> &interface, const TiedField &field, const Parameters &parameters,
                    unsigned int q, dealii::FullMatrix<double> &tangent) const;
   void add_curvature(const Interface<dim> &interface, const TiedField &field, const Parameters &parameters,
@@ -90,7 +84,8 @@ private:
   std::vector<Parameters> parameters; ///< at field * n_points + point
   typename Tie<dim>::Penalty range;
 
-  // at the current point: states and responses of the two sides, the jump, and the derivative of the mean flux
+  // at the current point: states and responses of the two sides, the jump, and the derivative of the mean
+  // flux
   std::array<std::unique_ptr<State<dim>>, 2> state;
   std::array<std::unique_ptr<Response<dim>>, 2> response;
   std::vector<double> jump, mean_flux;
@@ -100,21 +95,24 @@ private:
 
 template <int dim>
 Nitsche<dim>::Nitsche(const Section &section)
-    : theta(section.read<double>("Theta", 1., "1 symmetric, 0 nonsymmetric, -1 skew-symmetric; any number [-]")),
-      weights(static_cast<Weights>(
-          section.choose("Weights", {"volume", "equal", "source", "destination"}, 0,
-                         "Weights of the two fluxes in their mean: by cell volume over stiffness, one half each, or "
-                         "one side only [-]"))),
-      penalty_by_volume(section.choose("Penalty", {"volume", "value"}, 0,
-                                       "volume: c (G1+G2)/(V1/k1+V2/k2) with face areas G, cell volumes V and "
-                                       "stiffnesses k (times p^2 for degree p); value: given [-]") == 0),
+    : theta(section.read<double>("Theta", 1.,
+                                 "1 symmetric, 0 nonsymmetric, -1 skew-symmetric; any number [-]")),
+      weights(static_cast<Weights>(section.choose(
+          "Weights", {"volume", "equal", "source", "destination"}, 0,
+          "Weights of the two fluxes in their mean: by cell volume over stiffness, one half each, or "
+          "one side only [-]"))),
+      penalty_by_volume(
+          section.choose("Penalty", {"volume", "value"}, 0,
+                         "volume: c (G1+G2)/(V1/k1+V2/k2) with face areas G, cell volumes V and "
+                         "stiffnesses k (times p^2 for degree p); value: given [-]") == 0),
       multiplier(penalty_by_volume || section.documenting()
                      ? section.read<double>("Multiplier", 1., "c: multiplies the penalty `volume` [-]",
                                             Patterns::Double(0))
                      : 1.),
       value(penalty_by_volume && !section.documenting()
                 ? Expression()
-                : section.require_expression("Value", {1}, "The penalty gamma, with Penalty = value [Pa/m or W/(m^2 K)]"))
+                : section.require_expression("Value", {1},
+                                             "The penalty gamma, with Penalty = value [Pa/m or W/(m^2 K)]"))
 {
   const unsigned int integrate_on =
       section.choose("Integrate on", {"source", "destination", "both"}, 0, "Whose faces hold the points [-]");
@@ -126,18 +124,17 @@ void Nitsche<dim>::reserve(const Interface<dim> &interface)
 {
   if (state[source])
     return;
-  for (const unsigned int side : {source, destination})
-    {
-      const unsigned int n = interface.sides[side].domain->n_components();
-      state[side] = std::make_unique<State<dim>>(n);
-      response[side] = std::make_unique<Response<dim>>(n);
-    }
+  for (const unsigned int side : {source, destination}) {
+    const unsigned int n = interface.sides[side].domain->n_components();
+    state[side] = std::make_unique<State<dim>>(n);
+    response[side] = std::make_unique<Response<dim>>(n);
+  }
 }
 
 /// Largest eigenvalue of N.(dA/dgrad B).N, the acoustic tensor of a solid, the conductivity k_N of a scalar.
 template <int dim>
-double Nitsche<dim>::stiffness(const Interface<dim> &interface, const TiedField &field, const unsigned int side,
-                               const dealii::Tensor<1, dim> &N) const
+double Nitsche<dim>::stiffness(const Interface<dim> &interface, const TiedField &field,
+                               const unsigned int side, const dealii::Tensor<1, dim> &N) const
 {
   const unsigned int first = field.first_component[side], n = interface.sides[side].domain->n_components();
   const auto entry = [&](const unsigned int c, const unsigned int d) {
@@ -153,38 +150,46 @@ double Nitsche<dim>::stiffness(const Interface<dim> &interface, const TiedField 
 }
 
 template <int dim>
-typename Nitsche<dim>::Parameters
-Nitsche<dim>::choose_parameters(const Interface<dim> &interface, const TiedField &field,
-                                const typename Pairing<dim>::Group &group, const unsigned int q, const double t)
+typename Nitsche<dim>::Parameters Nitsche<dim>::choose_parameters(const Interface<dim> &interface,
+                                                                  const TiedField &field,
+                                                                  const typename Pairing<dim>::Group &group,
+                                                                  const unsigned int q, const double t)
 {
   // V_i / (p_i^2 k_i): for a scalar the inverse of the trace constant is V_i / (p_i^2 k_i G_i)
   std::array<double, 2> compliance, area, trace_constant;
-  for (const unsigned int side : {source, destination})
-    {
-      const CellBehind &cell = interface.pairing().cells[side][group.cells[side]];
-      const double k = stiffness(interface, field, side, interface.pairing().N(side, q));
-      const double p = interface.sides[side].domain->degree;
-      compliance[side] = cell.cell_measure / (p * p * k);
-      area[side] = cell.face_measure;
-      const double constant = field.n_components == 1 ? p * p : (p + 1) * (p + 1);
-      trace_constant[side] = constant * k * cell.face_measure / cell.cell_measure;
-    }
+  for (const unsigned int side : {source, destination}) {
+    const CellBehind &cell = interface.pairing().cells[side][group.cells[side]];
+    const double k = stiffness(interface, field, side, interface.pairing().N(side, q));
+    const double p = interface.sides[side].domain->degree;
+    compliance[side] = cell.cell_measure / (p * p * k);
+    area[side] = cell.face_measure;
+    const double constant = field.n_components == 1 ? p * p : (p + 1) * (p + 1);
+    trace_constant[side] = constant * k * cell.face_measure / cell.cell_measure;
+  }
   const double sum = compliance[source] + compliance[destination];
 
   Parameters chosen;
-  switch (weights)
-    {
-      case Weights::volume: chosen.weight = {{compliance[source] / sum, compliance[destination] / sum}}; break;
-      case Weights::equal: chosen.weight = {{0.5, 0.5}}; break;
-      case Weights::source: chosen.weight = {{1, 0}}; break;
-      case Weights::destination: chosen.weight = {{0, 1}}; break;
-    }
+  switch (weights) {
+  case Weights::volume:
+    chosen.weight = {{compliance[source] / sum, compliance[destination] / sum}};
+    break;
+  case Weights::equal:
+    chosen.weight = {{0.5, 0.5}};
+    break;
+  case Weights::source:
+    chosen.weight = {{1, 0}};
+    break;
+  case Weights::destination:
+    chosen.weight = {{0, 1}};
+    break;
+  }
   chosen.gamma = penalty_by_volume ? multiplier * (area[source] + area[destination]) / sum
                                    : value.value(interface.pairing().X(source, q), t);
 
-  const double bound = (1 + theta) * (1 + theta) / 4 *
-                       (chosen.weight[source] * chosen.weight[source] * trace_constant[source] +
-                        chosen.weight[destination] * chosen.weight[destination] * trace_constant[destination]);
+  const double bound =
+      (1 + theta) * (1 + theta) / 4 *
+      (chosen.weight[source] * chosen.weight[source] * trace_constant[source] +
+       chosen.weight[destination] * chosen.weight[destination] * trace_constant[destination]);
   range.smallest = std::min(range.smallest, chosen.gamma);
   range.largest = std::max(range.largest, chosen.gamma);
   if (bound > 0)
@@ -205,89 +210,85 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
   parameters.resize(pairing.n_points() * interface.fields.size());
   range = {};
   std::vector<double> unknowns;
-  for (const auto &group : pairing.groups)
-    {
-      group_unknowns(group, unknowns);
-      for (unsigned int q = group.begin; q < group.end; ++q)
-        {
-          bool is_defined = true;
-          for (const unsigned int side : {source, destination})
-            {
-              interface.evaluate(side, q, unknowns, *state[side]);
-              state[side]->X = pairing.X(side, q);
-              state[side]->t = t;
-              is_defined =
-                  is_defined && interface.sides[side].domain->material.evaluate(*state[side], true, *response[side]);
-            }
-          for (unsigned int f = 0; f < interface.fields.size(); ++f)
-            {
-              const unsigned int i = f * pairing.n_points() + q;
-              const Parameters chosen = choose_parameters(interface, interface.fields[f], group, q, t);
-              // a tangent that has lost its positivity says nothing about the stiffness: keep the last good one
-              const bool is_good = is_defined && chosen.gamma > 0 && std::isfinite(chosen.gamma) &&
-                                   chosen.weight[source] >= 0 && chosen.weight[destination] >= 0;
-              parameters[i] = is_good || old.empty() ? chosen : old[i];
-            }
-        }
+  for (const auto &group : pairing.groups) {
+    group_unknowns(group, unknowns);
+    for (unsigned int q = group.begin; q < group.end; ++q) {
+      bool is_defined = true;
+      for (const unsigned int side : {source, destination}) {
+        interface.evaluate(side, q, unknowns, *state[side]);
+        state[side]->X = pairing.X(side, q);
+        state[side]->t = t;
+        is_defined = is_defined &&
+                     interface.sides[side].domain->material.evaluate(*state[side], true, *response[side]);
+      }
+      for (unsigned int f = 0; f < interface.fields.size(); ++f) {
+        const unsigned int i = f * pairing.n_points() + q;
+        const Parameters chosen = choose_parameters(interface, interface.fields[f], group, q, t);
+        // a tangent that has lost its positivity says nothing about the stiffness: keep the last good one
+        const bool is_good = is_defined && chosen.gamma > 0 && std::isfinite(chosen.gamma) &&
+                             chosen.weight[source] >= 0 && chosen.weight[destination] >= 0;
+        parameters[i] = is_good || old.empty() ? chosen : old[i];
+      }
     }
+  }
 }
 
 /// {A} - gamma [B]: what the source gets from the destination.
 template <int dim>
-void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedField &field, const unsigned int q,
-                                  const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
-                                  std::vector<double> &result) const
+void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedField &field,
+                                  const unsigned int q, const std::array<std::vector<double>, 2> &flux,
+                                  const std::vector<double> &jump, std::vector<double> &result) const
 {
   const Parameters &p = parameters[(&field - interface.fields.data()) * interface.pairing().n_points() + q];
   for (unsigned int c = 0; c < field.n_components; ++c)
-    result[c] = p.weight[source] * flux[source][c] - p.weight[destination] * flux[destination][c] - p.gamma * jump[c];
+    result[c] =
+        p.weight[source] * flux[source][c] - p.weight[destination] * flux[destination][c] - p.gamma * jump[c];
 }
 
 template <int dim>
 bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const unsigned int q, const double t,
                                   const std::vector<double> &unknowns, const bool with_derivatives)
 {
-  for (const unsigned int side : {source, destination})
-    {
-      bool is_weighted = false;
-      for (unsigned int f = 0; f < interface.fields.size(); ++f)
-        is_weighted = is_weighted || parameters[f * interface.pairing().n_points() + q].weight[side] != 0;
-      if (!is_weighted)
-        continue;
-      interface.evaluate(side, q, unknowns, *state[side]);
-      state[side]->X = interface.pairing().X(side, q);
-      state[side]->t = t;
-      if (!interface.sides[side].domain->material.evaluate(*state[side], with_derivatives, *response[side]))
-        return false;
-    }
+  for (const unsigned int side : {source, destination}) {
+    bool is_weighted = false;
+    for (unsigned int f = 0; f < interface.fields.size(); ++f)
+      is_weighted = is_weighted || parameters[f * interface.pairing().n_points() + q].weight[side] != 0;
+    if (!is_weighted)
+      continue;
+    interface.evaluate(side, q, unknowns, *state[side]);
+    state[side]->X = interface.pairing().X(side, q);
+    state[side]->t = t;
+    if (!interface.sides[side].domain->material.evaluate(*state[side], with_derivatives, *response[side]))
+      return false;
+  }
   return true;
 }
 
 template <int dim>
 bool Nitsche<dim>::assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
-                            const double t, const std::vector<double> &unknowns, std::vector<double> &residual,
-                            dealii::FullMatrix<double> *tangent)
+                            const double t, const std::vector<double> &unknowns,
+                            std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
   const bool with_derivatives = tangent != nullptr || theta != 0;
-  for (unsigned int q = group.begin; q < group.end; ++q)
-    {
-      if (!evaluate_sides(interface, q, t, unknowns, with_derivatives))
-        return false;
-      for (unsigned int f = 0; f < interface.fields.size(); ++f)
-        add_field(interface, f, q, unknowns, residual, tangent);
-    }
+  for (unsigned int q = group.begin; q < group.end; ++q) {
+    if (!evaluate_sides(interface, q, t, unknowns, with_derivatives))
+      return false;
+    for (unsigned int f = 0; f < interface.fields.size(); ++f)
+      add_field(interface, f, q, unknowns, residual, tangent);
+  }
   return true;
 }
 
 template <int dim>
-void Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int field_index, const unsigned int q,
-                             const std::vector<double> &unknowns, std::vector<double> &residual,
-                             dealii::FullMatrix<double> *tangent)
+void Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int field_index,
+                             const unsigned int q, const std::vector<double> &unknowns,
+                             std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
   const Pairing<dim> &pairing = interface.pairing();
   const TiedField &field = interface.fields[field_index];
   const Parameters &p = parameters[field_index * pairing.n_points() + q];
-  const unsigned int n_c = field.n_components, n_local = interface.n_local(source) + interface.n_local(destination);
+  const unsigned int n_c = field.n_components,
+                     n_local = interface.n_local(source) + interface.n_local(destination);
 
   interface.jump(field, q, unknowns, jump);
   mean_flux.assign(n_c, 0.);
@@ -300,25 +301,22 @@ void Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
     linearise_mean_flux(interface, field, p, q);
 
   unsigned int i = 0;
-  for (const unsigned int side : {source, destination})
-    {
-      const double sign = side == source ? 1 : -1;
-      const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
-      const double *test = pairing.test(side, q);
-      for (const unsigned int component : interface.components[side])
-        {
-          const unsigned int c = component - field.first_component[side]; // wraps if not of this field
-          for (unsigned int a = 0; a < n_nodes; ++a, ++i)
-            if (c < n_c)
-              {
-                double R = sign * test[a] * (p.gamma * jump[c] - mean_flux[c]);
-                if (theta != 0)
-                  for (unsigned int d = 0; d < n_c; ++d)
-                    R -= theta * variation_of[d * n_local + i] * jump[d];
-                residual[i] += pairing.weight(q) * R;
-              }
+  for (const unsigned int side : {source, destination}) {
+    const double sign = side == source ? 1 : -1;
+    const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
+    const double *test = pairing.test(side, q);
+    for (const unsigned int component : interface.components[side]) {
+      const unsigned int c = component - field.first_component[side]; // wraps if not of this field
+      for (unsigned int a = 0; a < n_nodes; ++a, ++i)
+        if (c < n_c) {
+          double R = sign * test[a] * (p.gamma * jump[c] - mean_flux[c]);
+          if (theta != 0)
+            for (unsigned int d = 0; d < n_c; ++d)
+              R -= theta * variation_of[d * n_local + i] * jump[d];
+          residual[i] += pairing.weight(q) * R;
         }
     }
+  }
   if (tangent == nullptr)
     return;
   add_tangent(interface, field, p, q, *tangent);
@@ -326,9 +324,9 @@ void Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
     add_curvature(interface, field, p, q, *tangent);
 }
 
-/// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a), and the first
-/// term of it alone, delta{A}: a test function varies the flux through its gradient only, so that a constant one does
-/// not and the fluxes of both sides balance also for k(T).
+/// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a), and
+/// the first term of it alone, delta{A}: a test function varies the flux through its gradient only, so that a
+/// constant one does not and the fluxes of both sides balance also for k(T).
 template <int dim>
 void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
                                        const Parameters &p, const unsigned int q)
@@ -339,34 +337,29 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
   mean_flux_of.assign(n_c * n_local, 0.);
   variation_of.assign(n_c * n_local, 0.);
   unsigned int i = 0;
-  for (const unsigned int side : {source, destination})
-    {
-      const Domain<dim> &domain = *interface.sides[side].domain;
-      const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
-      const double factor = (side == source ? 1 : -1) * p.weight[side];
-      if (factor == 0)
-        {
-          i += interface.n_local(side);
-          continue;
-        }
-      for (const unsigned int d : interface.components[side])
-        {
-          for (unsigned int c = 0; c < n_c; ++c)
-            {
-              const unsigned int pair = (field.first_component[side] + c) * n + d;
-              const dealii::Tensor<1, dim> by_gradient =
-                  factor * (pairing.N(side, q) * response[side]->by_gradient[pair]);
-              const double by_value = factor * (pairing.N(side, q) * response[side]->by_value[pair]);
-              double *variation = &variation_of[c * n_local + i], *mean = &mean_flux_of[c * n_local + i];
-              for (unsigned int a = 0; a < n_nodes; ++a)
-                {
-                  variation[a] = by_gradient * pairing.gradients(side, q)[a];
-                  mean[a] = variation[a] + by_value * pairing.values(side, q)[a];
-                }
-            }
-          i += n_nodes;
-        }
+  for (const unsigned int side : {source, destination}) {
+    const Domain<dim> &domain = *interface.sides[side].domain;
+    const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
+    const double factor = (side == source ? 1 : -1) * p.weight[side];
+    if (factor == 0) {
+      i += interface.n_local(side);
+      continue;
     }
+    for (const unsigned int d : interface.components[side]) {
+      for (unsigned int c = 0; c < n_c; ++c) {
+        const unsigned int pair = (field.first_component[side] + c) * n + d;
+        const dealii::Tensor<1, dim> by_gradient =
+            factor * (pairing.N(side, q) * response[side]->by_gradient[pair]);
+        const double by_value = factor * (pairing.N(side, q) * response[side]->by_value[pair]);
+        double *variation = &variation_of[c * n_local + i], *mean = &mean_flux_of[c * n_local + i];
+        for (unsigned int a = 0; a < n_nodes; ++a) {
+          variation[a] = by_gradient * pairing.gradients(side, q)[a];
+          mean[a] = variation[a] + by_value * pairing.values(side, q)[a];
+        }
+      }
+      i += n_nodes;
+    }
+  }
 }
 
 template <int dim>
@@ -386,22 +379,19 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
   const Pairing<dim> &pairing = interface.pairing();
   const unsigned int n_c = field.n_components;
   unsigned int i = 0;
-  for (const unsigned int side : {source, destination})
-    {
-      const double sign = side == source ? 1 : -1;
-      for (const unsigned int component : interface.components[side])
-        {
-          const unsigned int c = component - field.first_component[side];
-          for (unsigned int a = 0; a < interface.sides[side].domain->n_nodes(); ++a, ++i)
-            if (c < n_c)
-              {
-                of_field.push_back(i);
-                const double trial = pairing.trial(side, q)[a], test = pairing.test(side, q)[a];
-                if (std::abs(trial) > 1e-14 || std::abs(test) > 1e-14)
-                  in_jump.push_back({i, c, sign * trial, sign * test});
-              }
+  for (const unsigned int side : {source, destination}) {
+    const double sign = side == source ? 1 : -1;
+    for (const unsigned int component : interface.components[side]) {
+      const unsigned int c = component - field.first_component[side];
+      for (unsigned int a = 0; a < interface.sides[side].domain->n_nodes(); ++a, ++i)
+        if (c < n_c) {
+          of_field.push_back(i);
+          const double trial = pairing.trial(side, q)[a], test = pairing.test(side, q)[a];
+          if (std::abs(trial) > 1e-14 || std::abs(test) > 1e-14)
+            in_jump.push_back({i, c, sign * trial, sign * test});
         }
     }
+  }
 
   const double w = pairing.weight(q);
   const unsigned int n_local = tangent.n();
@@ -433,49 +423,45 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
 {
   const Pairing<dim> &pairing = interface.pairing();
   unsigned int first = 0;
-  for (const unsigned int side : {source, destination})
-    {
-      const Domain<dim> &domain = *interface.sides[side].domain;
-      const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
-      const auto &components = interface.components[side];
-      if (p.weight[side] != 0 && !domain.material.is_linear(field.field[side]))
-        {
-          std::vector<dealii::Tensor<1, dim>> contraction(n);
-          for (unsigned int c = 0; c < field.n_components; ++c)
-            contraction[field.first_component[side] + c] =
-                -theta * (side == source ? 1 : -1) * p.weight[side] * pairing.weight(q) * jump[c] * pairing.N(side, q);
-          dealii::FullMatrix<double> H(n * (1 + dim), n * (1 + dim));
-          domain.material.curvature(*state[side], contraction, H);
+  for (const unsigned int side : {source, destination}) {
+    const Domain<dim> &domain = *interface.sides[side].domain;
+    const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
+    const auto &components = interface.components[side];
+    if (p.weight[side] != 0 && !domain.material.is_linear(field.field[side])) {
+      std::vector<dealii::Tensor<1, dim>> contraction(n);
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        contraction[field.first_component[side] + c] = -theta * (side == source ? 1 : -1) * p.weight[side] *
+                                                       pairing.weight(q) * jump[c] * pairing.N(side, q);
+      dealii::FullMatrix<double> H(n * (1 + dim), n * (1 + dim));
+      domain.material.curvature(*state[side], contraction, H);
 
-          const double *values = pairing.values(side, q);
-          const dealii::Tensor<1, dim> *gradients = pairing.gradients(side, q);
-          for (unsigned int k = 0; k < components.size(); ++k)
-            {
-              // delta{A} varies the gradient of the tied field only
-              if (components[k] - field.first_component[side] >= field.n_components)
-                continue;
-              for (unsigned int l = 0; l < components.size(); ++l)
-                for (unsigned int a = 0; a < n_nodes; ++a)
-                  {
-                    const unsigned int row = components[k] * (1 + dim), column = components[l] * (1 + dim);
-                    dealii::Tensor<1, dim> g; // grad phi_a times H, by gradient and by value of the column
-                    double v = 0;
-                    for (unsigned int J = 0; J < dim; ++J)
-                      {
-                        v += gradients[a][J] * H(row + 1 + J, column);
-                        for (unsigned int L = 0; L < dim; ++L)
-                          g[L] += gradients[a][J] * H(row + 1 + J, column + 1 + L);
-                      }
-                    for (unsigned int b = 0; b < n_nodes; ++b)
-                      tangent(first + k * n_nodes + a, first + l * n_nodes + b) += g * gradients[b] + v * values[b];
-                  }
+      const double *values = pairing.values(side, q);
+      const dealii::Tensor<1, dim> *gradients = pairing.gradients(side, q);
+      for (unsigned int k = 0; k < components.size(); ++k) {
+        // delta{A} varies the gradient of the tied field only
+        if (components[k] - field.first_component[side] >= field.n_components)
+          continue;
+        for (unsigned int l = 0; l < components.size(); ++l)
+          for (unsigned int a = 0; a < n_nodes; ++a) {
+            const unsigned int row = components[k] * (1 + dim), column = components[l] * (1 + dim);
+            dealii::Tensor<1, dim> g; // grad phi_a times H, by gradient and by value of the column
+            double v = 0;
+            for (unsigned int J = 0; J < dim; ++J) {
+              v += gradients[a][J] * H(row + 1 + J, column);
+              for (unsigned int L = 0; L < dim; ++L)
+                g[L] += gradients[a][J] * H(row + 1 + J, column + 1 + L);
             }
-        }
-      first += interface.n_local(side);
+            for (unsigned int b = 0; b < n_nodes; ++b)
+              tangent(first + k * n_nodes + a, first + l * n_nodes + b) += g * gradients[b] + v * values[b];
+          }
+      }
     }
+    first += interface.n_local(side);
+  }
 }
 
-const bool registered = add_tie<Nitsche>("Nitsche", "Weak continuity by consistent flux terms and a penalty.");
+const bool registered =
+    add_tie<Nitsche>("Nitsche", "Weak continuity by consistent flux terms and a penalty.");
 
 } // namespace
 

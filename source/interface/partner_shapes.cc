@@ -26,14 +26,13 @@ template <int dim>
 std::vector<double> pack(const std::vector<Request<dim>> &requests)
 {
   std::vector<double> numbers;
-  for (const auto &request : requests)
-    {
-      numbers.push_back(request.face);
-      numbers.push_back(request.unit_points.size());
-      for (const auto &point : request.unit_points)
-        for (unsigned int d = 0; d < dim; ++d)
-          numbers.push_back(point[d]);
-    }
+  for (const auto &request : requests) {
+    numbers.push_back(request.face);
+    numbers.push_back(request.unit_points.size());
+    for (const auto &point : request.unit_points)
+      for (unsigned int d = 0; d < dim; ++d)
+        numbers.push_back(point[d]);
+  }
   return numbers;
 }
 
@@ -46,54 +45,50 @@ std::vector<double> answer(const std::vector<double> &question, const Domain<dim
   std::vector<double> numbers, values(n_nodes);
   std::vector<dealii::Tensor<1, dim>> gradients(n_nodes);
   std::vector<dealii::types::global_dof_index> dofs;
-  for (std::size_t i = 0; i < question.size();)
-    {
-      const auto &face = locator.faces()[static_cast<unsigned int>(question[i++])];
-      const unsigned int n_points = question[i++];
-      shapes.reinit(face.cell);
-      domain.cell_dofs(domain.dof_cell(face.cell), dofs);
-      numbers.insert(numbers.end(), dofs.begin(), dofs.end());
-      numbers.push_back(shapes.cell_measure(face.cell));
-      numbers.push_back(shapes.face_measure(face.cell, face.face_no));
-      for (unsigned int q = 0; q < n_points; ++q)
-        {
-          dealii::Point<dim> unit_point;
-          for (unsigned int d = 0; d < dim; ++d)
-            unit_point[d] = question[i++];
-          shapes.evaluate(unit_point, values.data(), gradients.data());
-          numbers.insert(numbers.end(), values.begin(), values.end());
-          for (const auto &gradient : gradients)
-            for (unsigned int d = 0; d < dim; ++d)
-              numbers.push_back(gradient[d]);
-        }
+  for (std::size_t i = 0; i < question.size();) {
+    const auto &face = locator.faces()[static_cast<unsigned int>(question[i++])];
+    const unsigned int n_points = question[i++];
+    shapes.reinit(face.cell);
+    domain.cell_dofs(domain.dof_cell(face.cell), dofs);
+    numbers.insert(numbers.end(), dofs.begin(), dofs.end());
+    numbers.push_back(shapes.cell_measure(face.cell));
+    numbers.push_back(shapes.face_measure(face.cell, face.face_no));
+    for (unsigned int q = 0; q < n_points; ++q) {
+      dealii::Point<dim> unit_point;
+      for (unsigned int d = 0; d < dim; ++d)
+        unit_point[d] = question[i++];
+      shapes.evaluate(unit_point, values.data(), gradients.data());
+      numbers.insert(numbers.end(), values.begin(), values.end());
+      for (const auto &gradient : gradients)
+        for (unsigned int d = 0; d < dim; ++d)
+          numbers.push_back(gradient[d]);
     }
+  }
   return numbers;
 }
 
 template <int dim>
-void unpack(const std::vector<double> &numbers, const std::vector<Request<dim>> &requests, const Domain<dim> &domain,
-            PartnerShapes<dim> &result)
+void unpack(const std::vector<double> &numbers, const std::vector<Request<dim>> &requests,
+            const Domain<dim> &domain, PartnerShapes<dim> &result)
 {
   const unsigned int n_nodes = domain.n_nodes();
   auto next = numbers.begin();
-  for (const auto &request : requests)
-    {
-      CellBehind cell;
-      cell.dofs.assign(next, next + domain.dofs_per_cell());
-      next += domain.dofs_per_cell();
-      cell.cell_measure = *next++;
-      cell.face_measure = *next++;
-      for (const unsigned int point : request.points)
-        {
-          result.cell_of_point[point] = result.cells.size();
-          std::copy(next, next + n_nodes, result.values.begin() + point * n_nodes);
-          next += n_nodes;
-          for (unsigned int a = 0; a < n_nodes; ++a)
-            for (unsigned int d = 0; d < dim; ++d)
-              result.gradients[point * n_nodes + a][d] = *next++;
-        }
-      result.cells.push_back(std::move(cell));
+  for (const auto &request : requests) {
+    CellBehind cell;
+    cell.dofs.assign(next, next + domain.dofs_per_cell());
+    next += domain.dofs_per_cell();
+    cell.cell_measure = *next++;
+    cell.face_measure = *next++;
+    for (const unsigned int point : request.points) {
+      result.cell_of_point[point] = result.cells.size();
+      std::copy(next, next + n_nodes, result.values.begin() + point * n_nodes);
+      next += n_nodes;
+      for (unsigned int a = 0; a < n_nodes; ++a)
+        for (unsigned int d = 0; d < dim; ++d)
+          result.gradients[point * n_nodes + a][d] = *next++;
     }
+    result.cells.push_back(std::move(cell));
+  }
 }
 
 } // namespace
@@ -111,23 +106,22 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
   std::map<unsigned int, std::vector<Request<dim>>> requests;
   std::map<std::pair<unsigned int, unsigned int>, unsigned int> request_of_face;
   for (unsigned int i = 0; i < matches.size(); ++i)
-    if (matches[i].found)
-      {
-        auto &of_rank = requests[matches[i].rank];
-        const auto [entry, is_new] = request_of_face.emplace(std::make_pair(matches[i].rank, matches[i].face), of_rank.size());
-        if (is_new)
-          of_rank.push_back({matches[i].face, {}, {}});
-        of_rank[entry->second].points.push_back(i);
-        of_rank[entry->second].unit_points.push_back(matches[i].unit_point);
-      }
+    if (matches[i].found) {
+      auto &of_rank = requests[matches[i].rank];
+      const auto [entry, is_new] =
+          request_of_face.emplace(std::make_pair(matches[i].rank, matches[i].face), of_rank.size());
+      if (is_new)
+        of_rank.push_back({matches[i].face, {}, {}});
+      of_rank[entry->second].points.push_back(i);
+      of_rank[entry->second].unit_points.push_back(matches[i].unit_point);
+    }
 
   ShapeEvaluator<dim> shapes(partner);
   const unsigned int this_rank = dealii::Utilities::MPI::this_mpi_process(communicator);
-  if (const auto own = requests.find(this_rank); own != requests.end())
-    {
-      unpack(answer(pack(own->second), partner, locator, shapes), own->second, partner, result);
-      requests.erase(own);
-    }
+  if (const auto own = requests.find(this_rank); own != requests.end()) {
+    unpack(answer(pack(own->second), partner, locator, shapes), own->second, partner, result);
+    requests.erase(own);
+  }
   if (dealii::Utilities::MPI::n_mpi_processes(communicator) == 1)
     return result;
 

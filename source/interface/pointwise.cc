@@ -5,8 +5,9 @@
 //
 //     B_dst(X) = B_src(X') + grad B_src(X').(X - X') = sum_a (phi_a(X') + grad phi_a(X').(X - X')) B_a
 //
-// (the second term only over a gap), as constraints that are condensed out of the system. It passes the patch test
-// only if the destination's trace space contains the source's, so the finer side should be the destination.
+// (the second term only over a gap), as constraints that are condensed out of the system. It passes the patch
+// test only if the destination's trace space contains the source's, so the finer side should be the
+// destination.
 //
 //     subsection Interface seam
 //       set Type        = pointwise
@@ -32,7 +33,8 @@ public:
   explicit Pointwise(const Section &) {}
 
   std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
-  void add_constraints(const Interface<dim> &interface, ConstraintLines &lines, const MPI_Comm &communicator) override;
+  void add_constraints(const Interface<dim> &interface, ConstraintLines &lines,
+                       const MPI_Comm &communicator) override;
 
 private:
   /// A support point of the destination and its unknowns, one per component of the domain.
@@ -58,31 +60,26 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
                                     dealii::update_normal_vectors);
   std::map<dealii::types::global_dof_index, Node> nodes;
   std::vector<dealii::types::global_dof_index> dofs;
-  for (const auto &cell : domain.mesh().active_cell_iterators())
-    if (!cell->is_artificial() && cell->at_boundary())
-      for (const unsigned int face : cell->face_indices())
-        if (cell->face(face)->at_boundary() && side.boundary_ids.count(cell->face(face)->boundary_id()) > 0)
-          {
-            at_nodes.reinit(cell);
-            at_face.reinit(cell, face);
-            domain.cell_dofs(domain.dof_cell(cell), dofs);
-            for (unsigned int a = 0; a < n; ++a)
-              if (element.has_support_on_face(a, face) && owned.is_element(dofs[a] - domain.first_dof))
-                {
-                  Node &node = nodes[dofs[a]];
-                  node.query.X = at_nodes.quadrature_point(a);
-                  node.query.N += at_face.normal_vector(0); // the mean of the faces that meet here
-                  node.dofs.clear();
-                  for (unsigned int c = 0; c < domain.n_components(); ++c)
-                    node.dofs.push_back(dofs[c * n + a]);
-                }
-          }
-  std::vector<Node> list;
-  for (auto &[dof, node] : nodes)
-    {
-      node.query.N /= node.query.N.norm();
-      list.push_back(node);
+  for (const auto &[cell, face, id] : domain.boundary_faces())
+    if (side.boundary_ids.count(id) > 0) {
+      at_nodes.reinit(cell);
+      at_face.reinit(cell, face);
+      domain.cell_dofs(domain.dof_cell(cell), dofs);
+      for (unsigned int a = 0; a < n; ++a)
+        if (element.has_support_on_face(a, face) && owned.is_element(dofs[a] - domain.first_dof)) {
+          Node &node = nodes[dofs[a]];
+          node.query.X = at_nodes.quadrature_point(a);
+          node.query.N += at_face.normal_vector(0); // the mean of the faces that meet here
+          node.dofs.clear();
+          for (unsigned int c = 0; c < domain.n_components(); ++c)
+            node.dofs.push_back(dofs[c * n + a]);
+        }
     }
+  std::vector<Node> list;
+  for (auto &[dof, node] : nodes) {
+    node.query.N /= node.query.N.norm();
+    list.push_back(node);
+  }
   return list;
 }
 
@@ -102,40 +99,39 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, Constraint
 
   const unsigned int n = from.domain->n_nodes();
   unsigned int n_followers = 0, n_prescribed = 0;
-  for (unsigned int i = 0; i < nodes.size(); ++i)
-    {
-      if (!matches[i].found)
-        continue;
-      const dealii::Tensor<1, dim> gap = nodes[i].query.X - matches[i].X;
-      const auto &masters = shapes.cells[shapes.cell_of_point[i]].dofs;
-      for (const auto &field : interface.fields)
-        for (unsigned int c = 0; c < field.n_components; ++c)
-          {
-            const auto dof = nodes[i].dofs[field.first_component[destination] + c];
-            ++(lines.count(dof) > 0 ? n_prescribed : n_followers);
-            if (lines.count(dof) > 0)
-              continue;
-            ConstraintLine line;
-            for (unsigned int a = 0; a < n; ++a)
-              {
-                double weight = shapes.values[i * n + a];
-                if (interface.gap_extension() != GapExtension::none)
-                  weight += shapes.gradients[i * n + a] * gap;
-                if (std::abs(weight) > 1e-14)
-                  line.entries.emplace_back(masters[(field.first_component[source] + c) * n + a], weight);
-              }
-            lines.emplace(dof, std::move(line));
-          }
-    }
+  for (unsigned int i = 0; i < nodes.size(); ++i) {
+    if (!matches[i].found)
+      continue;
+    const dealii::Tensor<1, dim> gap = nodes[i].query.X - matches[i].X;
+    const auto &masters = shapes.cells[shapes.cell_of_point[i]].dofs;
+    for (const auto &field : interface.fields)
+      for (unsigned int c = 0; c < field.n_components; ++c) {
+        const auto dof = nodes[i].dofs[field.first_component[destination] + c];
+        ++(lines.count(dof) > 0 ? n_prescribed : n_followers);
+        if (lines.count(dof) > 0)
+          continue;
+        ConstraintLine line;
+        for (unsigned int a = 0; a < n; ++a) {
+          double weight = shapes.values[i * n + a];
+          if (interface.gap_extension() != GapExtension::none)
+            weight += shapes.gradients[i * n + a] * gap;
+          if (std::abs(weight) > 1e-14)
+            line.entries.emplace_back(masters[(field.first_component[source] + c) * n + a], weight);
+        }
+        lines.emplace(dof, std::move(line));
+      }
+  }
   n_followers = dealii::Utilities::MPI::sum(n_followers, communicator);
   n_prescribed = dealii::Utilities::MPI::sum(n_prescribed, communicator);
-  interface.section.check(n_followers > 0 || n_prescribed == 0, "Destination",
-                          "has unknowns that are prescribed already, all of them, by a boundary condition or by another "
-                          "interface: nothing is left to follow the source. Swap Source and Destination, or use "
-                          "Type = Nitsche.");
+  interface.section.check(
+      n_followers > 0 || n_prescribed == 0, "Destination",
+      "has unknowns that are prescribed already, all of them, by a boundary condition or by another "
+      "interface: nothing is left to follow the source. Swap Source and Destination, or use "
+      "Type = Nitsche.");
 }
 
-const bool registered = add_tie<Pointwise>("pointwise", "The destination's unknowns follow the source pointwise.");
+const bool registered =
+    add_tie<Pointwise>("pointwise", "The destination's unknowns follow the source pointwise.");
 
 } // namespace
 

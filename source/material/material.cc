@@ -17,7 +17,7 @@ namespace {
 void read_positive(const Section &section, const std::string &name, const std::string &description)
 {
   const double value = section.read<double>(name, 0, description);
-  section.check(!section.is_set(name) || value > 0, name, "must be positive.");
+  section.check(value >= 0, name, "must be positive (or 0: not given).");
 }
 
 template <int dim>

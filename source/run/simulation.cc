@@ -30,14 +30,16 @@ std::string read_directory(const Section &output, const std::string &file_name)
 } // namespace
 
 Steps::Steps(const Section &section)
-    : end_time((section.choose("Kind", {"static"}, 0, "static: loads follow the time t, nothing is inert [-]"),
-                section.read<double>("End time", 1., "The time t of the last step; the first step starts at 0 [s]",
-                                     Patterns::Double(1e-300)))),
+    : end_time(
+          (section.choose("Kind", {"static"}, 0, "static: loads follow the time t, nothing is inert [-]"),
+           section.read<double>("End time", 1., "The time t of the last step; the first step starts at 0 [s]",
+                                Patterns::Double(1e-300)))),
       n_steps(section.read<unsigned int>("Number of steps", 1, "Equal steps up to the end time [-]",
                                          Patterns::Integer(1))),
       is_adaptive(section.read<bool>("Adaptive", true,
                                      "Halve a step that does not converge, down to 1/1024 of its size [-]"))
-{}
+{
+}
 
 unsigned int read_dimension(const Section &scene)
 {
@@ -76,16 +78,15 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
 {
   const Section output = scene.subsection("Output");
   directory = read_directory(output, text->file_name());
-  every_steps = output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
-                                          Patterns::Integer(1));
+  every_steps = output.read<unsigned int>(
+      "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1));
   paraview = std::make_unique<Paraview<dim>>(output, model, directory);
   text->check_all_read();
 
-  if (!model.interfaces.empty())
-    {
-      const Phases::Scope scope(phases, "pairing");
-      model.pair();
-    }
+  if (!model.interfaces.empty()) {
+    const Phases::Scope scope(phases, "pairing");
+    model.pair();
+  }
   phases.add("tie", model.pairing_seconds);
 }
 
@@ -93,22 +94,21 @@ template <int dim>
 std::vector<SolveGroup> Simulation<dim>::solve_groups() const
 {
   std::vector<SolveGroup> groups;
-  for (const auto &fields : model.field_groups())
-    {
-      SolveGroup group;
-      group.name = comma_separated(fields);
-      group.dim = dim;
-      group.degree = model.degree();
-      group.is_symmetric = fields.size() == 1 && model.is_symmetric(fields[0]);
-      group.near_null_space = [this](const unsigned int block, const bool of_all_blocks) {
-        return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
-      };
-      const auto &blocks = model.numbering->blocks();
-      for (unsigned int b = 0; b < blocks.size(); ++b)
-        if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end())
-          group.blocks.push_back(b);
-      groups.push_back(std::move(group));
-    }
+  for (const auto &fields : model.field_groups()) {
+    SolveGroup group;
+    group.name = comma_separated(fields);
+    group.dim = dim;
+    group.degree = model.degree();
+    group.is_symmetric = fields.size() == 1 && model.is_symmetric(fields[0]);
+    group.near_null_space = [this](const unsigned int block, const bool of_all_blocks) {
+      return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
+    };
+    const auto &blocks = model.numbering->blocks();
+    for (unsigned int b = 0; b < blocks.size(); ++b)
+      if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end())
+        group.blocks.push_back(b);
+    groups.push_back(std::move(group));
+  }
   return groups;
 }
 
@@ -119,32 +119,43 @@ void Simulation<dim>::check()
   log.summary(model);
   for (const std::string &sentence : left_out(model))
     log.line("left out: " + sentence);
+
+  unsigned long n_points = 0;
+  for (const auto &interface : model.interfaces)
+    n_points += interface->pairing().coverage().n_points;
+  const double pairing = dealii::Utilities::MPI::max(model.pairing_seconds, communicator);
+  const double search = dealii::Utilities::MPI::max(model.search_seconds, communicator);
+  if (n_points > 0) {
+    std::ostringstream words;
+    words.precision(3);
+    words << "pairing: " << n_points << " points in " << pairing << " s, " << 1e6 * pairing / n_points
+          << " microseconds a point; the search alone " << 1e6 * search / n_points;
+    log.line(words.str());
+  }
 }
 
 template <int dim>
 void Simulation<dim>::set_initial_values()
 {
-  for (const auto &domain : model.domains)
-    {
-      const unsigned int n = domain->n_nodes();
-      dealii::FEValues<dim> at_nodes(domain->mapping(), domain->scalar_element(),
-                                     domain->scalar_element().get_unit_support_points(),
-                                     dealii::update_quadrature_points);
-      std::vector<dealii::types::global_dof_index> dofs;
-      for (const Field &field : domain->fields())
-        if (const Expression *initial = domain->initial().find(field.name))
-          for (const auto &cell : domain->dof_handler().active_cell_iterators())
-            if (cell->is_locally_owned())
-              {
-                at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-                domain->cell_dofs(cell, dofs);
-                for (unsigned int c = 0; c < field.n_components; ++c)
-                  for (unsigned int a = 0; a < n; ++a)
-                    if (const auto dof = dofs[(field.first_component + c) * n + a];
-                        model.numbering->owned.is_element(dof))
-                      solution(dof) = initial->value(at_nodes.quadrature_point(a), 0., c);
-              }
-    }
+  for (const auto &domain : model.domains) {
+    const unsigned int n = domain->n_nodes();
+    dealii::FEValues<dim> at_nodes(domain->mapping(), domain->scalar_element(),
+                                   domain->scalar_element().get_unit_support_points(),
+                                   dealii::update_quadrature_points);
+    std::vector<dealii::types::global_dof_index> dofs;
+    for (const Field &field : domain->fields())
+      if (const Expression *initial = domain->initial().find(field.name))
+        for (const auto &cell : domain->dof_handler().active_cell_iterators())
+          if (cell->is_locally_owned()) {
+            at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+            domain->cell_dofs(cell, dofs);
+            for (unsigned int c = 0; c < field.n_components; ++c)
+              for (unsigned int a = 0; a < n; ++a)
+                if (const auto dof = dofs[(field.first_component + c) * n + a];
+                    model.numbering->owned.is_element(dof))
+                  solution(dof) = initial->value(at_nodes.quadrature_point(a), 0., c);
+          }
+  }
   solution.compress(dealii::VectorOperation::insert);
 }
 
@@ -163,7 +174,8 @@ NewtonResult Simulation<dim>::solve_step()
   problem.is_linear = model.is_linear();
   problem.assemble = [&](const bool with_tangent) {
     const Phases::Scope scope(phases, "assembly");
-    return system->assemble(trial, with_tangent) ? system->residual_norm(newton.absolute_tolerance()) : std::nan("");
+    return system->assemble(trial, with_tangent) ? system->residual_norm(newton.absolute_tolerance())
+                                                 : std::nan("");
   };
   double linear_residual = 0;
   problem.solve = [&]() {
@@ -185,7 +197,9 @@ NewtonResult Simulation<dim>::solve_step()
   problem.moves_constraints = [&]() { return system->moves_constraints(); };
   problem.linear_residual = [&]() { return linear_residual; };
   problem.report = [&](const unsigned int iteration, const double norm, const unsigned int linear_iterations,
-                       const double damping) { log.newton_iteration(iteration, norm, linear_iterations, damping); };
+                       const double damping) {
+    log.newton_iteration(iteration, norm, linear_iterations, damping);
+  };
   return newton.solve(problem);
 }
 
@@ -213,11 +227,10 @@ bool Simulation<dim>::run()
   log.title(text->file_name());
   log.summary(model);
   report = std::make_unique<Report>(directory, communicator);
-  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-    {
-      std::ofstream used(directory + "/used.prm");
-      text->print_used(used);
-    }
+  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0) {
+    std::ofstream used(directory + "/used.prm");
+    text->print_used(used);
+  }
 
   system = std::make_unique<BlockSystem<dim>>(model);
   const double nominal = steps.end_time / steps.n_steps;
@@ -230,33 +243,27 @@ bool Simulation<dim>::run()
   double t = 0, size = nominal;
   unsigned int n_done = 0;
   bool is_converged = true;
-  while (t < steps.end_time * (1 - 1e-12))
-    {
-      const double next = std::min(t + size, steps.end_time);
-      const bool is_last = next >= steps.end_time * (1 - 1e-12);
-      log.step_begins(n_done + 1, steps.n_steps, is_last ? steps.end_time : next);
-      if (advance(is_last ? steps.end_time : next))
-        {
-          t = is_last ? steps.end_time : next;
-          ++n_done;
-          log.step_ends();
-          write_output(t, n_done, is_last);
-          size = std::min(nominal, 2 * size);
-        }
-      else if (steps.is_adaptive && size > nominal / 1024)
-        {
-          size /= 2;
-          log.step_ends("did not converge; half of the step is tried");
-        }
-      else
-        {
-          log.step_ends("did not converge");
-          is_converged = false;
-          if (n_done > 0 && n_done % every_steps != 0)
-            write_output(t, n_done, true); // the last good step is always kept
-          break;
-        }
+  while (t < steps.end_time * (1 - 1e-12)) {
+    const double next = std::min(t + size, steps.end_time);
+    const bool is_last = next >= steps.end_time * (1 - 1e-12);
+    log.step_begins(n_done + 1, steps.n_steps, is_last ? steps.end_time : next);
+    if (advance(is_last ? steps.end_time : next)) {
+      t = is_last ? steps.end_time : next;
+      ++n_done;
+      log.step_ends();
+      write_output(t, n_done, is_last);
+      size = std::min(nominal, 2 * size);
+    } else if (steps.is_adaptive && size > nominal / 1024) {
+      size /= 2;
+      log.step_ends("did not converge; half of the step is tried");
+    } else {
+      log.step_ends("did not converge");
+      is_converged = false;
+      if (n_done > 0 && n_done % every_steps != 0)
+        write_output(t, n_done, true); // the last good step is always kept
+      break;
     }
+  }
   write_report(t, is_converged);
   return is_converged;
 }

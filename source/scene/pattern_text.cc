@@ -78,7 +78,8 @@ std::string readable(const std::string &machine)
     return "true or false";
   if (starts_with(machine, "[Selection")) {
     const std::vector<std::string> choices = split_at_bars(machine, "[Selection ");
-    return choices.size() == 1 ? choices.front() + ", the only choice yet" : "one of " + comma_separated(choices);
+    return choices.size() == 1 ? choices.front() + ", the only choice yet"
+                               : "one of " + comma_separated(choices);
   }
   if (starts_with(machine, "[MultipleSelection"))
     return "a list of some of " + comma_separated(split_at_bars(machine, "[MultipleSelection "));

@@ -127,11 +127,10 @@ void PrmParser::parse_line(const LogicalLine &line, const Location &location)
   else {
     const std::string text = trim(keyword + " " + line.rest);
     const std::string guess = did_you_mean(keyword, {"set", "subsection", "end", "include"});
-    throw UserError(trim(location.text() + ": '" + text +
-                         "' is not understood. A line begins with set, subsection, end, include or #. " +
-                         (guess.empty() && text.find('=') != std::string::npos
-                              ? "Did you mean 'set " + text + "'?"
-                              : guess)));
+    throw UserError(trim(
+        location.text() + ": '" + text +
+        "' is not understood. A line begins with set, subsection, end, include or #. " +
+        (guess.empty() && text.find('=') != std::string::npos ? "Did you mean 'set " + text + "'?" : guess)));
   }
 }
 

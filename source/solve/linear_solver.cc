@@ -56,7 +56,8 @@ struct LinearSolver::Group : SolveGroup
   double contrast(const Matrix &matrix) const;
   void make_modes(const Matrix &matrix);
   void make_multigrid(const Matrix &matrix);
-  std::optional<unsigned int> iterate(const Matrix &matrix, SingleVector &x, const SingleVector &b, double tolerance);
+  std::optional<unsigned int> iterate(const Matrix &matrix, SingleVector &x, const SingleVector &b,
+                                      double tolerance);
   unsigned int iterate_once(SingleVector &x, const SingleVector &b, double tolerance) const;
   bool solve_directly(SingleVector &x, const SingleVector &b);
   void forget_values()
@@ -66,8 +67,8 @@ struct LinearSolver::Group : SolveGroup
   }
 };
 
-/// Factorisation wins while the fill is small: measured on two cores, 3D elasticity up to some 6 000 unknowns, 2D up
-/// to some 60 000.
+/// Factorisation wins while the fill is small: measured on two cores, 3D elasticity up to some 6 000
+/// unknowns, 2D up to some 60 000.
 void LinearSolver::Group::decide(const unsigned int type)
 {
   if (is_decided)
@@ -77,28 +78,28 @@ void LinearSolver::Group::decide(const unsigned int type)
   is_direct = type == 1 || (type == 0 && merged->matrix().NumGlobalRows() <= static_cast<int>(largest));
 }
 
-/// Ratio of the largest to the smallest mean diagonal entry of the blocks: how much the bodies differ in stiffness.
+/// Ratio of the largest to the smallest mean diagonal entry of the blocks: how much the bodies differ in
+/// stiffness.
 double LinearSolver::Group::contrast(const Matrix &matrix) const
 {
   double largest = 0, smallest = std::numeric_limits<double>::infinity();
-  for (const unsigned int block : blocks)
-    {
-      const Epetra_CrsMatrix &of_block = matrix.block(block, block).trilinos_matrix();
-      Epetra_Vector diagonal(of_block.RowMap());
-      of_block.ExtractDiagonalCopy(diagonal);
-      double sum = 0;
-      diagonal.Norm1(&sum);
-      const double mean = sum / of_block.NumGlobalRows();
-      largest = std::max(largest, mean);
-      smallest = std::min(smallest, mean);
-    }
+  for (const unsigned int block : blocks) {
+    const Epetra_CrsMatrix &of_block = matrix.block(block, block).trilinos_matrix();
+    Epetra_Vector diagonal(of_block.RowMap());
+    of_block.ExtractDiagonalCopy(diagonal);
+    double sum = 0;
+    diagonal.Norm1(&sum);
+    const double mean = sum / of_block.NumGlobalRows();
+    largest = std::max(largest, mean);
+    smallest = std::min(smallest, mean);
+  }
   return largest / smallest;
 }
 
-/// The near-null space. Rigid-body modes of each body for itself, zero on the others, keep the iteration count flat
-/// in any contrast of the stiffness, but they double the coarse matrices of two bodies and worse for more. The modes
-/// of all bodies together cost nothing extra, and some iterations at a high contrast (measured on two blocks, 3D:
-/// 16 iterations for both at contrast 1, 18 against 23 at 1e6).
+/// The near-null space. Rigid-body modes of each body for itself, zero on the others, keep the iteration
+/// count flat in any contrast of the stiffness, but they double the coarse matrices of two bodies and worse
+/// for more. The modes of all bodies together cost nothing extra, and some iterations at a high contrast
+/// (measured on two blocks, 3D: 16 iterations for both at contrast 1, 18 against 23 at 1e6).
 void LinearSolver::Group::make_modes(const Matrix &matrix)
 {
   const double largest_shared_contrast = 1e3;
@@ -108,13 +109,12 @@ void LinearSolver::Group::make_modes(const Matrix &matrix)
       blocks.size() * n_of_block > largest_number || contrast(matrix) <= largest_shared_contrast;
   modes = std::make_unique<Epetra_MultiVector>(merged->matrix().OperatorDomainMap(),
                                                is_shared ? n_of_block : blocks.size() * n_of_block);
-  for (unsigned int i = 0; i < blocks.size(); ++i)
-    {
-      const auto of_block = near_null_space(blocks[i], is_shared);
-      for (unsigned int mode = 0; mode < of_block.size(); ++mode)
-        std::copy(of_block[mode].begin(), of_block[mode].end(),
-                  (*modes)[is_shared ? mode : i * n_of_block + mode] + merged->first_local_of(i));
-    }
+  for (unsigned int i = 0; i < blocks.size(); ++i) {
+    const auto of_block = near_null_space(blocks[i], is_shared);
+    for (unsigned int mode = 0; mode < of_block.size(); ++mode)
+      std::copy(of_block[mode].begin(), of_block[mode].end(),
+                (*modes)[is_shared ? mode : i * n_of_block + mode] + merged->first_local_of(i));
+  }
 }
 
 void LinearSolver::Group::make_multigrid(const Matrix &matrix)
@@ -137,91 +137,88 @@ void LinearSolver::Group::make_multigrid(const Matrix &matrix)
   multigrid->initialize(merged->matrix(), list);
 }
 
-unsigned int LinearSolver::Group::iterate_once(SingleVector &x, const SingleVector &b, const double tolerance) const
+unsigned int LinearSolver::Group::iterate_once(SingleVector &x, const SingleVector &b,
+                                               const double tolerance) const
 {
   const unsigned int maximum_iterations = 500;
   dealii::SolverControl control(maximum_iterations, tolerance, false, false);
   const Operator K = {merged->matrix()};
   if (is_symmetric)
     dealii::SolverCG<SingleVector>(control).solve(K, x, b, *multigrid);
-  else
-    {
-      dealii::SolverGMRES<SingleVector>::AdditionalData data;
-      data.max_n_tmp_vectors = 102;
-      data.right_preconditioning = true; // the true residual is the one that is checked
-      dealii::SolverGMRES<SingleVector>(control, data).solve(K, x, b, *multigrid);
-    }
+  else {
+    dealii::SolverGMRES<SingleVector>::AdditionalData data;
+    data.max_n_tmp_vectors = 102;
+    data.right_preconditioning = true; // the true residual is the one that is checked
+    dealii::SolverGMRES<SingleVector>(control, data).solve(K, x, b, *multigrid);
+  }
   return control.last_step();
 }
 
-/// Iterate until the true residual, not only that of the recurrence, is small, or rounding stops its decrease.
-std::optional<unsigned int> LinearSolver::Group::iterate(const Matrix &matrix, SingleVector &x, const SingleVector &b,
-                                                         const double tolerance)
+/// Iterate until the true residual, not only that of the recurrence, is small, or rounding stops its
+/// decrease.
+std::optional<unsigned int> LinearSolver::Group::iterate(const Matrix &matrix, SingleVector &x,
+                                                         const SingleVector &b, const double tolerance)
 {
   const double goal = tolerance * b.l2_norm();
   const Operator K = {merged->matrix()};
   unsigned int n_iterations = 0;
-  try
-    {
-      if (!multigrid)
-        make_multigrid(matrix);
-      SingleVector residual(b), correction(b);
-      double norm = b.l2_norm();
-      for (unsigned int pass = 0; pass < 3 && norm > goal; ++pass)
-        {
-          correction = 0;
-          n_iterations += iterate_once(correction, residual, goal);
-          x += correction;
-          K.vmult(residual, x);
-          residual.sadd(-1., 1., b);
-          const double new_norm = residual.l2_norm();
-          if (!std::isfinite(new_norm))
-            return {};
-          if (new_norm <= 2 * goal || new_norm > norm / 10)
-            break;
-          norm = new_norm;
-        }
+  try {
+    if (!multigrid)
+      make_multigrid(matrix);
+    SingleVector residual(b), correction(b);
+    double norm = b.l2_norm();
+    for (unsigned int pass = 0; pass < 3 && norm > goal; ++pass) {
+      correction = 0;
+      n_iterations += iterate_once(correction, residual, goal);
+      x += correction;
+      K.vmult(residual, x);
+      residual.sadd(-1., 1., b);
+      const double new_norm = residual.l2_norm();
+      if (!std::isfinite(new_norm))
+        return {};
+      if (new_norm <= 2 * goal || new_norm > norm / 10)
+        break;
+      norm = new_norm;
     }
-  catch (const std::exception &) // no convergence, or no preconditioner
-    {
-      return {};
-    }
+  } catch (const std::exception &) // no convergence, or no preconditioner
+  {
+    return {};
+  }
   return n_iterations;
 }
 
 bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
 {
   auto &matrix = const_cast<Epetra_CrsMatrix &>(merged->matrix()); // Epetra's interfaces know no const
-  if (!direct)
-    {
-      problem = std::make_unique<Epetra_LinearProblem>();
-      problem->SetOperator(&matrix);
-      for (const char *name : {"Amesos_Mumps", "Amesos_Klu"})
-        if (Amesos().Query(name))
-          {
-            direct.reset(Amesos().Create(name, *problem));
-            break;
-          }
-      Teuchos::ParameterList list;
-      list.set("OutputLevel", 0);
-      list.set("PrintTiming", false);
-      direct->SetParameters(list);
-      if (direct->SymbolicFactorization() != 0 || direct->NumericFactorization() != 0)
-        {
-          direct.reset();
-          return false;
-        }
+  if (!direct) {
+    problem = std::make_unique<Epetra_LinearProblem>();
+    problem->SetOperator(&matrix);
+    for (const char *name : {"Amesos_Mumps", "Amesos_Klu"})
+      if (Amesos().Query(name)) {
+        direct.reset(Amesos().Create(name, *problem));
+        break;
+      }
+    Teuchos::ParameterList list;
+    list.set("OutputLevel", 0);
+    list.set("PrintTiming", false);
+    direct->SetParameters(list);
+    if (direct->SymbolicFactorization() != 0 || direct->NumericFactorization() != 0) {
+      direct.reset();
+      return false;
     }
+  }
   problem->SetLHS(&x.trilinos_vector());
-  problem->SetRHS(const_cast<Epetra_MultiVector *>(static_cast<const Epetra_MultiVector *>(&b.trilinos_vector())));
+  problem->SetRHS(
+      const_cast<Epetra_MultiVector *>(static_cast<const Epetra_MultiVector *>(&b.trilinos_vector())));
   return direct->Solve() == 0 && std::isfinite(x.l2_norm());
 }
 
 LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups)
-    : type(section.choose("Type", {"automatic", "direct", "multigrid"}, 0,
-                          "direct: MUMPS; multigrid: CG, or GMRES if not symmetric, with ML; automatic: by size [-]")),
-      relative_tolerance(section.read<double>("Relative tolerance", 1e-10,
-                                              "Of the residual of the linear system [-]", Patterns::Double(0, 1)))
+    : type(section.choose(
+          "Type", {"automatic", "direct", "multigrid"}, 0,
+          "direct: MUMPS; multigrid: CG, or GMRES if not symmetric, with ML; automatic: by size [-]")),
+      relative_tolerance(section.read<double>(
+          "Relative tolerance", 1e-10, "Of the residual of the linear system [-]", Patterns::Double(0, 1)))
 {
   for (SolveGroup &group : given_groups)
     groups.push_back(std::make_unique<Group>(std::move(group)));
@@ -232,58 +229,52 @@ LinearSolver::~LinearSolver() = default;
 void LinearSolver::set_matrix(const Matrix &new_matrix, const bool has_new_structure)
 {
   matrix = &new_matrix;
-  for (auto &group : groups)
-    {
-      group->forget_values();
-      if (!group->merged || has_new_structure)
-        group->merged = std::make_unique<MergedMatrix>(new_matrix, group->blocks);
-      group->merged->copy_values(new_matrix);
-      group->decide(type);
-    }
+  for (auto &group : groups) {
+    group->forget_values();
+    if (!group->merged || has_new_structure)
+      group->merged = std::make_unique<MergedMatrix>(new_matrix, group->blocks);
+    group->merged->copy_values(new_matrix);
+    group->decide(type);
+  }
 }
 
 std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_hand_side)
 {
   unsigned int n_iterations = 0;
   dx = 0;
-  for (unsigned int g = 0; g < groups.size(); ++g)
-    {
-      Group &group = *groups[g];
-      Vector rest;
-      rest.reinit(right_hand_side);
-      rest = right_hand_side;
-      for (unsigned int before = 0; before < g; ++before)
-        for (const unsigned int row : group.blocks)
-          for (const unsigned int column : groups[before]->blocks)
-            if (matrix->block(row, column).n_nonzero_elements() > 0)
-              {
-                SingleVector product(rest.block(row));
-                matrix->block(row, column).vmult(product, dx.block(column));
-                rest.block(row) -= product;
-              }
+  for (unsigned int g = 0; g < groups.size(); ++g) {
+    Group &group = *groups[g];
+    Vector rest;
+    rest.reinit(right_hand_side);
+    rest = right_hand_side;
+    for (unsigned int before = 0; before < g; ++before)
+      for (const unsigned int row : group.blocks)
+        for (const unsigned int column : groups[before]->blocks)
+          if (matrix->block(row, column).n_nonzero_elements() > 0) {
+            SingleVector product(rest.block(row));
+            matrix->block(row, column).vmult(product, dx.block(column));
+            rest.block(row) -= product;
+          }
 
-      SingleVector x = group.merged->vector(), b = group.merged->vector();
-      group.merged->gather(rest, b);
-      std::optional<unsigned int> of_group = 0;
-      if (b.l2_norm() > 0)
-        {
-          if (!group.is_direct)
-            {
-              of_group = group.iterate(*matrix, x, b, relative_tolerance);
-              if (!of_group)
-                {
-                  group.iteration_failed = group.is_direct = true;
-                  x = 0;
-                }
-            }
-          if (group.is_direct)
-            of_group = group.solve_directly(x, b) ? std::optional<unsigned int>(1) : std::nullopt;
+    SingleVector x = group.merged->vector(), b = group.merged->vector();
+    group.merged->gather(rest, b);
+    std::optional<unsigned int> of_group = 0;
+    if (b.l2_norm() > 0) {
+      if (!group.is_direct) {
+        of_group = group.iterate(*matrix, x, b, relative_tolerance);
+        if (!of_group) {
+          group.iteration_failed = group.is_direct = true;
+          x = 0;
         }
-      if (!of_group)
-        return {};
-      n_iterations += *of_group;
-      group.merged->scatter(x, dx);
+      }
+      if (group.is_direct)
+        of_group = group.solve_directly(x, b) ? std::optional<unsigned int>(1) : std::nullopt;
     }
+    if (!of_group)
+      return {};
+    n_iterations += *of_group;
+    group.merged->scatter(x, dx);
+  }
   return n_iterations;
 }
 
@@ -292,8 +283,9 @@ std::vector<std::string> LinearSolver::description() const
   std::vector<std::string> lines;
   for (const auto &group : groups)
     lines.push_back(group->name + ": " +
-                    (group->is_direct ? (group->iteration_failed ? "MUMPS, after the iteration failed" : "MUMPS")
-                                      : std::string(group->is_symmetric ? "CG" : "GMRES") + " with multigrid"));
+                    (group->is_direct
+                         ? (group->iteration_failed ? "MUMPS, after the iteration failed" : "MUMPS")
+                         : std::string(group->is_symmetric ? "CG" : "GMRES") + " with multigrid"));
   return lines;
 }
 

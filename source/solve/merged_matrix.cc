@@ -11,7 +11,8 @@
 
 namespace dovetail {
 
-MergedMatrix::MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned int> &blocks) : block_numbers(blocks)
+MergedMatrix::MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned int> &blocks)
+    : block_numbers(blocks)
 {
   first_local = {0};
   for (const unsigned int b : blocks)
@@ -38,12 +39,11 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
   std::vector<std::vector<int>> begin_in_block(n_blocks, std::vector<int>(1, 0)), begin_merged(n_blocks);
   int next = 0;
   for (const auto &of_rank : sizes)
-    for (unsigned int i = 0; i < n_blocks; ++i)
-      {
-        begin_merged[i].push_back(next);
-        begin_in_block[i].push_back(begin_in_block[i].back() + of_rank[i]);
-        next += of_rank[i];
-      }
+    for (unsigned int i = 0; i < n_blocks; ++i) {
+      begin_merged[i].push_back(next);
+      begin_in_block[i].push_back(begin_in_block[i].back() + of_rank[i]);
+      next += of_rank[i];
+    }
   const auto merged_index = [&](const unsigned int i, const int index_in_block) {
     const unsigned int rank =
         std::upper_bound(begin_in_block[i].begin(), begin_in_block[i].end(), index_in_block) -
@@ -60,26 +60,27 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
   std::vector<std::vector<std::vector<int>>> column_of(n_blocks, std::vector<std::vector<int>>(n_blocks));
   for (unsigned int i = 0; i < n_blocks; ++i)
     for (unsigned int j = 0; j < n_blocks; ++j)
-      for (int k = 0; k < block(i, j).ColMap().NumMyElements(); ++k)
-        {
-          const int index = merged_index(j, block(i, j).ColMap().GID(k));
-          column_of[i][j].push_back(index);
-          if (!is_own(index))
-            of_others.push_back(index);
-        }
+      for (int k = 0; k < block(i, j).ColMap().NumMyElements(); ++k) {
+        const int index = merged_index(j, block(i, j).ColMap().GID(k));
+        column_of[i][j].push_back(index);
+        if (!is_own(index))
+          of_others.push_back(index);
+      }
   std::sort(of_others.begin(), of_others.end());
   of_others.erase(std::unique(of_others.begin(), of_others.end()), of_others.end());
   std::vector<int> all_columns;
   for (int i = 0; i < n_own; ++i)
     all_columns.push_back(rows.GID(i));
   all_columns.insert(all_columns.end(), of_others.begin(), of_others.end());
-  const Epetra_Map columns(-1, static_cast<int>(all_columns.size()), all_columns.data(), 0, epetra_communicator);
+  const Epetra_Map columns(-1, static_cast<int>(all_columns.size()), all_columns.data(), 0,
+                           epetra_communicator);
   for (auto &of_row : column_of)
     for (auto &of_block : of_row)
       for (int &index : of_block)
-        index = is_own(index) ? rows.LID(index)
-                              : n_own + (std::lower_bound(of_others.begin(), of_others.end(), index) -
-                                         of_others.begin());
+        index =
+            is_own(index)
+                ? rows.LID(index)
+                : n_own + (std::lower_bound(of_others.begin(), of_others.end(), index) - of_others.begin());
 
   std::vector<int> row_lengths(n_own, 0);
   for (unsigned int i = 0; i < n_blocks; ++i)
@@ -92,30 +93,27 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
   std::vector<int> indices, position_of;
   std::vector<double> zeros;
   for (unsigned int i = 0; i < n_blocks; ++i)
-    for (int row = 0; row < block(i, i).NumMyRows(); ++row)
-      {
-        sorted.clear();
-        for (unsigned int j = 0; j < n_blocks; ++j)
-          {
-            int n = 0, *local = nullptr;
-            double *values = nullptr;
-            block(i, j).ExtractMyRowView(row, n, values, local);
-            for (int k = 0; k < n; ++k)
-              sorted.emplace_back(column_of[i][j][local[k]], sorted.size());
-          }
-        if (!std::is_sorted(sorted.begin(), sorted.end()))
-          std::sort(sorted.begin(), sorted.end());
-        indices.resize(sorted.size());
-        position_of.resize(sorted.size());
-        zeros.resize(sorted.size(), 0.);
-        for (unsigned int k = 0; k < sorted.size(); ++k)
-          {
-            indices[k] = sorted[k].first;
-            position_of[sorted[k].second] = k;
-          }
-        merged->InsertMyValues(first_local[i] + row, indices.size(), zeros.data(), indices.data());
-        position.insert(position.end(), position_of.begin(), position_of.end());
+    for (int row = 0; row < block(i, i).NumMyRows(); ++row) {
+      sorted.clear();
+      for (unsigned int j = 0; j < n_blocks; ++j) {
+        int n = 0, *local = nullptr;
+        double *values = nullptr;
+        block(i, j).ExtractMyRowView(row, n, values, local);
+        for (int k = 0; k < n; ++k)
+          sorted.emplace_back(column_of[i][j][local[k]], sorted.size());
       }
+      if (!std::is_sorted(sorted.begin(), sorted.end()))
+        std::sort(sorted.begin(), sorted.end());
+      indices.resize(sorted.size());
+      position_of.resize(sorted.size());
+      zeros.resize(sorted.size(), 0.);
+      for (unsigned int k = 0; k < sorted.size(); ++k) {
+        indices[k] = sorted[k].first;
+        position_of[sorted[k].second] = k;
+      }
+      merged->InsertMyValues(first_local[i] + row, indices.size(), zeros.data(), indices.data());
+      position.insert(position.end(), position_of.begin(), position_of.end());
+    }
   merged->FillComplete(rows, rows);
   merged->OptimizeStorage();
 }
@@ -126,30 +124,27 @@ void MergedMatrix::copy_values(const BlockMatrix &matrix)
     return;
   auto next = position.begin();
   for (unsigned int i = 0; i < block_numbers.size(); ++i)
-    for (unsigned int row = 0; row < first_local[i + 1] - first_local[i]; ++row)
-      {
-        int n = 0;
-        double *values = nullptr;
-        merged->ExtractMyRowView(first_local[i] + row, n, values);
-        for (const unsigned int j : block_numbers)
-          {
-            int n_of_block = 0;
-            double *of_block = nullptr;
-            matrix.block(block_numbers[i], j).trilinos_matrix().ExtractMyRowView(row, n_of_block, of_block);
-            for (int k = 0; k < n_of_block; ++k)
-              values[*next++] = of_block[k];
-          }
+    for (unsigned int row = 0; row < first_local[i + 1] - first_local[i]; ++row) {
+      int n = 0;
+      double *values = nullptr;
+      merged->ExtractMyRowView(first_local[i] + row, n, values);
+      for (const unsigned int j : block_numbers) {
+        int n_of_block = 0;
+        double *of_block = nullptr;
+        matrix.block(block_numbers[i], j).trilinos_matrix().ExtractMyRowView(row, n_of_block, of_block);
+        for (int k = 0; k < n_of_block; ++k)
+          values[*next++] = of_block[k];
       }
+    }
 }
 
 void MergedMatrix::gather(const BlockVector &from, dealii::TrilinosWrappers::MPI::Vector &to) const
 {
   double *values = to.trilinos_vector()[0];
-  for (unsigned int i = 0; i < block_numbers.size(); ++i)
-    {
-      const double *of_block = from.block(block_numbers[i]).trilinos_vector()[0];
-      std::copy(of_block, of_block + first_local[i + 1] - first_local[i], values + first_local[i]);
-    }
+  for (unsigned int i = 0; i < block_numbers.size(); ++i) {
+    const double *of_block = from.block(block_numbers[i]).trilinos_vector()[0];
+    std::copy(of_block, of_block + first_local[i + 1] - first_local[i], values + first_local[i]);
+  }
 }
 
 void MergedMatrix::scatter(const dealii::TrilinosWrappers::MPI::Vector &from, BlockVector &to) const

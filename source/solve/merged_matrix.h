@@ -16,9 +16,9 @@
 
 namespace dovetail {
 
-/// The square matrix of some blocks, rows numbered so that each rank owns a contiguous range: its unknowns of the
-/// first block, then of the second, … ML and MUMPS want one matrix. The structure is merged once; after that only
-/// values are copied, through a table of positions. A single block is used as it is.
+/// The square matrix of some blocks, rows numbered so that each rank owns a contiguous range: its unknowns of
+/// the first block, then of the second, … ML and MUMPS want one matrix. The structure is merged once; after
+/// that only values are copied, through a table of positions. A single block is used as it is.
 class MergedMatrix
 {
 public:
@@ -44,7 +44,8 @@ private:
   std::vector<unsigned int> first_local; ///< first local row of each block, and the number of local rows
   const Epetra_CrsMatrix *single = nullptr;
   std::unique_ptr<Epetra_CrsMatrix> merged;
-  std::vector<int> position; ///< in a merged row, of each entry in the order block row, row, block column, entry
+  std::vector<int>
+      position; ///< in a merged row, of each entry in the order block row, row, block column, entry
 };
 
 } // namespace dovetail

@@ -8,19 +8,22 @@
 namespace dovetail {
 
 Newton::Newton(const Section &section)
-    : relative_tolerance(section.read<double>("Relative tolerance", 1e-9,
-                                              "Residual over its largest value in the step, field by field [-]",
-                                              Patterns::Double(0, 1))),
-      tolerance(section.read<double>("Absolute tolerance", 0,
-                                     "A field whose residual (Euclidean norm) is below this is solved [N or W]",
-                                     Patterns::Double(0))),
-      maximum_iterations(
-          section.read<unsigned int>("Maximum iterations", 20, "Iterations per step [-]", Patterns::Integer(1))),
-      line_search(section.read<bool>("Line search", true, "Damp an update that does not reduce the residual [-]"))
-{}
+    : relative_tolerance(section.read<double>(
+          "Relative tolerance", 1e-9, "Residual over its largest value in the step, field by field [-]",
+          Patterns::Double(0, 1))),
+      tolerance(section.read<double>(
+          "Absolute tolerance", 0, "A field whose residual (Euclidean norm) is below this is solved [N or W]",
+          Patterns::Double(0))),
+      maximum_iterations(section.read<unsigned int>("Maximum iterations", 20, "Iterations per step [-]",
+                                                    Patterns::Integer(1))),
+      line_search(
+          section.read<bool>("Line search", true, "Damp an update that does not reduce the residual [-]"))
+{
+}
 
-/// Take the full update unless it is not defined or the residual grows tenfold; then halve it until the residual
-/// decreases. A bending-dominated body needs the full update though its residual grows for an iteration.
+/// Take the full update unless it is not defined or the residual grows tenfold; then halve it until the
+/// residual decreases. A bending-dominated body needs the full update though its residual grows for an
+/// iteration.
 /// @return the norm at the trial state, NaN if no damping helps.
 double Newton::search_line(const NewtonProblem &problem, const double norm, const bool with_tangent,
                            double &damping) const
@@ -31,14 +34,13 @@ double Newton::search_line(const NewtonProblem &problem, const double norm, cons
   double new_norm = problem.assemble(with_tangent);
   if (is_full_step_needed || new_norm <= 10 * norm)
     return new_norm;
-  while (!(new_norm <= (1 - 1e-4 * damping) * norm))
-    {
-      damping /= 2;
-      if (damping < 1. / 1024)
-        return std::nan("");
-      problem.try_update(damping);
-      new_norm = problem.assemble(with_tangent);
-    }
+  while (!(new_norm <= (1 - 1e-4 * damping) * norm)) {
+    damping /= 2;
+    if (damping < 1. / 1024)
+      return std::nan("");
+    problem.try_update(damping);
+    new_norm = problem.assemble(with_tangent);
+  }
   return new_norm;
 }
 
@@ -51,43 +53,37 @@ NewtonResult Newton::solve(const NewtonProblem &problem) const
   if (!std::isfinite(norm))
     return result;
 
-  while (result.linear_iterations.size() < maximum_iterations)
-    {
-      if (norm == 0 && !problem.moves_constraints())
-        {
-          result.is_converged = true;
-          return result;
-        }
-      const auto linear_iterations = problem.solve();
-      if (!linear_iterations)
-        return result;
-      result.linear_iterations.push_back(*linear_iterations);
-
-      double damping = 1;
-      if (problem.is_linear)
-        {
-          norm = problem.linear_residual();
-          problem.try_update(1);
-        }
-      else
-        {
-          // near convergence the next tangent is probably not needed
-          const bool is_near = norm * norm <= relative_tolerance;
-          norm = search_line(problem, norm, !is_near, damping);
-          if (is_near && std::isfinite(norm) && norm > relative_tolerance)
-            norm = problem.assemble(true);
-        }
-      result.residuals.push_back(norm);
-      problem.report(result.linear_iterations.size(), norm, *linear_iterations, damping);
-      if (!std::isfinite(norm))
-        return result;
-      problem.accept();
-      if (problem.is_linear || (norm <= relative_tolerance && damping == 1))
-        {
-          result.is_converged = true;
-          return result;
-        }
+  while (result.linear_iterations.size() < maximum_iterations) {
+    if (norm == 0 && !problem.moves_constraints()) {
+      result.is_converged = true;
+      return result;
     }
+    const auto linear_iterations = problem.solve();
+    if (!linear_iterations)
+      return result;
+    result.linear_iterations.push_back(*linear_iterations);
+
+    double damping = 1;
+    if (problem.is_linear) {
+      norm = problem.linear_residual();
+      problem.try_update(1);
+    } else {
+      // near convergence the next tangent is probably not needed
+      const bool is_near = norm * norm <= relative_tolerance;
+      norm = search_line(problem, norm, !is_near, damping);
+      if (is_near && std::isfinite(norm) && norm > relative_tolerance)
+        norm = problem.assemble(true);
+    }
+    result.residuals.push_back(norm);
+    problem.report(result.linear_iterations.size(), norm, *linear_iterations, damping);
+    if (!std::isfinite(norm))
+      return result;
+    problem.accept();
+    if (problem.is_linear || (norm <= relative_tolerance && damping == 1)) {
+      result.is_converged = true;
+      return result;
+    }
+  }
   return result;
 }
 

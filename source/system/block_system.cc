@@ -52,21 +52,20 @@ void BlockSystem<dim>::set_up(const double t)
   make_relevant_set();
 
   tie_lines.clear();
-  if (!model.interfaces.empty())
-    {
-      ConstraintLines lines;
-      for (const auto &domain : model.domains)
-        domain->add_constraints(t, lines);
-      const ConstraintLines given = lines;
-      dealii::Timer timer;
-      for (const auto &interface : model.interfaces)
-        if (interface->is_active(t))
-          interface->tie().add_constraints(*interface, lines, model.communicator);
-      for (const auto &[dof, line] : lines)
-        if (given.count(dof) == 0)
-          tie_lines.emplace(dof, line);
-      tie_seconds += timer.wall_time();
-    }
+  if (!model.interfaces.empty()) {
+    ConstraintLines lines;
+    for (const auto &domain : model.domains)
+      domain->add_constraints(t, lines);
+    const ConstraintLines given = lines;
+    dealii::Timer timer;
+    for (const auto &interface : model.interfaces)
+      if (interface->is_active(t))
+        interface->tie().add_constraints(*interface, lines, model.communicator);
+    for (const auto &[dof, line] : lines)
+      if (given.count(dof) == 0)
+        tie_lines.emplace(dof, line);
+    tie_seconds += timer.wall_time();
+  }
 
   make_constraints(t);
   make_sparsity(t);
@@ -80,11 +79,10 @@ void BlockSystem<dim>::make_relevant_set()
   relevant = model.numbering->relevant;
   std::vector<dealii::types::global_dof_index> dofs, all;
   for (const auto &interface : model.interfaces)
-    for (const auto &group : interface->pairing().groups)
-      {
-        interface->group_dofs(group, dofs);
-        all.insert(all.end(), dofs.begin(), dofs.end());
-      }
+    for (const auto &group : interface->pairing().groups) {
+      interface->group_dofs(group, dofs);
+      all.insert(all.end(), dofs.begin(), dofs.end());
+    }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   relevant.add_indices(all.begin(), all.end());
@@ -113,66 +111,60 @@ void BlockSystem<dim>::make_sparsity(const double t)
   const auto relevant_parts = model.numbering->split(relevant);
   dealii::BlockDynamicSparsityPattern pattern(relevant_parts);
   std::vector<dealii::types::global_dof_index> dofs;
-  for (const auto &domain : model.domains)
-    {
-      const unsigned int n = domain->n_nodes();
-      dealii::Table<2, bool> couples(domain->dofs_per_cell(), domain->dofs_per_cell());
-      const auto &fields = domain->fields();
-      bool all_couple = true;
-      for (unsigned int f = 0; f < fields.size(); ++f)
-        for (unsigned int g = 0; g < fields.size(); ++g)
-          {
-            const bool depends = domain->material.depends(f, g);
-            all_couple = all_couple && depends;
-            for (unsigned int i = 0; depends && i < fields[f].n_components * n; ++i)
-              for (unsigned int j = 0; j < fields[g].n_components * n; ++j)
-                couples(fields[f].first_component * n + i, fields[g].first_component * n + j) = true;
-          }
-      for (const auto &cell : domain->dof_handler().active_cell_iterators())
-        if (cell->is_locally_owned())
-          {
-            domain->cell_dofs(cell, dofs);
-            if (all_couple)
-              constraints.add_entries_local_to_global(dofs, pattern, false);
-            else
-              constraints.add_entries_local_to_global(dofs, pattern, false, couples);
-          }
-    }
+  for (const auto &domain : model.domains) {
+    const unsigned int n = domain->n_nodes();
+    dealii::Table<2, bool> couples(domain->dofs_per_cell(), domain->dofs_per_cell());
+    const auto &fields = domain->fields();
+    bool all_couple = true;
+    for (unsigned int f = 0; f < fields.size(); ++f)
+      for (unsigned int g = 0; g < fields.size(); ++g) {
+        const bool depends = domain->material.depends(f, g);
+        all_couple = all_couple && depends;
+        for (unsigned int i = 0; depends && i < fields[f].n_components * n; ++i)
+          for (unsigned int j = 0; j < fields[g].n_components * n; ++j)
+            couples(fields[f].first_component * n + i, fields[g].first_component * n + j) = true;
+      }
+    for (const auto &cell : domain->dof_handler().active_cell_iterators())
+      if (cell->is_locally_owned()) {
+        domain->cell_dofs(cell, dofs);
+        if (all_couple)
+          constraints.add_entries_local_to_global(dofs, pattern, false);
+        else
+          constraints.add_entries_local_to_global(dofs, pattern, false, couples);
+      }
+  }
 
   dealii::Timer timer;
   for (const auto &interface : model.interfaces)
-    if (interface->is_active(t) && interface->tie().adds_terms())
-      {
-        dealii::Table<2, bool> couples;
-        bool all_couple = true;
-        for (const auto &group : interface->pairing().groups)
-          {
-            interface->group_dofs(group, dofs);
-            if (couples.n_rows() == 0)
-              {
-                couples.reinit(dofs.size(), dofs.size());
-                std::vector<unsigned int> component; // of each local unknown, counted over both sides
-                for (const unsigned int side : {source, destination})
-                  for (unsigned int k = 0; k < interface->components[side].size(); ++k)
-                    component.insert(component.end(), interface->sides[side].domain->n_nodes(),
-                                     k + (side == source ? 0 : interface->components[source].size()));
-                for (unsigned int i = 0; i < dofs.size(); ++i)
-                  for (unsigned int j = 0; j < dofs.size(); ++j)
-                    {
-                      couples(i, j) = interface->couples(component[i], component[j]);
-                      all_couple = all_couple && couples(i, j);
-                    }
-              }
-            if (all_couple) // faster
-              constraints.add_entries_local_to_global(dofs, pattern, false);
-            else
-              constraints.add_entries_local_to_global(dofs, pattern, false, couples);
-          }
+    if (interface->is_active(t) && interface->tie().adds_terms()) {
+      dealii::Table<2, bool> couples;
+      bool all_couple = true;
+      for (const auto &group : interface->pairing().groups) {
+        interface->group_dofs(group, dofs);
+        if (couples.n_rows() == 0) {
+          couples.reinit(dofs.size(), dofs.size());
+          std::vector<unsigned int> component; // of each local unknown, counted over both sides
+          for (const unsigned int side : {source, destination})
+            for (unsigned int k = 0; k < interface->components[side].size(); ++k)
+              component.insert(component.end(), interface->sides[side].domain->n_nodes(),
+                               k + (side == source ? 0 : interface->components[source].size()));
+          for (unsigned int i = 0; i < dofs.size(); ++i)
+            for (unsigned int j = 0; j < dofs.size(); ++j) {
+              couples(i, j) = interface->couples(component[i], component[j]);
+              all_couple = all_couple && couples(i, j);
+            }
+        }
+        if (all_couple) // faster
+          constraints.add_entries_local_to_global(dofs, pattern, false);
+        else
+          constraints.add_entries_local_to_global(dofs, pattern, false, couples);
       }
+    }
   if (!model.interfaces.empty())
     tie_seconds += timer.wall_time();
 
-  dealii::SparsityTools::distribute_sparsity_pattern(pattern, model.numbering->owned, model.communicator, relevant);
+  dealii::SparsityTools::distribute_sparsity_pattern(pattern, model.numbering->owned, model.communicator,
+                                                     relevant);
   matrix.clear();
   matrix.reinit(model.numbering->split(model.numbering->owned), pattern, model.communicator, false);
 }
@@ -186,7 +178,8 @@ Vector BlockSystem<dim>::owned_vector() const
 template <int dim>
 Vector BlockSystem<dim>::ghosted_vector() const
 {
-  return Vector(model.numbering->split(model.numbering->owned), model.numbering->split(relevant), model.communicator);
+  return Vector(model.numbering->split(model.numbering->owned), model.numbering->split(relevant),
+                model.communicator);
 }
 
 template <int dim>
@@ -201,12 +194,12 @@ void BlockSystem<dim>::begin_step(const double t, const Vector &x)
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &interface : model.interfaces)
     if (interface->is_active(t) && interface->tie().adds_terms())
-      interface->tie().begin_step(*interface, t,
-                                  [&](const typename Pairing<dim>::Group &group, std::vector<double> &unknowns) {
-                                    interface->group_dofs(group, dofs);
-                                    unknowns.resize(dofs.size());
-                                    ghosted_scratch.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-                                  });
+      interface->tie().begin_step(
+          *interface, t, [&](const typename Pairing<dim>::Group &group, std::vector<double> &unknowns) {
+            interface->group_dofs(group, dofs);
+            unknowns.resize(dofs.size());
+            ghosted_scratch.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+          });
   tie_seconds += timer.wall_time();
 }
 
@@ -215,16 +208,15 @@ template <int dim>
 void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
 {
   double largest_move = 0, largest_value = 0;
-  for (const auto &line : constraints.get_lines())
-    {
-      double target = line.inhomogeneity;
-      for (const auto &[other, weight] : line.entries)
-        target += weight * ghosted(other);
-      const double move = target - ghosted(line.index);
-      largest_move = std::max(largest_move, std::abs(move));
-      largest_value = std::max(largest_value, std::abs(target));
-      update_constraints.set_inhomogeneity(line.index, move);
-    }
+  for (const auto &line : constraints.get_lines()) {
+    double target = line.inhomogeneity;
+    for (const auto &[other, weight] : line.entries)
+      target += weight * ghosted(other);
+    const double move = target - ghosted(line.index);
+    largest_move = std::max(largest_move, std::abs(move));
+    largest_value = std::max(largest_value, std::abs(target));
+    update_constraints.set_inhomogeneity(line.index, move);
+  }
   largest_move = dealii::Utilities::MPI::max(largest_move, model.communicator);
   largest_value = dealii::Utilities::MPI::max(largest_value, model.communicator);
   constraints_move = largest_move > 1e-14 * largest_value;
@@ -243,14 +235,13 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   bool is_defined = true;
   for (unsigned int d = 0; d < model.domains.size(); ++d)
     is_defined = assemble_domain(d, ghosted_scratch, with_tangent) && is_defined;
-  if (!model.interfaces.empty())
-    {
-      dealii::Timer timer;
-      for (const auto &interface : model.interfaces)
-        if (interface->is_active(time) && interface->tie().adds_terms())
-          is_defined = assemble_interface(*interface, ghosted_scratch, with_tangent) && is_defined;
-      tie_seconds += timer.wall_time();
-    }
+  if (!model.interfaces.empty()) {
+    dealii::Timer timer;
+    for (const auto &interface : model.interfaces)
+      if (interface->is_active(time) && interface->tie().adds_terms())
+        is_defined = assemble_interface(*interface, ghosted_scratch, with_tangent) && is_defined;
+    tie_seconds += timer.wall_time();
+  }
 
   if (with_tangent)
     matrix.compress(dealii::VectorOperation::add);
@@ -262,7 +253,8 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
 
 template <int dim>
 void BlockSystem<dim>::scatter(const std::vector<double> &residual,
-                               const std::vector<dealii::types::global_dof_index> &dofs, const bool with_tangent)
+                               const std::vector<dealii::types::global_dof_index> &dofs,
+                               const bool with_tangent)
 {
   local_rhs.reinit(residual.size(), true);
   for (unsigned int i = 0; i < residual.size(); ++i)
@@ -286,39 +278,38 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
   std::vector<double> unknowns(n_local), residual(n_local);
   local_matrix.reinit(n_local, n_local);
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned())
-      {
-        domain.cell_dofs(cell, dofs);
-        ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-        if (!cell_terms[d]->assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr))
-          return false;
-        for (unsigned int i = 0; i < n_local; ++i)
-          local_scale[field[i / n_nodes]] += residual[i] * residual[i];
-        scatter(residual, dofs, with_tangent);
-      }
+    if (cell->is_locally_owned()) {
+      domain.cell_dofs(cell, dofs);
+      ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+      if (!cell_terms[d]->assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr))
+        return false;
+      for (unsigned int i = 0; i < n_local; ++i)
+        local_scale[field[i / n_nodes]] += residual[i] * residual[i];
+      scatter(residual, dofs, with_tangent);
+    }
   return true;
 }
 
 template <int dim>
-bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vector &ghosted, const bool with_tangent)
+bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vector &ghosted,
+                                          const bool with_tangent)
 {
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns, residual;
   const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
   unknowns.resize(n_local);
   local_matrix.reinit(n_local, n_local);
-  for (const auto &group : interface.pairing().groups)
-    {
-      interface.group_dofs(group, dofs);
-      ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      residual.assign(n_local, 0.);
-      if (with_tangent)
-        local_matrix = 0;
-      if (!interface.tie().assemble(interface, group, time, unknowns, residual,
-                                    with_tangent ? &local_matrix : nullptr))
-        return false;
-      scatter(residual, dofs, with_tangent);
-    }
+  for (const auto &group : interface.pairing().groups) {
+    interface.group_dofs(group, dofs);
+    ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+    residual.assign(n_local, 0.);
+    if (with_tangent)
+      local_matrix = 0;
+    if (!interface.tie().assemble(interface, group, time, unknowns, residual,
+                                  with_tangent ? &local_matrix : nullptr))
+      return false;
+    scatter(residual, dofs, with_tangent);
+  }
   return true;
 }
 
@@ -349,15 +340,14 @@ double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
 {
   const std::vector<double> norms = norms_by_field(right_hand_side, field_of_block, fields.size());
   double relative = 0;
-  for (unsigned int f = 0; f < fields.size(); ++f)
-    {
-      if (!std::isfinite(norms[f]))
-        return std::numeric_limits<double>::quiet_NaN();
-      largest[f] = std::max(largest[f], norms[f]);
-      const double noise = 1e-13 * std::sqrt(scale[f]);
-      if (norms[f] > std::max(noise, absolute_tolerance))
-        relative = std::max(relative, norms[f] / largest[f]);
-    }
+  for (unsigned int f = 0; f < fields.size(); ++f) {
+    if (!std::isfinite(norms[f]))
+      return std::numeric_limits<double>::quiet_NaN();
+    largest[f] = std::max(largest[f], norms[f]);
+    const double noise = 1e-13 * std::sqrt(scale[f]);
+    if (norms[f] > std::max(noise, absolute_tolerance))
+      relative = std::max(relative, norms[f] / largest[f]);
+  }
   return relative;
 }
 
@@ -380,13 +370,12 @@ void BlockSystem<dim>::distribute(Vector &dx) const
 {
   ghosted_scratch = dx;
   for (const auto &line : update_constraints.get_lines())
-    if (model.numbering->owned.is_element(line.index))
-      {
-        double value = line.inhomogeneity;
-        for (const auto &[other, weight] : line.entries)
-          value += weight * ghosted_scratch(other);
-        dx(line.index) = value;
-      }
+    if (model.numbering->owned.is_element(line.index)) {
+      double value = line.inhomogeneity;
+      for (const auto &[other, weight] : line.entries)
+        value += weight * ghosted_scratch(other);
+      dx(line.index) = value;
+    }
   dx.compress(dealii::VectorOperation::insert);
 }
 

@@ -21,31 +21,28 @@ void pack(const Index dof, const ConstraintLine &line, std::vector<double> &numb
   numbers.push_back(dof);
   numbers.push_back(line.inhomogeneity);
   numbers.push_back(line.entries.size());
-  for (const auto &[other, weight] : line.entries)
-    {
-      numbers.push_back(other);
-      numbers.push_back(weight);
-    }
+  for (const auto &[other, weight] : line.entries) {
+    numbers.push_back(other);
+    numbers.push_back(weight);
+  }
 }
 
 void unpack(const std::vector<double> &numbers, ConstraintLines &lines)
 {
-  for (auto next = numbers.begin(); next != numbers.end();)
-    {
-      ConstraintLine &line = lines[static_cast<Index>(*next++)];
-      line.inhomogeneity = *next++;
-      line.entries.clear();
-      for (unsigned int n_entries = *next++; n_entries > 0; --n_entries)
-        {
-          const Index other = static_cast<Index>(*next++);
-          line.entries.emplace_back(other, *next++);
-        }
+  for (auto next = numbers.begin(); next != numbers.end();) {
+    ConstraintLine &line = lines[static_cast<Index>(*next++)];
+    line.inhomogeneity = *next++;
+    line.entries.clear();
+    for (unsigned int n_entries = *next++; n_entries > 0; --n_entries) {
+      const Index other = static_cast<Index>(*next++);
+      line.entries.emplace_back(other, *next++);
     }
+  }
 }
 
 /// Ask the owners of @p dofs for their lines.
-ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_lines, const Numbering &numbering,
-                      const MPI_Comm &communicator)
+ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_lines,
+                      const Numbering &numbering, const MPI_Comm &communicator)
 {
   std::map<unsigned int, std::vector<Index>> questions;
   for (const Index dof : dofs)
@@ -64,45 +61,39 @@ ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_
 /// Whether following the entries of @p lines leads back to where one started: then they have no solution.
 bool has_cycle(const ConstraintLines &lines)
 {
-  enum State
-  {
-    open,
-    active,
-    done
-  };
+  enum State { open, active, done };
   std::map<Index, State> state;
-  for (const auto &start : lines)
-    {
-      if (state[start.first] == done)
+  for (const auto &start : lines) {
+    if (state[start.first] == done)
+      continue;
+    std::vector<std::pair<Index, std::size_t>> path = {{start.first, 0}}; // unknown, next entry
+    state[start.first] = active;
+    while (!path.empty()) {
+      auto &[dof, next] = path.back();
+      const auto &entries = lines.at(dof).entries;
+      if (next == entries.size()) {
+        state[dof] = done;
+        path.pop_back();
         continue;
-      std::vector<std::pair<Index, std::size_t>> path = {{start.first, 0}}; // unknown, next entry
-      state[start.first] = active;
-      while (!path.empty())
-        {
-          auto &[dof, next] = path.back();
-          const auto &entries = lines.at(dof).entries;
-          if (next == entries.size())
-            {
-              state[dof] = done;
-              path.pop_back();
-              continue;
-            }
-          const Index other = entries[next++].first;
-          if (lines.count(other) == 0 || state[other] == done)
-            continue;
-          if (state[other] == active)
-            return true;
-          state[other] = active;
-          path.emplace_back(other, 0);
-        }
+      }
+      const Index other = entries[next++].first;
+      if (lines.count(other) == 0 || state[other] == done)
+        continue;
+      if (state[other] == active)
+        return true;
+      state[other] = active;
+      path.emplace_back(other, 0);
     }
+  }
   return false;
 }
 
 } // namespace
 
-dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned_lines, const Numbering &numbering,
-                                                    const dealii::IndexSet &needed, const MPI_Comm &communicator)
+dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned_lines,
+                                                    const Numbering &numbering,
+                                                    const dealii::IndexSet &needed,
+                                                    const MPI_Comm &communicator)
 {
   ConstraintLines lines = owned_lines;
   dealii::IndexSet known = numbering.owned;
@@ -118,30 +109,28 @@ dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned
       look_for(entry.first);
 
   if (dealii::Utilities::MPI::n_mpi_processes(communicator) > 1)
-    while (dealii::Utilities::MPI::max(missing.size(), communicator) > 0)
-      {
-        const ConstraintLines fetched = fetch(missing, owned_lines, numbering, communicator);
-        known.add_indices(missing.begin(), missing.end());
-        known.compress();
-        missing.clear();
-        for (const auto &[dof, line] : fetched)
-          {
-            lines[dof] = line;
-            for (const auto &entry : line.entries)
-              look_for(entry.first);
-          }
+    while (dealii::Utilities::MPI::max(missing.size(), communicator) > 0) {
+      const ConstraintLines fetched = fetch(missing, owned_lines, numbering, communicator);
+      known.add_indices(missing.begin(), missing.end());
+      known.compress();
+      missing.clear();
+      for (const auto &[dof, line] : fetched) {
+        lines[dof] = line;
+        for (const auto &entry : line.entries)
+          look_for(entry.first);
       }
+    }
 
   if (dealii::Utilities::MPI::max(has_cycle(lines) ? 1 : 0, communicator) > 0)
-    throw UserError("Pointwise interfaces follow each other in a circle where they meet. Swap Source and Destination of "
-                    "one of them, or tie one by Type = Nitsche.");
+    throw UserError(
+        "Pointwise interfaces follow each other in a circle where they meet. Swap Source and Destination of "
+        "one of them, or tie one by Type = Nitsche.");
   auto constraints = make_affine_constraints(numbering.owned, known);
-  for (const auto &[dof, line] : lines)
-    {
-      constraints.add_line(dof);
-      constraints.add_entries(dof, line.entries);
-      constraints.set_inhomogeneity(dof, line.inhomogeneity);
-    }
+  for (const auto &[dof, line] : lines) {
+    constraints.add_line(dof);
+    constraints.add_entries(dof, line.entries);
+    constraints.set_inhomogeneity(dof, line.inhomogeneity);
+  }
   constraints.close();
   return constraints;
 }

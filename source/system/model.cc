@@ -11,28 +11,27 @@
 namespace dovetail {
 
 template <int dim>
-Model<dim>::Model(const Section &scene, const MPI_Comm &communicator) : communicator(communicator), toggles(scene)
+Model<dim>::Model(const Section &scene, const MPI_Comm &communicator)
+    : communicator(communicator), toggles(scene)
 {
   std::vector<std::string> material_names;
-  for (const std::string &name : scene.announce("Materials", "Material", "Names of the materials [-]"))
-    {
-      materials.push_back(std::make_unique<Material<dim>>(name, scene.subsection("Material " + name)));
-      material_names.push_back(name);
-    }
+  for (const std::string &name : scene.announce("Materials", "Material", "Names of the materials [-]")) {
+    materials.push_back(std::make_unique<Material<dim>>(name, scene.subsection("Material " + name)));
+    material_names.push_back(name);
+  }
   scene.check(!materials.empty(), "Materials", "must name at least one material.");
 
-  for (const std::string &name : scene.announce("Domains", "Domain", "Names of the bodies [-]"))
-    {
-      const Section section = scene.subsection("Domain " + name);
-      const auto material_name = section.require<std::string>("Material", "The material of this body [-]");
-      const auto material = std::find(material_names.begin(), material_names.end(), material_name);
-      section.check(material != material_names.end(), "Material",
-                    "names '" + material_name + "', which is not among Materials (" +
-                        comma_separated(material_names) + "). " + did_you_mean(material_name, material_names));
-      const unsigned int index =
-          scene.documenting() ? 0 : static_cast<unsigned int>(material - material_names.begin());
-      domains.push_back(std::make_unique<Domain<dim>>(name, section, *materials[index], toggles, communicator));
-    }
+  for (const std::string &name : scene.announce("Domains", "Domain", "Names of the bodies [-]")) {
+    const Section section = scene.subsection("Domain " + name);
+    const auto material_name = section.require<std::string>("Material", "The material of this body [-]");
+    const auto material = std::find(material_names.begin(), material_names.end(), material_name);
+    section.check(material != material_names.end(), "Material",
+                  "names '" + material_name + "', which is not among Materials (" +
+                      comma_separated(material_names) + "). " + did_you_mean(material_name, material_names));
+    const unsigned int index =
+        scene.documenting() ? 0 : static_cast<unsigned int>(material - material_names.begin());
+    domains.push_back(std::make_unique<Domain<dim>>(name, section, *materials[index], toggles, communicator));
+  }
   scene.check(!domains.empty(), "Domains", "must name at least one body.");
 
   for (const std::string &name :
@@ -50,11 +49,10 @@ template <int dim>
 void Model<dim>::pair()
 {
   dealii::Timer timer;
-  for (const auto &interface : interfaces)
-    {
-      interface->pair(communicator);
-      search_seconds += interface->pairing().seconds_of_search();
-    }
+  for (const auto &interface : interfaces) {
+    interface->pair(communicator);
+    search_seconds += interface->pairing().seconds_of_search();
+  }
   pairing_seconds = timer.wall_time();
 }
 
@@ -63,32 +61,31 @@ template <int dim>
 void Model<dim>::check_constants() const
 {
   for (const auto &group : field_groups())
-    for (const std::string &field : group)
-      {
-        // the domains that a condition reaches, directly or through interfaces
-        std::set<const Domain<dim> *> held;
-        for (const auto &domain : domains)
-          for (const auto &condition : domain->conditions())
-            if (condition->field.name == field && condition->removes_constants())
-              held.insert(domain.get());
-        for (bool is_new = true; is_new;)
-          {
-            is_new = false;
-            for (const auto &interface : interfaces)
-              for (const auto &tied : interface->fields)
-                if (tied.name == field)
-                  for (const unsigned int side : {source, destination})
-                    if (held.count(interface->sides[side].domain) > 0)
-                      is_new = held.insert(interface->sides[1 - side].domain).second || is_new;
-          }
-        for (const auto &domain : domains)
-          if (domain->material.find_field(field) != nullptr && held.count(domain.get()) == 0)
-            domain->section.fail("Boundary conditions",
-                                 "leave the " + field + " of this domain free to drift by a constant. Give it a "
-                                 "condition of Type = value" +
-                                     std::string(field == "displacement" ? "" : " or convection") +
-                                     " here or on a domain it is tied to.");
+    for (const std::string &field : group) {
+      // the domains that a condition reaches, directly or through interfaces
+      std::set<const Domain<dim> *> held;
+      for (const auto &domain : domains)
+        for (const auto &condition : domain->conditions())
+          if (condition->field.name == field && condition->removes_constants())
+            held.insert(domain.get());
+      for (bool is_new = true; is_new;) {
+        is_new = false;
+        for (const auto &interface : interfaces)
+          for (const auto &tied : interface->fields)
+            if (tied.name == field)
+              for (const unsigned int side : {source, destination})
+                if (held.count(interface->sides[side].domain) > 0)
+                  is_new = held.insert(interface->sides[1 - side].domain).second || is_new;
       }
+      for (const auto &domain : domains)
+        if (domain->material.find_field(field) != nullptr && held.count(domain.get()) == 0)
+          domain->section.fail("Boundary conditions",
+                               "leave the " + field +
+                                   " of this domain free to drift by a constant. Give it a "
+                                   "condition of Type = value" +
+                                   std::string(field == "displacement" ? "" : " or convection") +
+                                   " here or on a domain it is tied to.");
+    }
 }
 
 template <int dim>
@@ -97,47 +94,43 @@ std::vector<std::vector<std::string>> Model<dim>::field_groups() const
   std::vector<std::string> open;
   std::map<std::string, std::set<std::string>> depends_on;
   for (const auto &domain : domains)
-    for (unsigned int f = 0; f < domain->fields().size(); ++f)
-      {
-        const std::string &name = domain->fields()[f].name;
-        if (std::find(open.begin(), open.end(), name) == open.end())
-          open.push_back(name);
-        for (unsigned int g = 0; g < domain->fields().size(); ++g)
-          if (g != f && domain->material.depends(f, g))
-            depends_on[name].insert(domain->fields()[g].name);
-      }
+    for (unsigned int f = 0; f < domain->fields().size(); ++f) {
+      const std::string &name = domain->fields()[f].name;
+      if (std::find(open.begin(), open.end(), name) == open.end())
+        open.push_back(name);
+      for (unsigned int g = 0; g < domain->fields().size(); ++g)
+        if (g != f && domain->material.depends(f, g))
+          depends_on[name].insert(domain->fields()[g].name);
+    }
 
   std::vector<std::vector<std::string>> groups;
   std::set<std::string> done;
-  while (!open.empty())
-    {
-      const auto next = std::find_if(open.begin(), open.end(), [&](const std::string &name) {
-        return std::includes(done.begin(), done.end(), depends_on[name].begin(), depends_on[name].end());
-      });
-      if (next == open.end())
-        {
-          groups.push_back(open); // they depend on each other
-          break;
-        }
-      groups.push_back({*next});
-      done.insert(*next);
-      open.erase(next);
+  while (!open.empty()) {
+    const auto next = std::find_if(open.begin(), open.end(), [&](const std::string &name) {
+      return std::includes(done.begin(), done.end(), depends_on[name].begin(), depends_on[name].end());
+    });
+    if (next == open.end()) {
+      groups.push_back(open); // they depend on each other
+      break;
     }
+    groups.push_back({*next});
+    done.insert(*next);
+    open.erase(next);
+  }
   return groups;
 }
 
 template <int dim>
 bool Model<dim>::is_linear() const
 {
-  for (const auto &domain : domains)
-    {
-      for (unsigned int f = 0; f < domain->fields().size(); ++f)
-        if (!domain->material.is_linear(f))
-          return false;
-      for (const auto &condition : domain->conditions())
-        if (!condition->is_linear())
-          return false;
-    }
+  for (const auto &domain : domains) {
+    for (unsigned int f = 0; f < domain->fields().size(); ++f)
+      if (!domain->material.is_linear(f))
+        return false;
+    for (const auto &condition : domain->conditions())
+      if (!condition->is_linear())
+        return false;
+  }
   return true;
 }
 
@@ -165,7 +158,8 @@ unsigned int Model<dim>::degree() const
 }
 
 template <int dim>
-std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block, const bool of_all_domains) const
+std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block,
+                                                             const bool of_all_domains) const
 {
   const Domain<dim> &domain = *domains[block.domain_index];
   const Field &field = domain.fields()[block.field_index];
@@ -178,41 +172,38 @@ std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block,
   const unsigned int n_modes = dim == 2 ? 3 : 6;
   std::vector<std::vector<double>> modes(n_modes, std::vector<double>(n_local, 0.));
   dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
-                                 domain.scalar_element().get_unit_support_points(), dealii::update_quadrature_points);
+                                 domain.scalar_element().get_unit_support_points(),
+                                 dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<bool> is_done(n_local, false);
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned())
-      {
-        domain.cell_dofs(cell, dofs);
-        bool is_mapped = false;
-        for (unsigned int a = 0; a < n; ++a)
-          for (unsigned int c = 0; c < dim; ++c)
-            {
-              const auto dof = dofs[(field.first_component + c) * n + a] - block.begin;
-              if (!block.owned.is_element(dof))
-                continue;
-              const auto i = block.owned.index_within_set(dof);
-              if (is_done[i])
-                continue;
-              is_done[i] = true;
-              if (!is_mapped)
-                at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-              is_mapped = true;
-              const dealii::Tensor<1, dim> r =
-                  (at_nodes.quadrature_point(a) - centre) * (2. / length);
-              modes[c][i] = 1;
-              if constexpr (dim == 2)
-                modes[2][i] = c == 0 ? -r[1] : r[0];
-              else
-                for (unsigned int axis = 0; axis < 3; ++axis)
-                  {
-                    dealii::Tensor<1, dim> e;
-                    e[axis] = 1;
-                    modes[3 + axis][i] = dealii::cross_product_3d(e, r)[c];
-                  }
+    if (cell->is_locally_owned()) {
+      domain.cell_dofs(cell, dofs);
+      bool is_mapped = false;
+      for (unsigned int a = 0; a < n; ++a)
+        for (unsigned int c = 0; c < dim; ++c) {
+          const auto dof = dofs[(field.first_component + c) * n + a] - block.begin;
+          if (!block.owned.is_element(dof))
+            continue;
+          const auto i = block.owned.index_within_set(dof);
+          if (is_done[i])
+            continue;
+          is_done[i] = true;
+          if (!is_mapped)
+            at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+          is_mapped = true;
+          const dealii::Tensor<1, dim> r = (at_nodes.quadrature_point(a) - centre) * (2. / length);
+          modes[c][i] = 1;
+          if constexpr (dim == 2)
+            modes[2][i] = c == 0 ? -r[1] : r[0];
+          else
+            for (unsigned int axis = 0; axis < 3; ++axis) {
+              dealii::Tensor<1, dim> e;
+              e[axis] = 1;
+              modes[3 + axis][i] = dealii::cross_product_3d(e, r)[c];
             }
-      }
+        }
+    }
   return modes;
 }
 

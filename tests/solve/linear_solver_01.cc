@@ -3,7 +3,7 @@
 //
 // One thermo-elastic scene of two tied bodies, several ways to the same solution (relative difference at most
 // 1e-8): everything at once by MUMPS, or first the temperature and then the displacement, each by MUMPS, CG
-// (symmetric) or GMRES (theta = 0) with multigrid. A group that stops short is solved directly.
+// (symmetric) or GMRES (theta = 0) with multigrid.
 //
 // ranks: 1, 2, 3
 

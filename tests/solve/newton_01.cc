@@ -17,6 +17,11 @@ using namespace dovetail;
 /// f(x) = 0 from x, and what Newton's method asks for.
 struct Toy
 {
+  Toy(std::function<double(double)> f, std::function<double(double)> slope, double x)
+      : f(f), slope(slope), x(x)
+  {
+  }
+
   std::function<double(double)> f, slope;
   double x;
   bool is_linear = false, moves_constraints = false;
@@ -104,11 +109,10 @@ int main(int argc, char **argv)
   toy = root;
   toy.f = [nan](const double x) { return x == 1.5 ? 1. : nan; };
   show("not defined anywhere else", toy);
-  toy = exponential;
-  toy.slope = [](const double x) { return -std::exp(x); };
-  show("an update that leads away", toy, "set Maximum iterations = 3");
+  toy = Toy([](double x) { return std::exp(5 * x); }, [](double x) { return -std::exp(5 * x); }, 0);
+  show("an update that leads away", toy);
 
-  toy = {[](double x) { return 4 * x - 2; }, [](double) { return 4.; }, 7};
+  toy = Toy([](double x) { return 4 * x - 2; }, [](double) { return 4.; }, 7);
   toy.is_linear = true;
   toy.linear_residual = 1e-11;
   show("linear", toy);

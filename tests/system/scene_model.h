@@ -9,6 +9,7 @@
 #include <dovetail/system/block_system.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/fe/fe_q.h>
 
 #include <cmath>
 #include <functional>
@@ -120,6 +121,29 @@ void interpolate(const Model<dim> &model, const NodeFunction<dim> &function, Vec
       }
   }
   owned.compress(dealii::VectorOperation::insert);
+}
+
+/// The measure of each part of the boundary with straight faces between the vertices.
+template <int dim>
+std::map<dealii::types::boundary_id, double> boundary_measures(const Mesh<dim> &mesh)
+{
+  const dealii::FE_Q<dim> element(1);
+  dealii::FEFaceValues<dim> values(element, dealii::QGauss<dim - 1>(2), dealii::update_JxW_values);
+  std::vector<double> measures(256, 0.);
+  for (const auto &cell : mesh.active_cell_iterators())
+    if (cell->is_locally_owned())
+      for (const unsigned int face : cell->face_indices())
+        if (cell->face(face)->at_boundary()) {
+          values.reinit(cell, face);
+          for (const double JxW : values.get_JxW_values())
+            measures[cell->face(face)->boundary_id()] += JxW;
+        }
+  dealii::Utilities::MPI::sum(measures, MPI_COMM_WORLD, measures);
+  std::map<dealii::types::boundary_id, double> by_id;
+  for (unsigned int id = 0; id < measures.size(); ++id)
+    if (measures[id] > 0)
+      by_id[id] = measures[id];
+  return by_id;
 }
 
 /// All unknowns of all ranks, on every rank.

@@ -15,8 +15,8 @@
 
 namespace dovetail {
 
-/// Fill the traces and gradients of a state from a point's shape values (n_nodes) and gradients (n_nodes) and the
-/// local unknowns in the order component, node.
+/// Fill the traces and gradients of a state from a point's shape values (n_nodes) and gradients (n_nodes) and
+/// the local unknowns in the order component, node.
 template <int dim>
 void evaluate_state(unsigned int n_components, unsigned int n_nodes, const double *shape_values,
                     const dealii::Tensor<1, dim> *shape_gradients, const double *unknowns, State<dim> &state);
@@ -32,10 +32,11 @@ class CellTerms
 public:
   explicit CellTerms(const Domain<dim> &domain);
 
-  /// Overwrites @p residual and, if @p tangent is not nullptr, the tangent. @return false if a law is not defined at
-  /// the state of a quadrature point; the results are then incomplete.
-  bool assemble(const typename Domain<dim>::cell_iterator &cell, double t, const std::vector<double> &unknowns,
-                std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
+  /// Overwrites @p residual and, if @p tangent is not nullptr, the tangent. @return false if a law is not
+  /// defined at the state of a quadrature point; the results are then incomplete.
+  bool assemble(const typename Domain<dim>::cell_iterator &cell, double t,
+                const std::vector<double> &unknowns, std::vector<double> &residual,
+                dealii::FullMatrix<double> *tangent);
 
 private:
   void add_source(double t, std::vector<double> &residual);

@@ -17,8 +17,9 @@
 
 namespace dovetail {
 
-/// A condition on one field on some boundary ids. It prescribes components of the trace B (strong), or adds an influx
-/// to the weak form (weak); a plugin overrides one of the two pairs of functions. Copy flux.cc or value.cc.
+/// A condition on one field on some boundary ids. It prescribes components of the trace B (strong), or adds
+/// an influx to the weak form (weak); a plugin overrides one of the two pairs of functions. Copy flux.cc or
+/// value.cc.
 template <int dim>
 class Condition
 {
@@ -29,17 +30,19 @@ public:
 
   /// Components of the field (0 … n_components-1) whose value is prescribed.
   virtual std::vector<unsigned int> prescribed_components() const { return {}; }
-  virtual double prescribed_value(const dealii::Point<dim> & /*X*/, double /*t*/, unsigned int /*component*/) const
+  virtual double prescribed_value(const dealii::Point<dim> & /*X*/, double /*t*/,
+                                  unsigned int /*component*/) const
   {
     return 0;
   }
 
   virtual bool adds_flux() const { return false; }
-  /// The influx per area of the undeformed boundary for each component of the field, and its derivative by the
-  /// trace, d_flux(c, d). Both come in as zero.
+  /// The influx per area of the undeformed boundary for each component of the field, and its derivative by
+  /// the trace, d_flux(c, d). Both come in as zero.
   virtual void flux(const dealii::Point<dim> & /*X*/, double /*t*/, const double * /*trace*/,
                     std::vector<double> & /*flux*/, dealii::FullMatrix<double> & /*d_flux*/) const
-  {}
+  {
+  }
   virtual bool is_linear() const { return true; } ///< the flux is affine in the trace
 
   /// Whether the condition keeps the value of the field from drifting by a constant.
@@ -48,9 +51,9 @@ public:
   bool is_active(const double t) const { return toggles->is_active(toggle, t); }
   const std::string &toggle_name() const { return toggle; }
 
-  const Section section;      ///< for error messages
-  const std::string name;     ///< the last part of its path
-  const Field field;          ///< the field it acts on
+  const Section section;  ///< for error messages
+  const std::string name; ///< the last part of its path
+  const Field field;      ///< the field it acts on
   const std::set<dealii::types::boundary_id> boundary_ids;
 
 private:

@@ -21,19 +21,19 @@
 
 namespace dovetail {
 
-/// A body Omega with its own mesh and DoFHandler. All fields share one Lagrange element of degree p, so shape values
-/// are those of one scalar element; the local unknowns of a cell are ordered by component, then node:
+/// A body Omega with its own mesh and DoFHandler. All fields share one Lagrange element of degree p, so shape
+/// values are those of one scalar element; the local unknowns of a cell are ordered by component, then node:
 /// local index c * n_nodes + a.
 ///
-/// The unknowns of the domain are numbered field by field; in the vector of all unknowns they follow those of the
-/// domains before it, from first_dof on (set by Numbering).
+/// The unknowns of the domain are numbered field by field; in the vector of all unknowns they follow those of
+/// the domains before it, from first_dof on (set by Numbering).
 template <int dim>
 class Domain
 {
 public:
   /// Reads `subsection Domain NAME`; collective.
-  Domain(const std::string &name, const Section &section, const Material<dim> &material, const Toggles &toggles,
-         const MPI_Comm &communicator);
+  Domain(const std::string &name, const Section &section, const Material<dim> &material,
+         const Toggles &toggles, const MPI_Comm &communicator);
 
   using cell_iterator = typename dealii::DoFHandler<dim>::active_cell_iterator;
 
@@ -63,6 +63,16 @@ public:
 
   const std::vector<std::unique_ptr<Condition<dim>>> &conditions() const { return all_conditions; }
 
+  /// A boundary face of an owned or a ghost cell. Collected once, so that nothing else walks over all cells
+  /// for them.
+  struct BoundaryFace
+  {
+    typename dealii::Triangulation<dim>::active_cell_iterator cell;
+    unsigned int number;
+    dealii::types::boundary_id id;
+  };
+  const std::vector<BoundaryFace> &boundary_faces() const { return faces; }
+
   /// Per component, flattened over the fields; nullptr if the scene does not give it.
   struct Given
   {
@@ -77,11 +87,12 @@ public:
   const Given &initial() const { return given_initial; }
   const Given &exact() const { return given_exact; }
 
-  double typical_length() const { return length; } ///< the diagonal of the body's bounding box
-  dealii::Point<dim> centre() const { return middle; }  ///< of that box
+  double typical_length() const { return length; }     ///< the diagonal of the body's bounding box
+  dealii::Point<dim> centre() const { return middle; } ///< of that box
 
   /// @throw UserError if the mesh has no boundary with this id; lists those it has with their areas.
-  void check_boundary_id(dealii::types::boundary_id id, const Section &asking, const std::string &entry) const;
+  void check_boundary_id(dealii::types::boundary_id id, const Section &asking,
+                         const std::string &entry) const;
 
   /// Hanging nodes and prescribed values at time @p t, in global unknowns, for those that this rank owns.
   void add_constraints(double t, ConstraintLines &lines) const;
@@ -92,6 +103,7 @@ private:
   void read_given(const Section &section);
   void read_conditions(const Section &section, const Toggles &toggles);
   void check_conditions() const;
+  void collect_boundary_faces(const MPI_Comm &communicator);
   void distribute_dofs();
   void add_hanging_nodes(ConstraintLines &lines) const;
 
@@ -102,7 +114,8 @@ private:
   dealii::DoFHandler<dim> dofs;
   std::vector<unsigned int> by_component; ///< position in deal.II's cell order of local index c * n_nodes + a
   std::vector<std::unique_ptr<Condition<dim>>> all_conditions;
-  std::map<dealii::types::boundary_id, double> measures;
+  std::vector<BoundaryFace> faces;
+  std::map<dealii::types::boundary_id, double> measures; ///< of the parts of the boundary, over all ranks
   Given given_source, given_initial, given_exact;
   double length = 0;
   dealii::Point<dim> middle;

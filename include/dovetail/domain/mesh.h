@@ -9,7 +9,6 @@
 
 #include <deal.II/distributed/tria.h>
 
-#include <map>
 #include <memory>
 
 namespace dovetail {
@@ -17,15 +16,11 @@ namespace dovetail {
 template <int dim>
 using Mesh = dealii::parallel::distributed::Triangulation<dim>;
 
-/// Make the mesh that a `subsection Mesh` describes: File (.msh 2.2 and 4.1, .inp of Abaqus or AVS UCD, .vtk, .unv)
-/// or Generator with Arguments; then X -> Scale X + Shift (curved manifolds follow), then global Refinements.
+/// Make the mesh that a `subsection Mesh` describes: File (.msh 2.2 and 4.1, .inp of Abaqus or AVS UCD, .vtk,
+/// .unv) or Generator with Arguments; then X -> Scale X + Shift (curved manifolds follow), then global
+/// Refinements.
 template <int dim>
 std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &communicator);
-
-/// The measure of the part of the boundary with each id. Collective.
-template <int dim>
-std::map<dealii::types::boundary_id, double> boundary_measures(const dealii::Triangulation<dim> &mesh,
-                                                               const MPI_Comm &communicator);
 
 /// Whether all cells are straight: the mapping of degree 1 is then exact.
 template <int dim>

@@ -15,8 +15,8 @@
 
 namespace dovetail {
 
-/// One block of unknowns: a field of a domain. Its global indices are begin … end-1; each rank owns one contiguous
-/// range of them.
+/// One block of unknowns: a field of a domain. Its global indices are begin … end-1; each rank owns one
+/// contiguous range of them.
 struct Block
 {
   std::string domain;
@@ -24,12 +24,12 @@ struct Block
   unsigned int domain_index;
   unsigned int field_index; ///< among the fields of the domain
   dealii::types::global_dof_index begin, end;
-  dealii::IndexSet owned;                                    ///< by this rank, relative to begin
+  dealii::IndexSet owned;                                     ///< by this rank, relative to begin
   std::vector<dealii::types::global_dof_index> first_of_rank; ///< relative to begin, n_ranks + 1 entries
 };
 
-/// Order: [ u_left T_left | u_right | … ], domains as in the scene, fields as in the material. Sets first_dof of the
-/// domains.
+/// Order: [ u_left T_left | u_right | … ], domains as in the scene, fields as in the material. Sets first_dof
+/// of the domains.
 class Numbering
 {
 public:

@@ -15,8 +15,8 @@
 
 namespace dovetail {
 
-/// Values and gradients (by X) of the scalar element's shape functions at reference points of a cell, as FEValues
-/// would give them, but without its set-up for every new set of points.
+/// Values and gradients (by X) of the scalar element's shape functions at reference points of a cell, as
+/// FEValues would give them, but without its set-up for every new set of points.
 template <int dim>
 class ShapeEvaluator
 {
@@ -35,7 +35,8 @@ public:
 private:
   const Domain<dim> &domain;
   const LagrangeBasis<dim> geometry, element;
-  std::vector<unsigned int> lexicographic; ///< index in `element` of the shape functions of the scalar element
+  std::vector<unsigned int>
+      lexicographic; ///< index in `element` of the shape functions of the scalar element
   dealii::FEValues<dim> geometry_nodes, measure_of_cell;
   dealii::FEFaceValues<dim> measure_of_face;
   std::vector<dealii::Point<dim>> nodes;

@@ -48,13 +48,15 @@ public:
   void group_dofs(const typename Pairing<dim>::Group &group,
                   std::vector<dealii::types::global_dof_index> &dofs) const;
   /// Fill a side's state at a point (traces and gradients of components[side]; the others stay as they are).
-  void evaluate(unsigned int side, unsigned int q, const std::vector<double> &unknowns, State<dim> &state) const;
+  void evaluate(unsigned int side, unsigned int q, const std::vector<double> &unknowns,
+                State<dim> &state) const;
   /// The jump of a field at a point, all components.
   void jump(const TiedField &field, unsigned int q, const std::vector<double> &unknowns,
             std::vector<double> &result) const;
   /// Position of a component of the domain among components[side].
   unsigned int position(unsigned int side, unsigned int component) const;
-  /// Whether the unknown of component index r (row, counted over both sides' components) couples with that of s.
+  /// Whether the unknown of component index r (row, counted over both sides' components) couples with that of
+  /// s.
   bool couples(unsigned int row, unsigned int column) const;
   /// Whether the fluxes of the tied fields are affine in the unknowns.
   bool is_linear() const;

@@ -3,8 +3,8 @@
 //
 // The geometry of an interface: which point of one side faces which point of the other.
 //
-// Signs, once for all: N is the outward normal of each side, the jump is [B] = B_src - map(B_dst), the mean flux is
-// {A} = w_src A_src.N_src - w_dst A_dst.N_dst.
+// Signs, once for all: N is the outward normal of each side, the jump is [B] = B_src - map(B_dst), the mean
+// flux is {A} = w_src A_src.N_src - w_dst A_dst.N_dst.
 
 #pragma once
 
@@ -26,14 +26,10 @@ struct InterfaceSide
   std::set<dealii::types::boundary_id> boundary_ids;
 };
 
-/// What a jump does with the gap between facing points: the partner's field is extended affinely to the quadrature
-/// point, B(X') + grad B(X').(X - X'), for solution and test functions, for the solution only, or not at all.
-enum class GapExtension
-{
-  symmetric,
-  trial,
-  none
-};
+/// What a jump does with the gap between facing points: the partner's field is extended affinely to the
+/// quadrature point, B(X') + grad B(X').(X - X'), for solution and test functions, for the solution only, or
+/// not at all.
+enum class GapExtension { symmetric, trial, none };
 
 /// How much of the two sides faces the other one.
 struct Coverage
@@ -43,16 +39,17 @@ struct Coverage
   unsigned long n_points = 0;
   unsigned long n_uncovered = 0; ///< quadrature points without partner
   double largest_gap = 0;
-  double largest_angle = 0;    ///< between the normals [rad]
-  double nearest_miss = 0;     ///< distance of the nearest uncovered point to the other side
+  double largest_angle = 0; ///< between the normals [rad]
+  double nearest_miss = 0;  ///< distance of the nearest uncovered point to the other side
   bool is_complete(const unsigned int side) const { return covered[side] >= (1. - 1e-9) * area[side]; }
 };
 
-/// Quadrature points of one or both sides ("mapped points": Gauss points of a face, each with the closest point of
-/// the other side), and for both sides of each point the cell behind it and the shape functions there. Computed
-/// once per mesh in material coordinates; a rank holds the points whose own face it owns.
+/// Quadrature points of one or both sides ("mapped points": Gauss points of a face, each with the closest
+/// point of the other side), and for both sides of each point the cell behind it and the shape functions
+/// there. Computed once per mesh in material coordinates; a rank holds the points whose own face it owns.
 ///
-/// Points whose two cells are the same form a group, so that their terms are summed before they are scattered.
+/// Points whose two cells are the same form a group, so that their terms are summed before they are
+/// scattered.
 template <int dim>
 class Pairing
 {
@@ -72,7 +69,8 @@ public:
   };
 
   /// Collective.
-  Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options, const MPI_Comm &communicator);
+  Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
+          const MPI_Comm &communicator);
 
   std::array<std::vector<CellBehind>, 2> cells;
   std::vector<Group> groups;
@@ -80,7 +78,10 @@ public:
   unsigned int n_points() const { return weights.size(); }
   double weight(const unsigned int q) const { return weights[q]; } ///< dGamma
   const dealii::Point<dim> &X(const unsigned int side, const unsigned int q) const { return points[side][q]; }
-  const dealii::Tensor<1, dim> &N(const unsigned int side, const unsigned int q) const { return normals[side][q]; }
+  const dealii::Tensor<1, dim> &N(const unsigned int side, const unsigned int q) const
+  {
+    return normals[side][q];
+  }
   const double *values(const unsigned int side, const unsigned int q) const
   {
     return &shape_values[side][q * n_nodes[side]];
@@ -115,7 +116,6 @@ private:
     std::vector<CellBehind> cells;
     std::vector<double> values;
     std::vector<dealii::Tensor<1, dim>> gradients;
-    double area = 0; ///< of this rank's faces
   };
   static OwnPoints own_points(const InterfaceSide<dim> &side, unsigned int points_per_direction);
 

@@ -12,7 +12,8 @@
 
 namespace dovetail {
 
-/// A cell behind points of an interface: its unknowns (component, node) and the measures of it and of its face.
+/// A cell behind points of an interface: its unknowns (component, node) and the measures of it and of its
+/// face.
 struct CellBehind
 {
   std::vector<dealii::types::global_dof_index> dofs;
@@ -20,8 +21,8 @@ struct CellBehind
   double face_measure = 0; ///< Gamma
 };
 
-/// For each match the cell behind it and the shape functions there, flat: point i has its values and gradients at
-/// i * n_nodes.
+/// For each match the cell behind it and the shape functions there, flat: point i has its values and
+/// gradients at i * n_nodes.
 template <int dim>
 struct PartnerShapes
 {

@@ -32,8 +32,8 @@ struct TiedField
   std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
 };
 
-/// How an interface is tied. A plugin overrides only what it needs: constraints between the unknowns of the two
-/// sides, or terms at the points of the pairing. It may assume that a group's unknowns are those of
+/// How an interface is tied. A plugin overrides only what it needs: constraints between the unknowns of the
+/// two sides, or terms at the points of the pairing. It may assume that a group's unknowns are those of
 /// Interface::group_dofs, in that order. Copy nitsche.cc or pointwise.cc.
 template <int dim>
 class Tie
@@ -44,36 +44,40 @@ public:
   /// The sides on whose faces the points of the pairing lie.
   virtual std::array<bool, 2> integrates_on() const = 0;
 
-  /// Lines for destination unknowns that this rank owns. Collective. Keep what is already in @p lines: hanging nodes
-  /// and prescribed values win.
+  /// Lines for destination unknowns that this rank owns. Collective. Keep what is already in @p lines:
+  /// hanging nodes and prescribed values win.
   virtual void add_constraints(const Interface<dim> & /*interface*/, ConstraintLines & /*lines*/,
                                const MPI_Comm & /*communicator*/)
-  {}
+  {
+  }
 
   virtual bool adds_terms() const { return false; }
 
-  /// Before the first iteration of a step: freeze penalty and weights at the last good state. @p unknowns(group, u)
-  /// fills the unknowns of a group.
+  /// Before the first iteration of a step: freeze penalty and weights at the last good state. @p
+  /// unknowns(group, u) fills the unknowns of a group.
   using GroupUnknowns =
       std::function<void(const typename Pairing<dim>::Group &group, std::vector<double> &unknowns)>;
-  virtual void begin_step(const Interface<dim> & /*interface*/, double /*t*/, const GroupUnknowns & /*unknowns*/) {}
+  virtual void begin_step(const Interface<dim> & /*interface*/, double /*t*/,
+                          const GroupUnknowns & /*unknowns*/)
+  {
+  }
 
-  /// Residual and, if @p tangent is not nullptr, its exact derivative over the points of a group; both come in as
-  /// zero. @return false if a law is not defined at the state of a point.
+  /// Residual and, if @p tangent is not nullptr, its exact derivative over the points of a group; both come
+  /// in as zero. @return false if a law is not defined at the state of a point.
   virtual bool assemble(const Interface<dim> & /*interface*/, const typename Pairing<dim>::Group & /*group*/,
-                        double /*t*/, const std::vector<double> & /*unknowns*/, std::vector<double> & /*residual*/,
-                        dealii::FullMatrix<double> * /*tangent*/)
+                        double /*t*/, const std::vector<double> & /*unknowns*/,
+                        std::vector<double> & /*residual*/, dealii::FullMatrix<double> * /*tangent*/)
   {
     return true;
   }
 
   virtual bool is_symmetric() const { return true; } ///< if the laws are
 
-  /// The influx into the source at a point as the tie sees it, from the influxes A.N of both sides (each through its
-  /// own normal) and the jump; without a better one their mean.
-  virtual void numerical_flux(const Interface<dim> & /*interface*/, const TiedField & /*field*/, unsigned int /*q*/,
-                              const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
-                              std::vector<double> &result) const
+  /// The influx into the source at a point as the tie sees it, from the influxes A.N of both sides (each
+  /// through its own normal) and the jump; without a better one their mean.
+  virtual void numerical_flux(const Interface<dim> & /*interface*/, const TiedField & /*field*/,
+                              unsigned int /*q*/, const std::array<std::vector<double>, 2> &flux,
+                              const std::vector<double> &jump, std::vector<double> &result) const
   {
     for (unsigned int c = 0; c < jump.size(); ++c)
       result[c] = (flux[source][c] - flux[destination][c]) / 2;

@@ -20,9 +20,10 @@ public:
 
   struct Response
   {
-    dealii::Tensor<1, 3> A;       ///< [W/m^2]
-    dealii::Tensor<2, 3> dA_dG;   ///< derivative by the gradient G = grad T, filled only if derivatives are asked for
-    dealii::Tensor<1, 3> dA_dT;   ///< likewise by the temperature
+    dealii::Tensor<1, 3> A; ///< [W/m^2]
+    dealii::Tensor<2, 3>
+        dA_dG; ///< derivative by the gradient G = grad T, filled only if derivatives are asked for
+    dealii::Tensor<1, 3> dA_dT; ///< likewise by the temperature
   };
 
   /// Second derivatives of the scalar w.A(T, G).

@@ -35,21 +35,23 @@ struct State
   std::vector<dealii::Tensor<1, dim>> gradient;
 };
 
-/// What it answers: for each component c the flux A_c and, for each pair (c, d) at index c * n + d, the derivatives
-/// by_gradient[c * n + d][J][L] = dA_cJ / d(grad B_d)_L and by_value[c * n + d][J] = dA_cJ / dB_d.
+/// What it answers: for each component c the flux A_c and, for each pair (c, d) at index c * n + d, the
+/// derivatives by_gradient[c * n + d][J][L] = dA_cJ / d(grad B_d)_L and by_value[c * n + d][J] = dA_cJ /
+/// dB_d.
 template <int dim>
 struct Response
 {
   explicit Response(unsigned int n_components)
       : flux(n_components), by_gradient(n_components * n_components), by_value(n_components * n_components)
-  {}
+  {
+  }
   std::vector<dealii::Tensor<1, dim>> flux;
   std::vector<dealii::Tensor<2, dim>> by_gradient;
   std::vector<dealii::Tensor<1, dim>> by_value;
 };
 
-/// The laws of one material, embedded into dim dimensions (2D: plane strain). Fields are ordered displacement,
-/// temperature; a law that is absent gives no field.
+/// The laws of one material, embedded into dim dimensions (2D: plane strain). Fields are ordered
+/// displacement, temperature; a law that is absent gives no field.
 template <int dim>
 class Material
 {
@@ -61,23 +63,25 @@ public:
   const Field *find_field(const std::string &field_name) const; ///< nullptr if it has no such field
   unsigned int n_components() const;
 
-  /// @return false if a law is not defined at this state. Derivatives that vanish identically are zero, and are
-  /// known in advance from depends().
+  /// @return false if a law is not defined at this state. Derivatives that vanish identically are zero, and
+  /// are known in advance from depends().
   bool evaluate(const State<dim> &state, bool with_derivatives, Response<dim> &response) const;
 
-  /// Second derivatives of sum_c w_c . A_c by all of S = (B_0, grad B_0, B_1, grad B_1, …): a symmetric matrix of
-  /// size n (1 + dim), component d at rows d (1 + dim) …; zero blocks are zero. Only the components of fields in
-  /// which w is not zero are evaluated.
+  /// Second derivatives of sum_c w_c . A_c by all of S = (B_0, grad B_0, B_1, grad B_1, …): a symmetric
+  /// matrix of size n (1 + dim), component d at rows d (1 + dim) …; zero blocks are zero. Only the components
+  /// of fields in which w is not zero are evaluated.
   void curvature(const State<dim> &state, const std::vector<dealii::Tensor<1, dim>> &w,
                  dealii::FullMatrix<double> &result) const;
 
-  /// sigma = P F^T / J, the force per deformed area (P itself for a linear law, which knows no deformed area);
-  /// three-dimensional also in plane strain. NaN where the solid law is not defined. @pre The material has a displacement.
+  /// sigma = P F^T / J, the force per deformed area (P itself for a linear law, which knows no deformed
+  /// area); three-dimensional also in plane strain. NaN where the solid law is not defined. @pre The material
+  /// has a displacement.
   dealii::Tensor<2, 3> cauchy_stress(const State<dim> &state) const;
 
-  bool depends(unsigned int field, unsigned int on_field) const; ///< whether A of one field depends on another
-  bool is_linear(unsigned int field) const;                       ///< affine in all fields, so constant derivatives
-  bool is_symmetric(unsigned int field) const;                    ///< own block of the tangent is symmetric
+  bool depends(unsigned int field,
+               unsigned int on_field) const;   ///< whether A of one field depends on another
+  bool is_linear(unsigned int field) const;    ///< affine in all fields, so constant derivatives
+  bool is_symmetric(unsigned int field) const; ///< own block of the tangent is symmetric
   bool depends_on_time() const;
 
 private:

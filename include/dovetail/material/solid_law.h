@@ -11,8 +11,8 @@
 
 namespace dovetail {
 
-/// The first Piola-Kirchhoff stress P(F, e) of a solid, F = I + grad u in material coordinates and e = alpha (T - T0)
-/// the free thermal strain [-]. Knows no mesh, no dofs, no temperature.
+/// The first Piola-Kirchhoff stress P(F, e) of a solid, F = I + grad u in material coordinates and e = alpha
+/// (T - T0) the free thermal strain [-]. Knows no mesh, no dofs, no temperature.
 class SolidLaw
 {
 public:
@@ -25,7 +25,8 @@ public:
     dealii::Tensor<2, 3> dP_de; ///< derivative by the thermal strain, likewise
   };
 
-  /// Second derivatives of the scalar w:P(F, e), which the exact tangent of Nitsche's method needs for theta != 0.
+  /// Second derivatives of the scalar w:P(F, e), which the exact tangent of Nitsche's method needs for theta
+  /// != 0.
   struct Curvature
   {
     dealii::Tensor<4, 3> FF; ///< d²(w:P)/dF_iJ dF_kL
@@ -36,13 +37,15 @@ public:
   /// @return false if the stress is not defined at this state (J <= 0): the step is cut, nothing crashes.
   virtual bool evaluate(const dealii::Tensor<2, 3> &F, double e, bool with_derivatives,
                         Response &response) const = 0;
-  virtual Curvature curvature(const dealii::Tensor<2, 3> &F, double e, const dealii::Tensor<2, 3> &w) const = 0;
+  virtual Curvature curvature(const dealii::Tensor<2, 3> &F, double e,
+                              const dealii::Tensor<2, 3> &w) const = 0;
 
   /// P is affine in (F, e): one solve, no curvature.
   virtual bool is_linear() const { return false; }
 };
 
-/// Isotropic moduli: either Young modulus and Poisson ratio or Shear modulus and Bulk modulus, never a mixture.
+/// Isotropic moduli: either Young modulus and Poisson ratio or Shear modulus and Bulk modulus, never a
+/// mixture.
 struct IsotropicModuli
 {
   explicit IsotropicModuli(const Section &section);

@@ -39,11 +39,10 @@ public:
   nlohmann::ordered_json largest_of_ranks(const MPI_Comm &communicator) const
   {
     nlohmann::ordered_json result;
-    for (const std::string name : {"mesh", "pairing", "setup", "assembly", "solve", "output", "tie"})
-      {
-        const auto found = seconds.find(name);
-        result[name] = dealii::Utilities::MPI::max(found == seconds.end() ? 0. : found->second, communicator);
-      }
+    for (const std::string name : {"mesh", "pairing", "setup", "assembly", "solve", "output", "tie"}) {
+      const auto found = seconds.find(name);
+      result[name] = dealii::Utilities::MPI::max(found == seconds.end() ? 0. : found->second, communicator);
+    }
     result["total"] = dealii::Utilities::MPI::max(total.wall_time(), communicator);
     return result;
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Families of plugins: name in the scene -> creator. A law, a condition or a tie registers itself in the last line
-// of its own file; no list, enum or switch knows it.
+// Families of plugins: name in the scene -> creator. A law, a condition or a tie registers itself in the last
+// line of its own file; no list, enum or switch knows it.
 
 #pragma once
 
@@ -18,7 +18,8 @@ namespace dovetail {
 
 /// The members of the family @p Base, each constructed from its Section and further @p Arguments.
 ///
-///     namespace { const bool registered = Catalogue<SolidLaw>::add<NeoHookean>("neo-Hookean", "one sentence"); }
+///     namespace { const bool registered = Catalogue<SolidLaw>::add<NeoHookean>("neo-Hookean", "one
+///     sentence"); }
 ///
 /// Registration only stores names and functions: no MPI and no deal.II call happens before main.
 template <class Base, typename... Arguments>
@@ -53,13 +54,12 @@ public:
     for (const auto &[name, member] : members())
       names.push_back(name);
 
-    if (section.documenting())
-      {
-        read_type(section, names, default_type, description);
-        for (const auto &[name, member] : members())
-          member.create(section.variant(name, member.help), arguments...);
-        return nullptr;
-      }
+    if (section.documenting()) {
+      read_type(section, names, default_type, description);
+      for (const auto &[name, member] : members())
+        member.create(section.variant(name, member.help), arguments...);
+      return nullptr;
+    }
 
     const std::string type = read_type(section, names, default_type, description);
     if (type == "none")

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Formulas typed by the user: muParser strings in x, y, z, t and, where a law depends on it, the temperature T.
+// Formulas typed by the user: muParser strings in x, y, z, t and, where a law depends on it, the temperature
+// T.
 
 #pragma once
 
@@ -17,7 +18,8 @@ namespace dovetail {
 
 /// A list of formulas, one per component ("sin(pi*x); t"), of position, time and temperature.
 ///
-/// Known besides muParser's own: pi, ln and log (natural), log10, if(a,b,c), min, max, abs, sign, floor, ceil,
+/// Known besides muParser's own: pi, ln and log (natural), log10, if(a,b,c), min, max, abs, sign, floor,
+/// ceil,
 /// &&, ||, a ? b : c. A component that uses no variable is evaluated once. Copies share nothing that changes.
 class Expression
 {
@@ -52,8 +54,8 @@ public:
   template <int dim>
   double value(const dealii::Point<dim> &X, double t, unsigned int component = 0, double T = 0) const;
 
-  /// Gradient by a five-point central difference with a step of 1e-3 @p length (a typical length of the body):
-  /// exact to rounding for polynomials up to degree 4.
+  /// Gradient by a five-point central difference with a step of 1e-3 @p length (a typical length of the
+  /// body): exact to rounding for polynomials up to degree 4.
   template <int dim>
   dealii::Tensor<1, dim> gradient(const dealii::Point<dim> &X, double t, unsigned int component,
                                   double length) const;

@@ -14,13 +14,13 @@
 
 namespace dovetail {
 
-/// Reads a scene file and keeps, for every entry, its value and where it stands; records every entry that is read
-/// through a Section, so that used.prm and the reference of all entries can be written.
+/// Reads a scene file and keeps, for every entry, its value and where it stands; records every entry that is
+/// read through a Section, so that used.prm and the reference of all entries can be written.
 ///
 /// .prm: deal.II's grammar (`subsection`/`end`, `set a = b`, `#` comments, `\` continuation, `include FILE`
-/// relative to the working directory). An entry set twice in one file, or a subsection opened twice, is an error;
-/// a file may override what it includes. .json: the same tree as nested objects with strings (numbers and booleans
-/// are accepted as values); arrays and duplicate keys are errors.
+/// relative to the working directory). An entry set twice in one file, or a subsection opened twice, is an
+/// error; a file may override what it includes. .json: the same tree as nested objects with strings (numbers
+/// and booleans are accepted as values); arrays and duplicate keys are errors.
 class SceneText
 {
 public:
@@ -36,8 +36,8 @@ public:
   /// The section at the top of @p text.
   static Section root(const std::shared_ptr<SceneText> &text);
 
-  /// @throw UserError naming the first entry or subsection that nobody has read, with its line and the nearest
-  /// name that is known there (or what the section knows at all).
+  /// @throw UserError naming the first entry or subsection that nobody has read, with its line and the
+  /// nearest name that is known there (or what the section knows at all).
   void check_all_read() const;
 
   /// Every entry that was read, with its value, as a scene that gives the same run (used.prm).

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The only way from the text of a scene to numbers: an object is constructed from its Section and reads each of
-// its entries once, in the line that names, documents and bounds it.
+// The only way from the text of a scene to numbers: an object is constructed from its Section and reads each
+// of its entries once, in the line that names, documents and bounds it.
 
 #pragma once
 
@@ -24,10 +24,10 @@ namespace Patterns = dealii::Patterns;
 class SceneText;
 struct SceneState;
 
-/// One subsection of a scene. Reading an entry declares it: name, default, pattern and description (which ends in
-/// its unit in brackets) stand in the one line that stores the value. What nobody has read when the scene is
-/// complete is an error with the nearest known name (SceneText::check_all_read). A Section is a cheap handle and
-/// may be kept to report errors that show later.
+/// One subsection of a scene. Reading an entry declares it: name, default, pattern and description (which
+/// ends in its unit in brackets) stand in the one line that stores the value. What nobody has read when the
+/// scene is complete is an error with the nearest known name (SceneText::check_all_read). A Section is a
+/// cheap handle and may be kept to report errors that show later.
 ///
 /// While the reference of all entries is written (documenting()), required entries read as T(), or "0" for
 /// expressions, and check() never fails.
@@ -68,8 +68,9 @@ public:
                               const std::string &description) const;
   dealii::Point<3> require_point(const std::string &name, const std::string &description) const;
 
-  /// "set Domains = left, right" announces "subsection Domain left" and "subsection Domain right". Reads the plural
-  /// and returns the names; each must be unique and have a subsection "<singular> NAME". While documenting: {"NAME"}.
+  /// "set Domains = left, right" announces "subsection Domain left" and "subsection Domain right". Reads the
+  /// plural and returns the names; each must be unique and have a subsection "<singular> NAME". While
+  /// documenting: {"NAME"}.
   std::vector<std::string> announce(const std::string &plural, const std::string &singular,
                                     const std::string &description) const;
 
@@ -89,15 +90,16 @@ public:
   /// While documenting: the same section under the heading "Type = <type>: help"; else *this.
   Section variant(const std::string &type, const std::string &help) const;
 
-  /// Whether the scene itself gives the entry a value. An empty value counts as none, because used.prm writes the
-  /// defaults too.
+  /// Whether the scene itself gives the entry a value. An empty value counts as none, because used.prm writes
+  /// the defaults too.
   bool is_set(const std::string &name) const;
   std::string peek(const std::string &name) const; ///< its text without declaring it, or ""
   bool documenting() const;
-  unsigned int dimension() const; ///< 2 or 3, as set at the top of the scene (3 while documenting)
+  unsigned int dimension() const;  ///< 2 or 3, as set at the top of the scene (3 while documenting)
   const std::string &path() const; ///< e.g. "Domain left/Mesh"
 
-  /// Throw a UserError "PATH, FILE line N: ENTRY MESSAGE". @p entry may be empty or unset (then the section's line).
+  /// Throw a UserError "PATH, FILE line N: ENTRY MESSAGE". @p entry may be empty or unset (then the section's
+  /// line).
   [[noreturn]] void fail(const std::string &entry, const std::string &message) const;
   /// fail() unless @p condition; never while documenting.
   void check(bool condition, const std::string &entry, const std::string &message) const;
@@ -106,8 +108,8 @@ private:
   Section(std::shared_ptr<SceneText> text, std::string path, std::string variant);
 
   SceneState &state() const;
-  /// Note that the entry is read, and give its text: the scene's, else the default. Without a default the entry is
-  /// required.
+  /// Note that the entry is read, and give its text: the scene's, else the default. Without a default the
+  /// entry is required.
   std::string declare(const std::string &name, const std::optional<std::string> &default_text,
                       const std::string &description, const std::string &range) const;
 

@@ -26,14 +26,14 @@ struct SolveGroup
   bool is_symmetric = true; ///< and positive definite
   unsigned int dim = 3;
   unsigned int degree = 1;
-  /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks together
-  /// or by itself; asked for only if multigrid is used.
+  /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks
+  /// together or by itself; asked for only if multigrid is used.
   std::function<std::vector<std::vector<double>>(unsigned int block, bool of_all_blocks)> near_null_space;
 };
 
-/// Solves K dx = b for a matrix that is lower block triangular over the groups (a field does not depend on those after
-/// it), group after group, each merged into one matrix: by MUMPS, or by CG (symmetric) or GMRES with ML's smoothed
-/// aggregation and the near-null space of the blocks.
+/// Solves K dx = b for a matrix that is lower block triangular over the groups (a field does not depend on
+/// those after it), group after group, each merged into one matrix: by MUMPS, or by CG (symmetric) or GMRES
+/// with ML's smoothed aggregation and the near-null space of the blocks.
 class LinearSolver
 {
 public:
@@ -46,8 +46,8 @@ public:
   /// The matrix has new entries (and, if @p has_new_structure, another sparsity).
   void set_matrix(const Matrix &matrix, bool has_new_structure);
 
-  /// @return the number of linear iterations (1 per direct solve), or nothing if even the direct solver failed. A
-  /// group whose iteration fails is solved directly, now and from then on.
+  /// @return the number of linear iterations (1 per direct solve), or nothing if even the direct solver
+  /// failed. A group whose iteration fails is solved directly, now and from then on.
   std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side);
 
   /// What each group is solved with, for the plan: "displacement: CG with multigrid".

@@ -18,7 +18,8 @@ struct NewtonProblem
 {
   bool is_linear = false; ///< one iteration is exact
 
-  /// Assemble at the trial state, with or without the tangent; the norm of the residual, NaN if it is not defined.
+  /// Assemble at the trial state, with or without the tangent; the norm of the residual, NaN if it is not
+  /// defined.
   std::function<double(bool with_tangent)> assemble;
   /// Solve for the update dx with the last tangent. The number of linear iterations; nothing if that failed.
   std::function<std::optional<unsigned int>()> solve;

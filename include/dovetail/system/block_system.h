@@ -17,9 +17,9 @@
 
 namespace dovetail {
 
-/// The nonlinear system R(x) = 0 on the constraints of hanging nodes, prescribed values and ties. Newton's update dx
-/// solves K dx = -R with the constraints that make x + dx satisfy those of the current time, so prescribed values
-/// enter through the tangent and not by a jump at the boundary nodes.
+/// The nonlinear system R(x) = 0 on the constraints of hanging nodes, prescribed values and ties. Newton's
+/// update dx solves K dx = -R with the constraints that make x + dx satisfy those of the current time, so
+/// prescribed values enter through the tangent and not by a jump at the boundary nodes.
 template <int dim>
 class BlockSystem
 {
@@ -56,7 +56,10 @@ public:
   Vector owned_vector() const;
   Vector ghosted_vector() const;
 
-  double seconds_of_ties() const { return tie_seconds; } ///< set-up of constraints and terms of interfaces, this rank
+  double seconds_of_ties() const
+  {
+    return tie_seconds;
+  } ///< set-up of constraints and terms of interfaces, this rank
 
 private:
   using SparseMatrix = dealii::TrilinosWrappers::BlockSparseMatrix;
@@ -73,11 +76,11 @@ private:
 
   Model<dim> &model;
   double time = 0;
-  std::vector<std::string> fields;          ///< of the norms
+  std::vector<std::string> fields; ///< of the norms
   std::vector<unsigned int> field_of_block;
-  dealii::IndexSet relevant;                ///< relevant unknowns of the domains and those behind interface points
-  ConstraintLines tie_lines;                ///< of owned unknowns
-  dealii::AffineConstraints<double> constraints; ///< of x at the current time
+  dealii::IndexSet relevant; ///< relevant unknowns of the domains and those behind interface points
+  ConstraintLines tie_lines; ///< of owned unknowns
+  dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx
   bool constraints_move = false;
   std::vector<bool> toggles_of_set_up;
@@ -87,8 +90,8 @@ private:
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
   dealii::FullMatrix<double> local_matrix;
   dealii::Vector<double> local_rhs;
-  std::vector<double> local_scale;          ///< per field: sum of squares of the cells' residuals
-  std::vector<double> scale, largest;       ///< per field
+  std::vector<double> local_scale;    ///< per field: sum of squares of the cells' residuals
+  std::vector<double> scale, largest; ///< per field
   double tie_seconds = 0;
 };
 

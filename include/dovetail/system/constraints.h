@@ -12,10 +12,12 @@
 
 namespace dovetail {
 
-/// From the lines of the unknowns that each rank owns, the closed constraints of all unknowns in @p needed and, since
-/// chains are resolved locally, of the unknowns their lines refer to, and so on. Collective; only lines that some
-/// other rank asks for are sent.
-dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned_lines, const Numbering &numbering,
-                                                    const dealii::IndexSet &needed, const MPI_Comm &communicator);
+/// From the lines of the unknowns that each rank owns, the closed constraints of all unknowns in @p needed
+/// and, since chains are resolved locally, of the unknowns their lines refer to, and so on. Collective; only
+/// lines that some other rank asks for are sent.
+dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned_lines,
+                                                    const Numbering &numbering,
+                                                    const dealii::IndexSet &needed,
+                                                    const MPI_Comm &communicator);
 
 } // namespace dovetail

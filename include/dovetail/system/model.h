@@ -32,17 +32,17 @@ public:
   std::vector<std::unique_ptr<Interface<dim>>> interfaces;
   std::unique_ptr<Numbering> numbering;
 
-  /// Names of all fields that some domain has, in the order in which they can be solved one after another: a field
-  /// comes after those its fluxes depend on. Fields that depend on each other stand in one group.
+  /// Names of all fields that some domain has, in the order in which they can be solved one after another: a
+  /// field comes after those its fluxes depend on. Fields that depend on each other stand in one group.
   std::vector<std::vector<std::string>> field_groups() const;
 
-  bool is_linear() const;                              ///< one Newton iteration is exact
-  bool is_symmetric(const std::string &field) const;   ///< the field's own block of the tangent
-  unsigned int degree() const;                         ///< the largest of the domains
+  bool is_linear() const;                            ///< one Newton iteration is exact
+  bool is_symmetric(const std::string &field) const; ///< the field's own block of the tangent
+  unsigned int degree() const;                       ///< the largest of the domains
 
   /// Near-null space of the block of a field of a domain at this rank's owned unknowns (in their order): the
-  /// constant for scalars; for vectors translations and rotations scaled to order one, about the centre of the domain
-  /// or, if @p of_all_domains, about one point for all of them.
+  /// constant for scalars; for vectors translations and rotations scaled to order one, about the centre of
+  /// the domain or, if @p of_all_domains, about one point for all of them.
   std::vector<std::vector<double>> near_null_space(const Block &block, bool of_all_domains) const;
 
   double pairing_seconds = 0; ///< search and shape functions, this rank

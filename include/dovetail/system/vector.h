@@ -11,12 +11,12 @@
 
 namespace dovetail {
 
-/// All unknowns in the blocks of Numbering. Owned vectors are written, ghosted ones (owned, relevant and partners'
-/// unknowns) are read only; the two are never mixed.
+/// All unknowns in the blocks of Numbering. Owned vectors are written, ghosted ones (owned, relevant and
+/// partners' unknowns) are read only; the two are never mixed.
 using Vector = dealii::TrilinosWrappers::MPI::BlockVector;
 
-/// The part of a ghosted vector of all unknowns that belongs to one domain, in the numbering of its DoFHandler, with
-/// ghosts.
+/// The part of a ghosted vector of all unknowns that belongs to one domain, in the numbering of its
+/// DoFHandler, with ghosts.
 template <int dim>
 dealii::TrilinosWrappers::MPI::Vector domain_vector(const Domain<dim> &domain, const Vector &ghosted);
 

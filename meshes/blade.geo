@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
 // A turbine blade with a dovetail root, all hexahedra. Lengths in millimetres; the scene scales by 1e-3.
 //
 //     z is the axis of rotation, y points outward along the blade, x around the disk; x = y = 0 is the axis.

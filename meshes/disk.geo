@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
 // One sector of a disk with the slot of the dovetail, all hexahedra. Lengths in millimetres; the scene scales by 1e-3.
 //
 //     z is the axis of rotation, y points outward through the middle of the slot; x = y = 0 is the axis.

@@ -3,6 +3,8 @@
 
 #include <dovetail/domain/domain.h>
 
+#include <dovetail/compatibility.h>
+
 #include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
@@ -17,9 +19,9 @@ template <int dim>
 Domain<dim>::Domain(const std::string &name, const Section &section, const Material<dim> &material,
                     const Toggles &toggles, const MPI_Comm &communicator)
     : name(name), section(section), material(material),
-      degree(section.read<unsigned int>("Degree", 1,
-                                        "Polynomial degree of all fields and of the curved mapping [-]",
-                                        Patterns::Integer(1, 4))),
+      degree(section.read<unsigned int>(
+          "Degree", 1, "Polynomial degree of all fields, and of the mapping where the mesh is curved [-]",
+          Patterns::Integer(1, 4))),
       triangulation(make_mesh<dim>(section.subsection("Mesh"), communicator))
 {
   read_given(section);
@@ -184,9 +186,8 @@ void Domain<dim>::add_hanging_nodes(ConstraintLines &lines) const
 {
   if (!triangulation->has_hanging_nodes())
     return;
-  dealii::IndexSet relevant;
-  dealii::DoFTools::extract_locally_relevant_dofs(dofs, relevant);
-  dealii::AffineConstraints<double> hanging(relevant);
+  auto hanging = make_affine_constraints(dofs.locally_owned_dofs(),
+                                         dealii::DoFTools::extract_locally_relevant_dofs(dofs));
   dealii::DoFTools::make_hanging_node_constraints(dofs, hanging);
   for (const auto &line : hanging.get_lines())
     if (dofs.locally_owned_dofs().is_element(line.index))

@@ -42,8 +42,8 @@ Numbering::Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, c
   owned.set_size(n_dofs);
   relevant.set_size(n_dofs);
   for (const auto &domain : domains) {
-    dealii::IndexSet relevant_to_domain;
-    dealii::DoFTools::extract_locally_relevant_dofs(domain->dof_handler(), relevant_to_domain);
+    const dealii::IndexSet relevant_to_domain =
+        dealii::DoFTools::extract_locally_relevant_dofs(domain->dof_handler());
     owned.add_indices(domain->dof_handler().locally_owned_dofs(), domain->first_dof);
     relevant.add_indices(relevant_to_domain, domain->first_dof);
   }

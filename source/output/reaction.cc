@@ -81,8 +81,7 @@ template <int dim>
 Weights make_weights(const Model<dim> &model, const Domain<dim> &domain, const Ids &boundary_ids,
                      const Field &field)
 {
-  dealii::IndexSet relevant;
-  dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler(), relevant);
+  const dealii::IndexSet relevant = dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler());
   const auto &owned = domain.dof_handler().locally_owned_dofs();
   Weights w(owned, model.communicator);
   set_nodes(domain, boundary_ids, Nodes::of_cells, 1, w);

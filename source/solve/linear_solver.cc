@@ -146,9 +146,8 @@ unsigned int LinearSolver::Group::iterate_once(SingleVector &x, const SingleVect
   if (is_symmetric)
     dealii::SolverCG<SingleVector>(control).solve(K, x, b, *multigrid);
   else {
-    dealii::SolverGMRES<SingleVector>::AdditionalData data;
-    data.max_n_tmp_vectors = 102;
-    data.right_preconditioning = true; // the true residual is the one that is checked
+    // right preconditioning: the true residual is the one that is checked
+    const dealii::SolverGMRES<SingleVector>::AdditionalData data(102, true);
     dealii::SolverGMRES<SingleVector>(control, data).solve(K, x, b, *multigrid);
   }
   return control.last_step();

@@ -12,8 +12,8 @@ dealii::TrilinosWrappers::MPI::Vector domain_vector(const Domain<dim> &domain, c
 {
   const MPI_Comm communicator = ghosted.block(0).get_mpi_communicator();
   const dealii::IndexSet &owned_dofs = domain.dof_handler().locally_owned_dofs();
-  dealii::IndexSet relevant_dofs;
-  dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler(), relevant_dofs);
+  const dealii::IndexSet relevant_dofs =
+      dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler());
   dealii::TrilinosWrappers::MPI::Vector owned(owned_dofs, communicator),
       result(owned_dofs, relevant_dofs, communicator);
   for (const auto dof : owned_dofs)

@@ -33,8 +33,9 @@ std::pair<double, double> off_radius(const Mesh<dim> &mesh, const std::map<unsig
                                      const dealii::Point<dim> &center, const bool is_cylinder)
 {
   std::pair<double, double> distance = {0, 0};
+  const dealii::MappingQ<dim> mapping(3);
   dealii::FE_Q<dim> element(1);
-  dealii::FEFaceValues<dim> at(dealii::MappingQ<dim>(3), element, dealii::QGauss<dim - 1>(4),
+  dealii::FEFaceValues<dim> at(mapping, element, dealii::QGauss<dim - 1>(4),
                                dealii::update_quadrature_points);
   const auto off = [&](const dealii::Point<dim> &X, const double radius) {
     dealii::Tensor<1, dim> r = X - center;

@@ -45,14 +45,16 @@ template <int dim>
 void ShapeEvaluator<dim>::evaluate(const dealii::Point<dim> &unit_point, double *shape_values,
                                    dealii::Tensor<1, dim> *shape_gradients)
 {
-  geometry.evaluate(unit_point, no_values, geometry_gradients, no_hessians);
+  element.evaluate(unit_point, values, element_gradients, no_hessians);
+  const bool is_isoparametric = geometry.size() == element.size(); // then the bases are the same
+  if (!is_isoparametric)
+    geometry.evaluate(unit_point, no_values, geometry_gradients, no_hessians);
+  const auto &gradients_of_geometry = is_isoparametric ? element_gradients : geometry_gradients;
   dealii::Tensor<2, dim> jacobian; // dX_i / dxi_j
   for (unsigned int a = 0; a < nodes.size(); ++a)
     for (unsigned int i = 0; i < dim; ++i)
-      jacobian[i] += nodes[a][i] * geometry_gradients[a];
+      jacobian[i] += nodes[a][i] * gradients_of_geometry[a];
   const dealii::Tensor<2, dim> inverse = dealii::invert(jacobian);
-
-  element.evaluate(unit_point, values, element_gradients, no_hessians);
   for (unsigned int a = 0; a < lexicographic.size(); ++a) {
     shape_values[a] = values[lexicographic[a]];
     shape_gradients[a] = element_gradients[lexicographic[a]] * inverse;

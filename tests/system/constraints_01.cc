@@ -80,4 +80,15 @@ int main(int argc, char **argv)
   const auto of_one =
       close_constraints(lines, numbering, is_rank_0() ? numbering.relevant : nothing, MPI_COMM_WORLD);
   report("one rank asks", of_one.n_constraints() >= lines.size());
+
+  // the first free unknown follows the last of its followers: a circle, which all ranks refuse
+  if (numbering.owned.is_element(at[0]))
+    lines[at[0]].entries.emplace_back(at[4], 1.);
+  bool is_refused = false;
+  try {
+    close_constraints(lines, numbering, numbering.relevant, MPI_COMM_WORLD);
+  } catch (const UserError &) {
+    is_refused = true;
+  }
+  report("a circle", is_refused);
 }

@@ -144,6 +144,10 @@ int main(int argc, char **argv)
     if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
       MPI_Abort(MPI_COMM_WORLD, failed);
     return failed;
+  } catch (...) { // muParser's errors are no std::exception
+    std::cerr << "Dovetail stopped: a formula cannot be evaluated." << std::endl;
+    MPI_Abort(MPI_COMM_WORLD, failed);
+    return failed;
   }
   MPI_Barrier(MPI_COMM_WORLD); // an early exit of one rank would end the others before they have written
   return status;

@@ -101,6 +101,7 @@ void Interface<dim>::read_fields()
     section.check(std::find(common.begin(), common.end(), field) != common.end(), "Fields",
                   "names '" + field + "', but the fields that both domains have are " +
                       comma_separated(common) + ". " + did_you_mean(field, common));
+    section.check(std::count(asked.begin(), asked.end(), field) <= 1, "Fields", "has '" + field + "' twice.");
     TiedField tied;
     tied.name = field;
     for (const unsigned int side : {source, destination}) {

@@ -225,7 +225,7 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
         const unsigned int i = f * pairing.n_points() + q;
         const Parameters chosen = choose_parameters(interface, interface.fields[f], group, q, t);
         // a tangent that has lost its positivity says nothing about the stiffness: keep the last good one
-        const bool is_good = is_defined && chosen.gamma > 0 && std::isfinite(chosen.gamma) &&
+        const bool is_good = is_defined && chosen.gamma >= 0 && std::isfinite(chosen.gamma) &&
                              chosen.weight[source] >= 0 && chosen.weight[destination] >= 0;
         parameters[i] = is_good || old.empty() ? chosen : old[i];
       }
@@ -239,6 +239,8 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
                                   const unsigned int q, const std::array<std::vector<double>, 2> &flux,
                                   const std::vector<double> &jump, std::vector<double> &result) const
 {
+  if (parameters.empty()) // the tie has not been active yet
+    return Tie<dim>::numerical_flux(interface, field, q, flux, jump, result);
   const Parameters &p = parameters[(&field - interface.fields.data()) * interface.pairing().n_points() + q];
   for (unsigned int c = 0; c < field.n_components; ++c)
     result[c] =

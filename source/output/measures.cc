@@ -131,6 +131,7 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
   struct Squares
   {
     double jump = 0, flux_jump = 0, flux_error = 0;
+    std::vector<double> resultant; ///< of the tie's flux into the source
   };
   std::vector<Squares> squares(interface.fields.size());
   InterfacePoint<dim> point(interface, t);
@@ -138,7 +139,9 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
     const double weight = interface.pairing().weight(q);
     for (unsigned int f = 0; f < squares.size(); ++f) {
       const auto &of_field = point.fields[f];
+      squares[f].resultant.resize(of_field.jump.size());
       for (unsigned int c = 0; c < of_field.jump.size(); ++c) {
+        squares[f].resultant[c] += of_field.numerical_flux[c] * weight;
         squares[f].jump += of_field.jump[c] * of_field.jump[c] * weight;
         squares[f].flux_jump +=
             std::pow(of_field.flux[source][c] + of_field.flux[destination][c], 2) * weight;
@@ -163,12 +166,27 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
     if (point.has_exact_flux(f, source) || point.has_exact_flux(f, destination))
       result["flux error L2"][field] = norm(squares[f].flux_error);
   }
+
+  // what a tie with terms gives a body is the integral of its flux: its other terms vanish for constant test
+  // functions
+  if (interface.tie().adds_terms())
+    for (unsigned int f = 0; f < squares.size(); ++f) {
+      std::vector<double> resultant = squares[f].resultant;
+      resultant.resize(interface.fields[f].n_components);
+      dealii::Utilities::MPI::sum(resultant, communicator, resultant);
+      result["resultant source"][interface.fields[f].name] = resultant;
+      for (double &component : resultant)
+        component = -component;
+      result["resultant destination"][interface.fields[f].name] = resultant;
+    }
 }
 
 template <int dim>
 void measure_resultants(const Model<dim> &model, const Interface<dim> &interface, const Vector &solution,
                         const double t, ordered_json &result)
 {
+  if (interface.tie().adds_terms())
+    return; // measured with the fluxes
   for (const unsigned int side : {source, destination})
     for (const TiedField &tied : interface.fields) {
       const Domain<dim> &domain = *interface.sides[side].domain;

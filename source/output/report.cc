@@ -84,7 +84,7 @@ const nlohmann::ordered_json &Report::write()
   std::string problem;
   if (speaks(communicator)) {
     std::ofstream file(file_name);
-    file << content.dump(2) << std::endl;
+    file << content.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << std::endl;
     if (!file)
       problem = "The report '" + file_name + "' cannot be written. Is the disk full?";
   }

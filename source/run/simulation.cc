@@ -53,7 +53,7 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
 {
   const Section scene = SceneText::root(text);
   read_dimension(scene);
-  const Model<3> model(scene, MPI_COMM_WORLD);
+  const Model<3> model(scene, MPI_COMM_SELF);
   const Probes<3> probes(scene, model);
   const Steps steps(scene.subsection("Steps"));
   const Newton newton(scene.subsection("Newton"));
@@ -227,6 +227,8 @@ bool Simulation<dim>::run()
   log.title(text->file_name());
   log.summary(model);
   report = std::make_unique<Report>(directory, communicator);
+  (*report)["converged"] = false;
+  report->write(); // so that an interrupted run does not look like the one before it
   if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0) {
     std::ofstream used(directory + "/used.prm");
     text->print_used(used);

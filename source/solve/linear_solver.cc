@@ -175,10 +175,13 @@ std::optional<unsigned int> LinearSolver::Group::iterate(const Matrix &matrix, S
       const double new_norm = residual.l2_norm();
       if (!std::isfinite(new_norm))
         return {};
-      if (new_norm <= 2 * goal || new_norm > norm / 10)
-        break;
+      const bool is_done = new_norm <= 2 * goal || new_norm > norm / 10;
       norm = new_norm;
+      if (is_done)
+        break;
     }
+    if (norm > std::max(1e-4 * b.l2_norm(), 2 * goal))
+      return {};
   } catch (const std::exception &) // no convergence, or no preconditioner
   {
     return {};
@@ -188,6 +191,12 @@ std::optional<unsigned int> LinearSolver::Group::iterate(const Matrix &matrix, S
 
 bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
 {
+  // MUMPS may work on some of the ranks only: they must agree before anyone leaves
+  const auto failed_somewhere = [this](int code) {
+    int mine = code != 0, anyone = 0;
+    merged->matrix().Comm().MaxAll(&mine, &anyone, 1);
+    return anyone != 0;
+  };
   auto &matrix = const_cast<Epetra_CrsMatrix &>(merged->matrix()); // Epetra's interfaces know no const
   if (!direct) {
     problem = std::make_unique<Epetra_LinearProblem>();
@@ -201,7 +210,8 @@ bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
     list.set("OutputLevel", 0);
     list.set("PrintTiming", false);
     direct->SetParameters(list);
-    if (direct->SymbolicFactorization() != 0 || direct->NumericFactorization() != 0) {
+    if (failed_somewhere(direct->SymbolicFactorization()) ||
+        failed_somewhere(direct->NumericFactorization())) {
       direct.reset();
       return false;
     }
@@ -209,7 +219,8 @@ bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
   problem->SetLHS(&x.trilinos_vector());
   problem->SetRHS(
       const_cast<Epetra_MultiVector *>(static_cast<const Epetra_MultiVector *>(&b.trilinos_vector())));
-  return direct->Solve() == 0 && std::isfinite(x.l2_norm());
+  const bool is_solved = !failed_somewhere(direct->Solve());
+  return std::isfinite(x.l2_norm()) && is_solved;
 }
 
 LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups)

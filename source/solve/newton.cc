@@ -16,8 +16,9 @@ Newton::Newton(const Section &section)
           Patterns::Double(0))),
       maximum_iterations(section.read<unsigned int>("Maximum iterations", 20, "Iterations per step [-]",
                                                     Patterns::Integer(1))),
-      line_search(
-          section.read<bool>("Line search", true, "Damp an update that does not reduce the residual [-]"))
+      line_search(section.read<bool>(
+          "Line search", true,
+          "Damp an update after which the residual is ten times larger, or not defined [-]"))
 {
 }
 
@@ -43,6 +44,14 @@ double Newton::search_line(const NewtonProblem &problem, const double norm, cons
   }
   return new_norm;
 }
+
+namespace {
+
+/// A linear system is solved once; how far rounding lets the residual down depends on its condition.
+/// A singular system leaves a residual of order one.
+const double largest_linear_residual = 1e-3;
+
+} // namespace
 
 NewtonResult Newton::solve(const NewtonProblem &problem) const
 {
@@ -80,7 +89,7 @@ NewtonResult Newton::solve(const NewtonProblem &problem) const
       return result;
     problem.accept();
     if (problem.is_linear || (norm <= relative_tolerance && damping == 1)) {
-      result.is_converged = true;
+      result.is_converged = norm <= (problem.is_linear ? largest_linear_residual : relative_tolerance);
       return result;
     }
   }

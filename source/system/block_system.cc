@@ -230,7 +230,7 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   right_hand_side = 0;
   if (with_tangent)
     matrix = 0;
-  local_scale.assign(fields.size(), 0.);
+  local_scale.assign(2 * fields.size(), 0.);
 
   bool is_defined = true;
   for (unsigned int d = 0; d < model.domains.size(); ++d)
@@ -246,8 +246,10 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   if (with_tangent)
     matrix.compress(dealii::VectorOperation::add);
   right_hand_side.compress(dealii::VectorOperation::add);
-  scale.resize(fields.size());
-  dealii::Utilities::MPI::sum(local_scale, model.communicator, scale);
+  dealii::Utilities::MPI::sum(local_scale, model.communicator, local_scale);
+  scale.assign(local_scale.begin(), local_scale.begin() + fields.size());
+  if (with_tangent)
+    magnitude.assign(local_scale.begin() + fields.size(), local_scale.end());
   return dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
 }
 
@@ -283,8 +285,14 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
       ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
       if (!cell_terms[d]->assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr))
         return false;
-      for (unsigned int i = 0; i < n_local; ++i)
-        local_scale[field[i / n_nodes]] += residual[i] * residual[i];
+      for (unsigned int i = 0; i < n_local; ++i) {
+        const unsigned int f = field[i / n_nodes];
+        local_scale[f] += residual[i] * residual[i];
+        double of_row = 0;
+        for (unsigned int j = 0; with_tangent && j < n_local; ++j)
+          of_row += std::abs(local_matrix(i, j) * unknowns[j]);
+        local_scale[fields.size() + f] += of_row * of_row;
+      }
       scatter(residual, dofs, with_tangent);
     }
   return true;
@@ -344,7 +352,8 @@ double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
     if (!std::isfinite(norms[f]))
       return std::numeric_limits<double>::quiet_NaN();
     largest[f] = std::max(largest[f], norms[f]);
-    const double noise = 1e-13 * std::sqrt(scale[f]);
+    // terms that cancel leave rounding: those of a cell among cells, and within a cell those of K x
+    const double noise = std::max(1e-13 * std::sqrt(scale[f]), 1e-15 * std::sqrt(magnitude[f]));
     if (norms[f] > std::max(noise, absolute_tolerance))
       relative = std::max(relative, norms[f] / largest[f]);
   }

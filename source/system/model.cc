@@ -56,36 +56,47 @@ void Model<dim>::pair()
   pairing_seconds = timer.wall_time();
 }
 
-/// Every group of domains that is tied in a field needs a condition that keeps the field from drifting.
+/// Every group of domains that is tied in a field needs, for each component, a condition that keeps it from
+/// drifting.
 template <int dim>
 void Model<dim>::check_constants() const
 {
-  for (const auto &group : field_groups())
-    for (const std::string &field : group) {
-      // the domains that a condition reaches, directly or through interfaces
-      std::set<const Domain<dim> *> held;
-      for (const auto &domain : domains)
-        for (const auto &condition : domain->conditions())
-          if (condition->field.name == field && condition->removes_constants())
-            held.insert(domain.get());
-      for (bool is_new = true; is_new;) {
-        is_new = false;
-        for (const auto &interface : interfaces)
-          for (const auto &tied : interface->fields)
-            if (tied.name == field)
-              for (const unsigned int side : {source, destination})
-                if (held.count(interface->sides[side].domain) > 0)
-                  is_new = held.insert(interface->sides[1 - side].domain).second || is_new;
-      }
-      for (const auto &domain : domains)
-        if (domain->material.find_field(field) != nullptr && held.count(domain.get()) == 0)
+  for (const auto &domain : domains)
+    for (const Field &field : domain->fields())
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        if (held_domains(field.name, c).count(domain.get()) == 0)
           domain->section.fail("Boundary conditions",
-                               "leave the " + field +
-                                   " of this domain free to drift by a constant. Give it a "
-                                   "condition of Type = value" +
-                                   std::string(field == "displacement" ? "" : " or convection") +
+                               "leave the " + field.name + " of this domain free to drift by a constant" +
+                                   (field.n_components > 1 ? " in " + std::string(1, "xyz"[c]) : "") +
+                                   ". Give it a condition of Type = value" +
+                                   std::string(field.n_components > 1 ? "" : " or convection") +
                                    " here or on a domain it is tied to.");
-    }
+}
+
+/// The domains in which a condition reaches a component of a field, directly or through interfaces.
+template <int dim>
+std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
+                                                       const unsigned int component) const
+{
+  std::set<const Domain<dim> *> held;
+  for (const auto &domain : domains)
+    for (const auto &condition : domain->conditions())
+      if (condition->field.name == field && condition->removes_constants()) {
+        const auto components = condition->prescribed_components();
+        if (condition->adds_flux() ||
+            std::find(components.begin(), components.end(), component) != components.end())
+          held.insert(domain.get());
+      }
+  for (bool is_new = true; is_new;) {
+    is_new = false;
+    for (const auto &interface : interfaces)
+      for (const auto &tied : interface->fields)
+        if (tied.name == field)
+          for (const unsigned int side : {source, destination})
+            if (held.count(interface->sides[side].domain) > 0)
+              is_new = held.insert(interface->sides[1 - side].domain).second || is_new;
+  }
+  return held;
 }
 
 template <int dim>

@@ -41,7 +41,7 @@ public:
   const Vector &negative_residual() const { return right_hand_side; }
 
   /// Largest over the fields of ||R_f|| relative to its largest value in this step; a field whose residual is
-  /// rounding noise or not above @p absolute_tolerance counts as zero.
+  /// rounding noise of |K||x| or not above @p absolute_tolerance counts as zero.
   double residual_norm(double absolute_tolerance = 0);
   /// Forget the largest values: a new step begins.
   void reset_norms();
@@ -90,8 +90,9 @@ private:
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
   dealii::FullMatrix<double> local_matrix;
   dealii::Vector<double> local_rhs;
-  std::vector<double> local_scale;    ///< per field: sum of squares of the cells' residuals
-  std::vector<double> scale, largest; ///< per field
+  std::vector<double>
+      local_scale; ///< per field: sums of squares over the cells, of R_i, then of sum_j |K_ij x_j|
+  std::vector<double> scale, magnitude, largest; ///< per field; magnitude: of the last tangent
   double tie_seconds = 0;
 };
 

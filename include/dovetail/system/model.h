@@ -9,6 +9,7 @@
 #include <dovetail/interface/interface.h>
 
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,7 @@ public:
 
 private:
   void check_constants() const;
+  std::set<const Domain<dim> *> held_domains(const std::string &field, unsigned int component) const;
 };
 
 } // namespace dovetail

@@ -9,8 +9,7 @@
 // right, k = 1: T = x, no error; norms sqrt(7/3) and 1; extremes 2 and 1
 // at x = 1:     jump 1 - 1 = 0; A_src.N_src = 2 (2 - h) = 3.5 of the interpolant, A_dst.N_dst = -1,
 //               flux jump 2.5;
-//               equal mean 2.25, exact 4: flux error 1.75. Reactions: with the source -k T'' = -4 the nodal
-//               values are exact, so the left gives the exact flux 4; the right -1
+//               equal mean 2.25, exact 4: flux error 1.75; resultants +-2.25, the integral of that mean
 //
 // ranks: 1 2 3
 

@@ -25,8 +25,8 @@ dealii::Quadrature<structdim> gauss_rule(const dealii::ReferenceCell &cell, cons
   else {
     if (n <= (structdim == 2 ? 7 : 5))
       return dealii::QWitherdenVincentSimplex<structdim>(n);
-    // X = (x, y (1 - x), z (1 - x) (1 - x) ...): one more point for the Jacobian of each fold
-    const dealii::QGauss<structdim> cube(n + (structdim - 1 + 1) / 2);
+    // X_d = u_d times what is left of the unit length; one more point for the Jacobian
+    const dealii::QGauss<structdim> cube(n + 1);
     std::vector<dealii::Point<structdim>> points;
     std::vector<double> weights;
     for (unsigned int q = 0; q < cube.size(); ++q) {

@@ -146,37 +146,66 @@ void CellTerms<dim>::add_boundary_terms(const typename Domain<dim>::cell_iterato
     for (const Condition<dim> *condition : flux_conditions) {
       if (condition->boundary_ids.count(cell->face(face)->boundary_id()) == 0 || !condition->is_active(t))
         continue;
+      // the rest of a covered face: the whole minus what is covered
+      double share = 0;
+      std::vector<const typename Cover<dim>::Face *> covered;
+      for (const Cover<dim> &cover : domain.covers)
+        if (cover.fields.count(condition->field.name) > 0 && cover.is_active(t))
+          if (const auto found = cover.faces.find({cell->active_cell_index(), face});
+              found != cover.faces.end()) {
+            share += found->second.share;
+            covered.push_back(&found->second);
+          }
+      if (share > 1 - 1e-12)
+        continue;
+
       if (!is_mapped)
         face_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell), face);
       is_mapped = true;
-
-      const unsigned int first = condition->field.first_component, n_c = condition->field.n_components;
-      std::vector<double> trace(n_c), flux(n_c);
-      dealii::FullMatrix<double> d_flux(n_c, n_c);
       for (const unsigned int q : face_values.quadrature_point_indices()) {
-        std::fill(flux.begin(), flux.end(), 0.);
-        d_flux = 0;
-        for (unsigned int c = 0; c < n_c; ++c) {
-          trace[c] = 0;
-          for (unsigned int a = 0; a < n_nodes; ++a)
-            trace[c] += face_values.shape_value(a, q) * unknowns[(first + c) * n_nodes + a];
+        for (unsigned int a = 0; a < n_nodes; ++a)
+          shape[a] = face_values.shape_value(a, q);
+        add_influx(*condition, face_values.quadrature_point(q), t, face_values.JxW(q), unknowns, residual,
+                   tangent);
+      }
+      if (!covered.empty() && !shapes_anywhere)
+        shapes_anywhere = std::make_unique<ShapeEvaluator<dim>>(domain);
+      for (const auto *part : covered) {
+        shapes_anywhere->reinit(cell);
+        for (unsigned int q = 0; q < part->JxW.size(); ++q) {
+          shapes_anywhere->evaluate(part->unit_points[q], shape.data(), gradient.data());
+          const auto X = domain.mapping().transform_unit_to_real_cell(cell, part->unit_points[q]);
+          add_influx(*condition, X, t, -part->JxW[q], unknowns, residual, tangent);
         }
-        condition->flux(face_values.quadrature_point(q), t, trace.data(), flux, d_flux);
-        for (unsigned int c = 0; c < n_c; ++c)
-          for (unsigned int a = 0; a < n_nodes; ++a) {
-            const double test = face_values.shape_value(a, q) * face_values.JxW(q);
-            const unsigned int i = (first + c) * n_nodes + a;
-            residual[i] -= test * flux[c];
-            if (tangent != nullptr)
-              for (unsigned int d = 0; d < n_c; ++d)
-                if (d_flux(c, d) != 0)
-                  for (unsigned int b = 0; b < n_nodes; ++b)
-                    (*tangent)(i, (first + d) * n_nodes + b) -=
-                        test * d_flux(c, d) * face_values.shape_value(b, q);
-          }
       }
     }
   }
+}
+
+/// The influx of a condition at a point, whose shape values are in `shape`.
+template <int dim>
+void CellTerms<dim>::add_influx(const Condition<dim> &condition, const dealii::Point<dim> &X, const double t,
+                                const double JxW, const std::vector<double> &unknowns,
+                                std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
+{
+  const unsigned int first = condition.field.first_component, n_c = condition.field.n_components;
+  std::vector<double> trace(n_c, 0.), flux(n_c, 0.);
+  dealii::FullMatrix<double> d_flux(n_c, n_c);
+  for (unsigned int c = 0; c < n_c; ++c)
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      trace[c] += shape[a] * unknowns[(first + c) * n_nodes + a];
+  condition.flux(X, t, trace.data(), flux, d_flux);
+  for (unsigned int c = 0; c < n_c; ++c)
+    for (unsigned int a = 0; a < n_nodes; ++a) {
+      const double test = shape[a] * JxW;
+      const unsigned int i = (first + c) * n_nodes + a;
+      residual[i] -= test * flux[c];
+      if (tangent != nullptr)
+        for (unsigned int d = 0; d < n_c; ++d)
+          if (d_flux(c, d) != 0)
+            for (unsigned int b = 0; b < n_nodes; ++b)
+              (*tangent)(i, (first + d) * n_nodes + b) -= test * d_flux(c, d) * shape[b];
+    }
 }
 
 template void evaluate_state<2>(unsigned int, unsigned int, const double *, const dealii::Tensor<1, 2> *,

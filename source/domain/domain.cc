@@ -210,12 +210,18 @@ void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
     const auto components = condition->prescribed_components();
     if (components.empty() || !condition->is_active(t))
       continue;
+    const auto is_covered = [&](const dealii::types::global_dof_index node) {
+      return std::any_of(covers.begin(), covers.end(), [&](const Cover<dim> &cover) {
+        return cover.nodes.count(node - first_dof) > 0 && cover.fields.count(condition->field.name) > 0 &&
+               cover.is_active(t);
+      });
+    };
     for (const auto &[cell, face, id] : faces)
       if (condition->boundary_ids.count(id) > 0) {
         at_nodes.reinit(cell);
         cell_dofs(dof_cell(cell), indices);
         for (unsigned int a = 0; a < n; ++a)
-          if (scalar_element().has_support_on_face(a, face))
+          if (scalar_element().has_support_on_face(a, face) && !is_covered(indices[a]))
             for (const unsigned int c : components) {
               const auto dof = indices[(condition->field.first_component + c) * n + a];
               if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)

@@ -1,16 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
-//
-// The closest point of a face solves  min 1/2 |X(xi) - Y|^2  over xi in [0,1]^(dim-1),  X(xi) = sum_a
-// phi_a(xi) X_a. With r = X - Y the gradient is g_k = r.X_,k and the Hessian H_kl = X_,k.X_,l + r.X_,kl. Each
-// Newton step minimises the quadratic model over the box exactly, so that on a flat parallelogram the first
-// step arrives, also at its rim.
 
 #include <dovetail/interface/face_locator.h>
 
-#include <deal.II/base/bounding_box.h>
-#include <deal.II/base/exceptions.h>
-#include <deal.II/base/geometry_info.h>
 #include <deal.II/base/quadrature.h>
 #include <deal.II/fe/fe_nothing.h>
 #include <deal.II/fe/fe_values.h>
@@ -29,312 +21,15 @@ namespace dovetail {
 
 using namespace dealii;
 
-namespace {
-
-/// Lengths below this fraction of the face size are no distances (see the header).
-constexpr double relative_tolerance = 1e-6;
-
-/// Position relative to the query point, tangents and second derivatives of a face, at one of its points. The
-/// second derivatives are those by (0,0), (0,1), (1,1); in 2D only the first.
-template <int dim>
-struct Jet
-{
-  Tensor<1, dim> r;
-  std::array<Tensor<1, dim>, dim - 1> tangent;
-  std::array<Tensor<1, dim>, dim *(dim - 1) / 2> second;
-};
-
-/// A face of a mapping of degree 1, as seen from a point: r = a + b xi_0 (+ c xi_1 + d xi_0 xi_1). Everything
-/// is relative to that point, so rounding is relative to the face and not to the distance from the origin.
-template <int dim>
-class LinearSurface
-{
-public:
-  LinearSurface(const Point<dim> *nodes, const Point<dim> &Y) : a(nodes[0] - Y), b(nodes[1] - nodes[0])
-  {
-    if constexpr (dim == 3) {
-      c = nodes[2] - nodes[0];
-      d = (nodes[3] - nodes[2]) - b;
-    }
-  }
-
-  Point<dim - 1> start() const
-  {
-    Point<dim - 1> centre;
-    for (unsigned int k = 0; k < dim - 1; ++k)
-      centre[k] = 0.5;
-    return centre;
-  }
-
-  void evaluate(const Point<dim - 1> &xi, Jet<dim> &jet) const
-  {
-    jet.r = a + xi[0] * b;
-    jet.tangent[0] = b;
-    if constexpr (dim == 3) {
-      jet.tangent[0] += xi[1] * d;
-      jet.tangent[1] = c + xi[0] * d;
-      jet.r += xi[1] * jet.tangent[1];
-      jet.second[1] = d;
-    }
-  }
-
-private:
-  Tensor<1, dim> a, b, c, d;
-};
-
-/// Memory for the evaluation of faces of higher degree, allocated once per call of locate().
-template <int dim>
-struct SurfaceScratch
-{
-  explicit SurfaceScratch(const unsigned int n) : offsets(n), values(n), gradients(n), hessians(n) {}
-
-  std::vector<Tensor<1, dim>> offsets;
-  std::vector<double> values;
-  std::vector<Tensor<1, dim - 1>> gradients;
-  std::vector<Tensor<2, dim - 1>> hessians;
-};
-
-/// A face of any degree, as seen from a point.
-template <int dim>
-class PolynomialSurface
-{
-public:
-  PolynomialSurface(const LagrangeBasis<dim - 1> &basis, const Point<dim> *nodes, const Point<dim> &Y,
-                    SurfaceScratch<dim> &scratch)
-      : basis(basis), scratch(scratch)
-  {
-    for (unsigned int i = 0; i < basis.size(); ++i)
-      scratch.offsets[i] = nodes[i] - Y;
-  }
-
-  /// The closest support point: a strongly curved face may have several local minima.
-  Point<dim - 1> start() const
-  {
-    const auto closest = std::min_element(
-        scratch.offsets.begin(), scratch.offsets.end(),
-        [](const auto &one, const auto &other) { return one.norm_square() < other.norm_square(); });
-    return basis.support_points()[closest - scratch.offsets.begin()];
-  }
-
-  void evaluate(const Point<dim - 1> &xi, Jet<dim> &jet) const
-  {
-    basis.evaluate(xi, scratch.values, scratch.gradients, scratch.hessians);
-    jet = Jet<dim>();
-    for (unsigned int i = 0; i < basis.size(); ++i) {
-      const Tensor<1, dim> &offset = scratch.offsets[i];
-      jet.r += scratch.values[i] * offset;
-      for (unsigned int k = 0, kl = 0; k < dim - 1; ++k) {
-        jet.tangent[k] += scratch.gradients[i][k] * offset;
-        for (unsigned int l = k; l < dim - 1; ++l, ++kl)
-          jet.second[kl] += scratch.hessians[i][k][l] * offset;
-      }
-    }
-  }
-
-private:
-  const LagrangeBasis<dim - 1> &basis;
-  SurfaceScratch<dim> &scratch;
-};
-
-/// The quadratic model g.d + 1/2 d.H.d of the squared distance; H has the entries (0,0), (0,1), (1,1).
-template <int dim>
-struct QuadraticModel
-{
-  std::array<double, dim - 1> g;
-  std::array<double, dim *(dim - 1) / 2> H;
-  bool is_exact;
-
-  explicit QuadraticModel(const Jet<dim> &jet)
-  {
-    std::array<double, dim *(dim - 1) / 2> G;
-    for (unsigned int k = 0, kl = 0; k < dim - 1; ++k) {
-      g[k] = jet.r * jet.tangent[k];
-      for (unsigned int l = k; l < dim - 1; ++l, ++kl) {
-        G[kl] = jet.tangent[k] * jet.tangent[l];
-        H[kl] = G[kl] + jet.r * jet.second[kl];
-      }
-    }
-    // Gauss-Newton where the squared distance is not safely convex.
-    constexpr double fraction = 0.01;
-    is_exact = H[0] > fraction * G[0];
-    if constexpr (dim == 3)
-      is_exact = is_exact && H[2] > fraction * G[2] &&
-                 H[0] * H[2] - H[1] * H[1] > fraction * fraction * (G[0] * G[2] - G[1] * G[1]);
-    if (!is_exact)
-      H = G;
-  }
-
-  double value(const Tensor<1, dim - 1> &d) const
-  {
-    if constexpr (dim == 2)
-      return d[0] * (g[0] + 0.5 * H[0] * d[0]);
-    else
-      return d[0] * (g[0] + 0.5 * H[0] * d[0] + H[1] * d[1]) + d[1] * (g[1] + 0.5 * H[2] * d[1]);
-  }
-};
-
-/// The step d that minimises the model under 0 <= xi + d <= 1.
-Tensor<1, 1> step_in_box(const QuadraticModel<2> &model, const Point<1> &xi)
-{
-  Tensor<1, 1> d;
-  d[0] = std::clamp(-model.g[0] / model.H[0], -xi[0], 1 - xi[0]);
-  return d;
-}
-
-Tensor<1, 2> step_in_box(const QuadraticModel<3> &model, const Point<2> &xi)
-{
-  const auto &g = model.g;
-  const auto &H = model.H;
-  const double determinant = H[0] * H[2] - H[1] * H[1];
-  Tensor<1, 2> free;
-  free[0] = (H[1] * g[1] - H[2] * g[0]) / determinant;
-  free[1] = (H[1] * g[0] - H[0] * g[1]) / determinant;
-
-  // A convex quadratic whose minimum is outside has its minimum over the box on one of the violated sides.
-  Tensor<1, 2> best = free;
-  double best_value = std::numeric_limits<double>::max();
-  for (unsigned int k = 0; k < 2; ++k) {
-    const double bound = std::clamp(free[k], -xi[k], 1 - xi[k]);
-    if (bound == free[k])
-      continue;
-    const unsigned int l = 1 - k;
-    Tensor<1, 2> d;
-    d[k] = bound;
-    d[l] = std::clamp(-(g[l] + H[1] * bound) / H[2 * l], -xi[l], 1 - xi[l]);
-    if (const double value = model.value(d); value < best_value) {
-      best_value = value;
-      best = d;
-    }
-  }
-  return best;
-}
-
-/// Follow a step so short that the second order is below rounding.
-template <int dim>
-void extrapolate(Jet<dim> &jet, const Tensor<1, dim - 1> &d)
-{
-  for (unsigned int k = 0; k < dim - 1; ++k)
-    jet.r += d[k] * jet.tangent[k];
-  jet.tangent[0] += d[0] * jet.second[0];
-  if constexpr (dim == 3) {
-    jet.tangent[0] += d[1] * jet.second[1];
-    jet.tangent[1] += d[0] * jet.second[1] + d[1] * jet.second[2];
-  }
-}
-
-/// Newton's method for the closest point; on return @p jet belongs to the result.
-template <int dim, typename Surface>
-Point<dim - 1> closest_point(const Surface &surface, Jet<dim> &jet)
-{
-  Point<dim - 1> xi = surface.start();
-  surface.evaluate(xi, jet);
-  for (unsigned int iteration = 0; iteration < 100; ++iteration) {
-    const QuadraticModel<dim> model(jet);
-    Tensor<1, dim - 1> d = step_in_box(model, xi);
-    // After an exact Newton step of 1e-8 the error is 1e-16; Gauss-Newton converges linearly.
-    if (d.norm_square() <= (model.is_exact ? 1e-16 : 1e-28)) {
-      extrapolate(jet, d);
-      xi += d;
-      break;
-    }
-
-    // Halve until the squared distance decreases (Armijo); its rounding is that of the tangents squared.
-    const double f = jet.r.norm_square();
-    double slope = 0, rounding = 0;
-    for (unsigned int k = 0; k < dim - 1; ++k) {
-      slope += 2 * model.g[k] * d[k];
-      rounding += 1e-15 * (f + jet.tangent[k].norm_square());
-    }
-    const Point<dim - 1> last = xi;
-    for (unsigned int halving = 0; halving < 30; ++halving, d *= 0.5, slope *= 0.5) {
-      xi = last + d;
-      for (unsigned int k = 0; k < dim - 1; ++k)
-        xi[k] = std::clamp(xi[k], 0., 1.);
-      surface.evaluate(xi, jet);
-      if (jet.r.norm_square() <= f + 1e-4 * slope + rounding)
-        break;
-    }
-  }
-  for (unsigned int k = 0; k < dim - 1; ++k)
-    xi[k] = std::clamp(xi[k], 0., 1.);
-  return xi;
-}
-
-/// Face coordinates are the cell's own in increasing order, whatever orientation the face has in the
-/// triangulation: then the position in the cell needs no look at flips and rotations.
-template <int dim>
-Point<dim> position_in_cell(const unsigned int face_no, const Point<dim - 1> &xi)
-{
-  Point<dim> result;
-  const unsigned int axis = face_no / 2;
-  for (unsigned int d = 0, k = 0; d < dim; ++d)
-    result[d] = (d == axis) ? face_no % 2 : xi[k++];
-  return result;
-}
-
-/// The outward normal from the tangents along the coordinates above; Jacobians of cells are positive in
-/// deal.II.
-template <int dim>
-Tensor<1, dim> outward_normal(const unsigned int face_no, const std::array<Tensor<1, dim>, dim - 1> &tangent)
-{
-  Tensor<1, dim> normal;
-  if constexpr (dim == 2)
-    normal = cross_product_2d(tangent[0]);
-  else
-    normal = cross_product_3d(tangent[0], tangent[1]);
-  const bool points_inside = (face_no % 2 == 1) == (face_no / 2 == 1);
-  return normal * ((points_inside ? -1. : 1.) / normal.norm());
-}
-
-/// The unit in which distances to a face of a size are counted: about 1e-9 of the size, and a power of two,
-/// so that rounding is exact and faces of equal size share it.
 double distance_quantum(const double face_size)
 {
   return std::ldexp(1., std::ilogb(face_size) - 30);
 }
 
-/// (CellId, number of the face): the same for every partition.
-using GlobalKey = std::array<unsigned int, 5>;
+namespace {
 
-template <int dim>
-GlobalKey global_key(const typename FaceLocator<dim>::Face &face)
-{
-  const CellId::binary_type id = face.cell->id().template to_binary<dim>();
-  return {{id[0], id[1], id[2], id[3], face.face_no}};
-}
-
-template <int dim>
-double diameter(const Point<dim> *nodes, const unsigned int n)
-{
-  double square = 0;
-  for (unsigned int i = 0; i < n; ++i)
-    for (unsigned int j = 0; j < i; ++j)
-      square = std::max(square, nodes[i].distance_square(nodes[j]));
-  return std::sqrt(square);
-}
-
-/// A box that holds the face: that of its (multi)linear part, which lies in the hull of the corners, widened
-/// by the rest, sum_a phi_a (X_a - linear part), with sum |phi_a| <= 2 per direction (up to degree 10).
-template <int dim>
-BoundingBox<dim> enclosing_box(const LagrangeBasis<dim - 1> &basis, const Point<dim> *nodes)
-{
-  const unsigned int n = basis.size();
-  const unsigned int n_1d = std::lround(std::pow(n, 1. / (dim - 1)));
-  std::vector<Point<dim>> corners;
-  for (unsigned int i = 0; i < GeometryInfo<dim - 1>::vertices_per_cell; ++i)
-    corners.push_back(nodes[(i % 2) * (n_1d - 1) + (i / 2) * (n - n_1d)]);
-
-  Tensor<1, dim> bulge;
-  for (unsigned int i = 0; i < n; ++i) {
-    Point<dim> linear;
-    for (unsigned int c = 0; c < corners.size(); ++c)
-      linear += GeometryInfo<dim - 1>::d_linear_shape_function(basis.support_points()[i], c) * corners[c];
-    for (unsigned int d = 0; d < dim; ++d)
-      bulge[d] = std::max(bulge[d], (1 << (dim - 1)) * std::abs(nodes[i][d] - linear[d]));
-  }
-  const BoundingBox<dim> box(corners);
-  return {{box.get_boundary_points().first - bulge, box.get_boundary_points().second + bulge}};
-}
+/// Lengths below this fraction of the face size are no distances (see the header).
+constexpr double relative_tolerance = 1e-6;
 
 template <int dim>
 double distance_square(const BoundingBox<dim> &box, const Point<dim> &X)
@@ -351,6 +46,48 @@ double distance_square(const BoundingBox<dim> &box, const Point<dim> &X)
 } // namespace
 
 template <int dim>
+SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
+                          const unsigned int mapping_degree, const std::set<types::boundary_id> &boundary_ids)
+    : shape(triangulation.all_reference_cells_are_hyper_cube() ? ReferenceCells::get_hypercube<dim>()
+                                                               : ReferenceCells::get_simplex<dim>(),
+            mapping_degree)
+{
+  std::vector<std::unique_ptr<FEValues<dim>>> support_points(
+      GeometryInfo<dim>::faces_per_cell); // a simplex has fewer faces
+  const FE_Nothing<dim> fe(shape.cell());
+  for (const auto &cell : triangulation.active_cell_iterators()) {
+    if (!cell->is_locally_owned() || !cell->at_boundary())
+      continue;
+    for (const unsigned int f : cell->face_indices())
+      if (cell->face(f)->at_boundary() && boundary_ids.count(cell->face(f)->boundary_id()) > 0) {
+        if (!support_points[f])
+          support_points[f] = std::make_unique<FEValues<dim>>(
+              mapping, fe, Quadrature<dim>(shape.nodes_in_cell(f)), update_quadrature_points);
+        support_points[f]->reinit(cell);
+        const auto &points = support_points[f]->get_quadrature_points();
+        all_nodes.insert(all_nodes.end(), points.begin(), points.end());
+        faces.push_back({cell, f, shape.diameter(points.data())});
+        const CellId::binary_type id = cell->id().template to_binary<dim>();
+        keys.push_back({{id[0], id[1], id[2], id[3], f}});
+      }
+  }
+}
+
+template <int dim>
+void FaceLocator<dim>::Match::set(const FaceShape<dim> &shape, const unsigned int face_no, const double size,
+                                  const Query &query, const SurfacePoint<dim> &point)
+{
+  X = point.X;
+  N = shape.normal(face_no, point);
+  N /= N.norm();
+  unit_point = shape.position_in_cell(face_no, point.xi);
+  face_size = size;
+  distance = query.X.distance(X);
+  // The half-angle form keeps its digits for small angles, which the arc cosine does not.
+  angle = 2 * std::asin(std::min(1., 0.5 * (query.N + N).norm()));
+}
+
+template <int dim>
 struct FaceLocator<dim>::Implementation
 {
   template <typename Index>
@@ -363,41 +100,37 @@ struct FaceLocator<dim>::Implementation
     bool operator<(const Candidate &other) const { return bound < other.bound; }
   };
 
-  struct Scratch : SurfaceScratch<dim>
-  {
-    using SurfaceScratch<dim>::SurfaceScratch;
-    std::vector<Candidate> candidates;
-  };
+  using Candidates = std::vector<Candidate>;
 
-  Implementation(const unsigned int mapping_degree, const double search_radius, const MPI_Comm &communicator);
+  Implementation(SideFaces<dim> side, const double search_radius, const MPI_Comm &communicator);
 
-  void collect_faces(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
-                     const std::set<types::boundary_id> &boundary_ids);
   void build_trees();
 
-  /// The distance beyond which the face is no partner.
-  double reach(const unsigned int face) const;
-  Match closest(const unsigned int face, const Query &query, Scratch &scratch) const;
-  void search(const Query &query, Scratch &scratch, Match &best) const;
+  /// The distance beyond which a face of this size is no partner.
+  double reach(double face_size) const { return (radius + relative_tolerance) * face_size; }
+  bool is_partner(const Query &query, const Match &match) const;
+  Match closest(const unsigned int face, const Query &query) const;
+  void search(const Query &query, Candidates &candidates, Match &best) const;
 
   /// The sparse exchange: to each other rank whose boxes hold them a list of queries, and their answers back.
   std::map<unsigned int, std::vector<unsigned int>>
   queries_of_other_ranks(const std::vector<Query> &queries) const;
-  std::vector<double> answer(const std::vector<double> &packed_queries, Scratch &scratch) const;
+  std::vector<double> answer(const std::vector<double> &packed_queries, Candidates &candidates) const;
   void merge(const unsigned int rank, const std::vector<unsigned int> &indices,
              const std::vector<double> &packed_answers, std::vector<Match> &matches,
              std::vector<GlobalKey> &keys) const;
 
-  const unsigned int degree;
+  std::vector<unsigned int> faces_in(const BoundingBox<dim> &box) const;
+  std::vector<double> pack_nearby(const std::vector<double> &packed_boxes) const;
+  void unpack_nearby(unsigned int rank, const std::vector<unsigned int> &indices,
+                     const std::vector<double> &packed, NearbyFaces &result) const;
+
+  const SideFaces<dim> side;
   const double radius;
   const MPI_Comm communicator;
   const unsigned int this_rank;
   const unsigned int n_ranks;
-  const LagrangeBasis<dim - 1> basis;
 
-  std::vector<Face> faces;
-  std::vector<GlobalKey> keys;
-  std::vector<Point<dim>> nodes; ///< basis.size() support points per face
   std::vector<BoundingBox<dim>> boxes;
   BoxTree<unsigned int> face_tree;
   BoxTree<unsigned int> rank_tree; ///< the coarse boxes of the other ranks
@@ -423,53 +156,22 @@ bool is_better(const Match &one, const GlobalKey &key_of_one, const Match &other
 } // namespace
 
 template <int dim>
-FaceLocator<dim>::Implementation::Implementation(const unsigned int mapping_degree,
-                                                 const double search_radius, const MPI_Comm &communicator)
-    : degree(mapping_degree), radius(search_radius), communicator(communicator),
+FaceLocator<dim>::Implementation::Implementation(SideFaces<dim> side, const double search_radius,
+                                                 const MPI_Comm &communicator)
+    : side(std::move(side)), radius(search_radius), communicator(communicator),
       this_rank(Utilities::MPI::this_mpi_process(communicator)),
-      n_ranks(Utilities::MPI::n_mpi_processes(communicator)), basis(mapping_degree)
+      n_ranks(Utilities::MPI::n_mpi_processes(communicator))
 {
-}
-
-template <int dim>
-void FaceLocator<dim>::Implementation::collect_faces(const Triangulation<dim> &triangulation,
-                                                     const Mapping<dim> &mapping,
-                                                     const std::set<types::boundary_id> &boundary_ids)
-{
-  AssertThrow(triangulation.all_reference_cells_are_hyper_cube(),
-              ExcMessage("The face locator knows quadrilaterals and hexahedra only."));
-  const FE_Nothing<dim> fe;
-  std::array<std::unique_ptr<FEValues<dim>>, 2 * dim> support_points;
-  for (unsigned int f = 0; f < 2 * dim; ++f) {
-    std::vector<Point<dim>> in_cell;
-    for (const Point<dim - 1> &xi : basis.support_points())
-      in_cell.push_back(position_in_cell<dim>(f, xi));
-    support_points[f] =
-        std::make_unique<FEValues<dim>>(mapping, fe, Quadrature<dim>(in_cell), update_quadrature_points);
-  }
-
-  for (const auto &cell : triangulation.active_cell_iterators()) {
-    if (!cell->is_locally_owned() || !cell->at_boundary())
-      continue;
-    for (const unsigned int f : cell->face_indices())
-      if (cell->face(f)->at_boundary() && boundary_ids.count(cell->face(f)->boundary_id()) > 0) {
-        support_points[f]->reinit(cell);
-        const auto &points = support_points[f]->get_quadrature_points();
-        nodes.insert(nodes.end(), points.begin(), points.end());
-        faces.push_back({cell, f, diameter(points.data(), points.size())});
-        keys.push_back(global_key<dim>(faces.back()));
-      }
-  }
 }
 
 template <int dim>
 void FaceLocator<dim>::Implementation::build_trees()
 {
   std::vector<std::pair<BoundingBox<dim>, unsigned int>> inflated;
-  for (unsigned int face = 0; face < faces.size(); ++face) {
-    boxes.push_back(enclosing_box<dim>(basis, &nodes[face * basis.size()]));
+  for (unsigned int face = 0; face < side.faces.size(); ++face) {
+    boxes.push_back(side.shape.box(side.nodes(face)));
     inflated.emplace_back(boxes.back(), face);
-    inflated.back().first.extend(reach(face));
+    inflated.back().first.extend(reach(side.faces[face].size));
   }
   face_tree = pack_rtree(inflated);
   if (n_ranks == 1)
@@ -477,7 +179,7 @@ void FaceLocator<dim>::Implementation::build_trees()
 
   // One level below the root: at most 16 boxes. Ranks without faces send an empty list.
   std::vector<double> corners;
-  if (!faces.empty())
+  if (!side.faces.empty())
     for (const BoundingBox<dim> &box : extract_rtree_level(face_tree, 0))
       for (unsigned int d = 0; d < dim; ++d) {
         corners.push_back(box.get_boundary_points().first[d]);
@@ -499,46 +201,33 @@ void FaceLocator<dim>::Implementation::build_trees()
 }
 
 template <int dim>
-double FaceLocator<dim>::Implementation::reach(const unsigned int face) const
+typename FaceLocator<dim>::Match FaceLocator<dim>::Implementation::closest(const unsigned int face,
+                                                                           const Query &query) const
 {
-  return (radius + relative_tolerance) * faces[face].size;
-}
-
-template <int dim>
-typename FaceLocator<dim>::Match
-FaceLocator<dim>::Implementation::closest(const unsigned int face, const Query &query, Scratch &scratch) const
-{
-  Jet<dim> jet;
-  Point<dim - 1> xi;
-  const Point<dim> *face_nodes = &nodes[face * basis.size()];
-  if (degree == 1)
-    xi = closest_point(LinearSurface<dim>(face_nodes, query.X), jet);
-  else
-    xi = closest_point(PolynomialSurface<dim>(basis, face_nodes, query.X, scratch), jet);
-
-  const Face &partner = faces[face];
+  const auto &partner = side.faces[face];
+  const SurfacePoint<dim> point = side.shape.closest(side.nodes(face), query.X);
   Match match;
   match.rank = this_rank;
   match.face = face;
-  match.face_size = partner.size;
-  match.X = query.X + jet.r;
-  match.N = outward_normal<dim>(partner.face_no, jet.tangent);
-  match.unit_point = position_in_cell<dim>(partner.face_no, xi);
-  match.distance = jet.r.norm();
-  // The half-angle form keeps its digits for small angles, which the arc cosine does not.
-  match.angle = 2 * std::asin(std::min(1., 0.5 * (query.N + match.N).norm()));
+  match.set(side.shape, partner.face_no, partner.size, query, point);
 
-  const double normal_distance = std::abs(jet.r * match.N);
-  const double sideways = std::sqrt(std::max(0., jet.r.norm_square() - normal_distance * normal_distance));
-  match.found = query.N * match.N < -relative_tolerance && match.distance <= reach(face) &&
-                sideways <= std::max(relative_tolerance * partner.size, normal_distance);
+  match.found = is_partner(query, match);
   return match;
 }
 
 template <int dim>
-void FaceLocator<dim>::Implementation::search(const Query &query, Scratch &scratch, Match &best) const
+bool FaceLocator<dim>::Implementation::is_partner(const Query &query, const Match &match) const
 {
-  std::vector<Candidate> &candidates = scratch.candidates;
+  const Tensor<1, dim> r = match.X - query.X;
+  const double normal_distance = std::abs(r * match.N);
+  const double sideways = std::sqrt(std::max(0., r.norm_square() - normal_distance * normal_distance));
+  return query.N * match.N < -relative_tolerance && match.distance <= reach(match.face_size) &&
+         sideways <= std::max(relative_tolerance * match.face_size, normal_distance);
+}
+
+template <int dim>
+void FaceLocator<dim>::Implementation::search(const Query &query, Candidates &candidates, Match &best) const
+{
   candidates.clear();
   face_tree.query(boost::geometry::index::intersects(query.X),
                   boost::make_function_output_iterator([&](const auto &box_and_face) {
@@ -549,11 +238,12 @@ void FaceLocator<dim>::Implementation::search(const Query &query, Scratch &scrat
 
   for (const Candidate &candidate : candidates) {
     // Farther even after rounding both distances; 1e-8 is some of their quanta.
-    if (best.found && candidate.bound > best.distance + 1e-8 * (best.face_size + faces[candidate.face].size))
+    if (best.found &&
+        candidate.bound > best.distance + 1e-8 * (best.face_size + side.faces[candidate.face].size))
       continue;
-    const Match match = closest(candidate.face, query, scratch);
+    const Match match = closest(candidate.face, query);
     if (best.face == numbers::invalid_unsigned_int ||
-        is_better(match, keys[match.face], best, keys[best.face]))
+        is_better(match, side.keys[match.face], best, side.keys[best.face]))
       best = match;
   }
 }
@@ -617,7 +307,7 @@ void unpack(const double *data, Match &match, GlobalKey &key)
 
 template <int dim>
 std::vector<double> FaceLocator<dim>::Implementation::answer(const std::vector<double> &packed_queries,
-                                                             Scratch &scratch) const
+                                                             Candidates &candidates) const
 {
   const unsigned int n_queries = packed_queries.size() / (2 * dim);
   std::vector<double> result(n_queries * answer_size<dim>);
@@ -628,9 +318,9 @@ std::vector<double> FaceLocator<dim>::Implementation::answer(const std::vector<d
       query.N[d] = packed_queries[2 * dim * i + dim + d];
     }
     Match match;
-    search(query, scratch, match);
+    search(query, candidates, match);
     const bool is_empty = match.face == numbers::invalid_unsigned_int;
-    pack<dim>(match, is_empty ? GlobalKey() : keys[match.face], &result[i * answer_size<dim>]);
+    pack<dim>(match, is_empty ? GlobalKey() : side.keys[match.face], &result[i * answer_size<dim>]);
   }
   return result;
 }
@@ -664,9 +354,15 @@ FaceLocator<dim>::FaceLocator(const Triangulation<dim> &triangulation, const Map
                               const unsigned int mapping_degree,
                               const std::set<types::boundary_id> &boundary_ids, const double search_radius,
                               const MPI_Comm &communicator)
-    : implementation(std::make_unique<Implementation>(mapping_degree, search_radius, communicator))
+    : FaceLocator(SideFaces<dim>(triangulation, mapping, mapping_degree, boundary_ids), search_radius,
+                  communicator)
 {
-  implementation->collect_faces(triangulation, mapping, boundary_ids);
+}
+
+template <int dim>
+FaceLocator<dim>::FaceLocator(SideFaces<dim> side, const double search_radius, const MPI_Comm &communicator)
+    : implementation(std::make_unique<Implementation>(std::move(side), search_radius, communicator))
+{
   implementation->build_trees();
 }
 
@@ -674,9 +370,15 @@ template <int dim>
 FaceLocator<dim>::~FaceLocator() = default;
 
 template <int dim>
-const std::vector<typename FaceLocator<dim>::Face> &FaceLocator<dim>::faces() const
+const SideFaces<dim> &FaceLocator<dim>::side() const
 {
-  return implementation->faces;
+  return implementation->side;
+}
+
+template <int dim>
+bool FaceLocator<dim>::is_partner(const Query &query, const Match &match) const
+{
+  return implementation->is_partner(query, match);
 }
 
 template <int dim>
@@ -684,10 +386,10 @@ std::vector<typename FaceLocator<dim>::Match>
 FaceLocator<dim>::locate(const std::vector<Query> &queries) const
 {
   const Implementation &local = *implementation;
-  typename Implementation::Scratch scratch(local.basis.size());
+  typename Implementation::Candidates candidates;
   std::vector<Match> matches(queries.size());
   for (unsigned int i = 0; i < queries.size(); ++i)
-    local.search(queries[i], scratch, matches[i]);
+    local.search(queries[i], candidates, matches[i]);
   if (local.n_ranks == 1)
     return matches;
 
@@ -699,17 +401,136 @@ FaceLocator<dim>::locate(const std::vector<Query> &queries) const
       sent[rank].insert(sent[rank].end(), queries[i].N.begin_raw(), queries[i].N.end_raw());
     }
   for (const auto &[rank, packed] : Utilities::MPI::some_to_some(local.communicator, sent))
-    answers[rank] = local.answer(packed, scratch);
+    answers[rank] = local.answer(packed, candidates);
 
   std::vector<GlobalKey> keys(queries.size());
   for (unsigned int i = 0; i < queries.size(); ++i)
     if (matches[i].face != numbers::invalid_unsigned_int)
-      keys[i] = local.keys[matches[i].face];
+      keys[i] = local.side.keys[matches[i].face];
   for (const auto &[rank, packed] : Utilities::MPI::some_to_some(local.communicator, answers))
     local.merge(rank, indices.at(rank), packed, matches, keys);
   return matches;
 }
 
+template <int dim>
+std::vector<unsigned int> FaceLocator<dim>::Implementation::faces_in(const BoundingBox<dim> &box) const
+{
+  std::vector<unsigned int> found;
+  face_tree.query(boost::geometry::index::intersects(box),
+                  boost::make_function_output_iterator(
+                      [&](const auto &box_and_face) { found.push_back(box_and_face.second); }));
+  return found;
+}
+
+/// The faces in some boxes, each once: n faces; index, face_no, size, key, nodes of each; then for every box
+/// their number and positions in this list.
+template <int dim>
+std::vector<double>
+FaceLocator<dim>::Implementation::pack_nearby(const std::vector<double> &packed_boxes) const
+{
+  std::map<unsigned int, unsigned int> position;
+  std::vector<unsigned int> order;
+  std::vector<double> of_boxes;
+  for (unsigned int i = 0; i < packed_boxes.size(); i += 2 * dim) {
+    std::pair<Point<dim>, Point<dim>> corners;
+    for (unsigned int d = 0; d < dim; ++d) {
+      corners.first[d] = packed_boxes[i + d];
+      corners.second[d] = packed_boxes[i + dim + d];
+    }
+    const std::vector<unsigned int> found = faces_in(BoundingBox<dim>(corners));
+    of_boxes.push_back(found.size());
+    for (const unsigned int face : found) {
+      const auto [entry, is_new] = position.emplace(face, order.size());
+      if (is_new)
+        order.push_back(face);
+      of_boxes.push_back(entry->second);
+    }
+  }
+  std::vector<double> packed = {double(order.size())};
+  for (const unsigned int face : order) {
+    packed.insert(packed.end(), {double(face), double(side.faces[face].face_no), side.faces[face].size});
+    packed.insert(packed.end(), side.keys[face].begin(), side.keys[face].end());
+    for (unsigned int a = 0; a < side.shape.n_nodes(); ++a)
+      for (unsigned int d = 0; d < dim; ++d)
+        packed.push_back(side.nodes(face)[a][d]);
+  }
+  packed.insert(packed.end(), of_boxes.begin(), of_boxes.end());
+  return packed;
+}
+
+template <int dim>
+void FaceLocator<dim>::Implementation::unpack_nearby(const unsigned int rank,
+                                                     const std::vector<unsigned int> &indices,
+                                                     const std::vector<double> &packed,
+                                                     NearbyFaces &result) const
+{
+  auto next = packed.begin();
+  const unsigned int first = result.faces.size(), n_faces = *next++;
+  for (unsigned int i = 0; i < n_faces; ++i) {
+    NearbyFace face;
+    face.rank = rank;
+    face.index = *next++;
+    face.face_no = *next++;
+    face.size = *next++;
+    for (unsigned int &part : face.key)
+      part = *next++;
+    face.nodes.resize(side.shape.n_nodes());
+    for (Point<dim> &node : face.nodes)
+      for (unsigned int d = 0; d < dim; ++d)
+        node[d] = *next++;
+    result.faces.push_back(std::move(face));
+  }
+  for (const unsigned int box : indices) {
+    const unsigned int n = *next++;
+    for (unsigned int i = 0; i < n; ++i)
+      result.of_box[box].push_back(first + static_cast<unsigned int>(*next++));
+  }
+}
+
+template <int dim>
+typename FaceLocator<dim>::NearbyFaces
+FaceLocator<dim>::faces_near(const std::vector<BoundingBox<dim>> &boxes) const
+{
+  const Implementation &local = *implementation;
+  const auto pack_box = [](const BoundingBox<dim> &box, std::vector<double> &packed) {
+    const auto &[lower, upper] = box.get_boundary_points();
+    packed.insert(packed.end(), lower.begin_raw(), lower.end_raw());
+    packed.insert(packed.end(), upper.begin_raw(), upper.end_raw());
+  };
+  std::map<unsigned int, std::vector<unsigned int>> indices;
+  std::map<unsigned int, std::vector<double>> sent, answers;
+  std::vector<unsigned int> all;
+  std::vector<double> packed_all;
+  for (unsigned int i = 0; i < boxes.size(); ++i) {
+    all.push_back(i);
+    pack_box(boxes[i], packed_all);
+    local.rank_tree.query(boost::geometry::index::intersects(boxes[i]),
+                          boost::make_function_output_iterator([&](const auto &box_and_rank) {
+                            std::vector<unsigned int> &of_rank = indices[box_and_rank.second];
+                            if (!of_rank.empty() && of_rank.back() == i)
+                              return; // another box of this rank
+                            of_rank.push_back(i);
+                            pack_box(boxes[i], sent[box_and_rank.second]);
+                          }));
+  }
+  NearbyFaces result;
+  result.of_box.resize(boxes.size());
+  local.unpack_nearby(local.this_rank, all, local.pack_nearby(packed_all), result);
+  if (local.n_ranks > 1) {
+    for (const auto &[rank, packed] : Utilities::MPI::some_to_some(local.communicator, sent))
+      answers[rank] = local.pack_nearby(packed);
+    for (const auto &[rank, packed] : Utilities::MPI::some_to_some(local.communicator, answers))
+      local.unpack_nearby(rank, indices.at(rank), packed, result);
+  }
+  for (std::vector<unsigned int> &of_box : result.of_box)
+    std::sort(of_box.begin(), of_box.end(), [&](const unsigned int i, const unsigned int j) {
+      return result.faces[i].key < result.faces[j].key;
+    });
+  return result;
+}
+
+template class SideFaces<2>;
+template class SideFaces<3>;
 template class FaceLocator<2>;
 template class FaceLocator<3>;
 

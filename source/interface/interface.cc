@@ -35,8 +35,9 @@ InterfaceSide<dim> find_side(const Section &section, const std::string &entry,
 unsigned int read_points_per_face(const Section &section)
 {
   const auto text = section.read<std::string>("Points per face", "automatic",
-                                              "Gauss points in each direction of a face; automatic follows "
-                                              "the degrees and the ratio of the face sizes [-]");
+                                              "With mapped points: Gauss points in each direction of a face; "
+                                              "automatic follows the degrees and the ratio of the face "
+                                              "sizes [-]");
   if (text == "automatic" || section.documenting())
     return 0;
   const bool is_number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -55,10 +56,16 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       toggles(&toggles), toggle(toggles.read_reference(section)),
       method(TieCatalogue<dim>::create(section, "", "The method that ties the two sides [-]"))
 {
-  section.choose(
-      "Quadrature", {"mapped points"}, 0,
-      "mapped points: Gauss points of the faces, each with the closest point of the other side [-]");
+  options.quadrature = static_cast<FaceQuadrature>(section.choose(
+      "Quadrature", {"segments", "mapped points"}, 0,
+      "segments: the common refinement of the faces of both sides, exact; mapped points: Gauss points of the "
+      "faces, each with the closest point of the other side, error 1/n^2 in the points per face [-]"));
   options.points_per_direction = read_points_per_face(section);
+  section.check(
+      options.quadrature == FaceQuadrature::mapped_points || options.points_per_direction == 0,
+      "Points per face",
+      "belongs to Quadrature = mapped points; segments know how many points they need. Remove it, or "
+      "set Quadrature = mapped points.");
   options.search_radius =
       section.read<double>("Search radius", 0.2, "Largest gap that is tied, in units of the face size [-]",
                            Patterns::Double(1e-300));
@@ -131,8 +138,24 @@ void Interface<dim>::find_components()
 template <int dim>
 void Interface<dim>::pair(const MPI_Comm &communicator)
 {
-  geometry = std::make_unique<Pairing<dim>>(sides, options, communicator);
+  std::array<bool, 2> with_cover;
+  for (const unsigned int side : {source, destination})
+    with_cover[side] = has_conditions(side);
+  geometry = std::make_unique<Pairing<dim>>(sides, options, with_cover, communicator);
   report_uncovered();
+}
+
+template <int dim>
+bool Interface<dim>::has_conditions(const unsigned int side) const
+{
+  const auto &ids = sides[side].boundary_ids;
+  for (const auto &condition : sides[side].domain->conditions())
+    for (const TiedField &field : fields)
+      if (field.name == condition->field.name &&
+          std::any_of(condition->boundary_ids.begin(), condition->boundary_ids.end(),
+                      [&](const auto id) { return ids.count(id) > 0; }))
+        return true;
+  return false;
 }
 
 template <int dim>

@@ -10,6 +10,9 @@
 // skew-symmetric. The tangent is exact: for theta != 0 and a nonlinear law it holds the second derivative of
 // A, contracted with the jump. Weights and penalty are frozen at the beginning of a step.
 //
+// Own sides: each side's test functions are integrated on its own faces, so a constant flux becomes exactly
+// its consistent nodal forces also with mapped points. The price is a matrix that is not symmetric.
+//
 //     subsection Interface seam
 //       set Type        = Nitsche
 //       set Source      = left : 1
@@ -38,7 +41,8 @@ public:
 
   std::array<bool, 2> integrates_on() const override { return sides_of_integration; }
   bool adds_terms() const override { return true; }
-  bool is_symmetric() const override { return theta == 1.; }
+  bool is_symmetric() const override { return theta == 1. && !own_sides; }
+  bool is_balanced() const override { return !own_sides; }
   void begin_step(const Interface<dim> &interface, double t,
                   const typename Tie<dim>::GroupUnknowns &unknowns) override;
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
@@ -67,6 +71,8 @@ private:
   void add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q,
                  const std::vector<double> &unknowns, std::vector<double> &residual,
                  dealii::FullMatrix<double> *tangent);
+  void keep_own_rows(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                     std::vector<double> &residual, dealii::FullMatrix<double> *tangent) const;
   void linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
                            const Parameters &parameters, unsigned int q);
   void add_tangent(const Interface<dim> &interface, const TiedField &field, const Parameters &parameters,
@@ -76,6 +82,7 @@ private:
 
   const double theta;
   std::array<bool, 2> sides_of_integration;
+  bool own_sides;
   const Weights weights;
   const bool penalty_by_volume;
   const double multiplier;
@@ -114,9 +121,12 @@ Nitsche<dim>::Nitsche(const Section &section)
                 : section.require_expression("Value", {1},
                                              "The penalty gamma, with Penalty = value [Pa/m or W/(m^2 K)]"))
 {
-  const unsigned int integrate_on =
-      section.choose("Integrate on", {"source", "destination", "both"}, 0, "Whose faces hold the points [-]");
+  const unsigned int integrate_on = section.choose(
+      "Integrate on", {"source", "destination", "both", "own sides"}, 0,
+      "Whose faces hold the points; both: with half the weight each; own sides: the test functions of each "
+      "side on its own faces, patch-exact also with mapped points, but not symmetric [-]");
   sides_of_integration = {{integrate_on != 1, integrate_on != 0}};
+  own_sides = integrate_on == 3;
 }
 
 template <int dim>
@@ -278,7 +288,23 @@ bool Nitsche<dim>::assemble(const Interface<dim> &interface, const typename Pair
     for (unsigned int f = 0; f < interface.fields.size(); ++f)
       add_field(interface, f, q, unknowns, residual, tangent);
   }
+  if (own_sides)
+    keep_own_rows(interface, group, residual, tangent);
   return true;
+}
+
+/// The test functions of the side on whose faces the points lie, with the whole weight.
+template <int dim>
+void Nitsche<dim>::keep_own_rows(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                                 std::vector<double> &residual, dealii::FullMatrix<double> *tangent) const
+{
+  for (unsigned int i = 0; i < residual.size(); ++i) {
+    const double factor = (i < interface.n_local(source)) == (group.side == source) ? 2 : 0;
+    residual[i] *= factor;
+    if (tangent != nullptr)
+      for (unsigned int j = 0; j < residual.size(); ++j)
+        (*tangent)(i, j) *= factor;
+  }
 }
 
 template <int dim>

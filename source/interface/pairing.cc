@@ -1,106 +1,161 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/quadrature.h>
 #include <dovetail/interface/pairing.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/timer.h>
 
+#include <algorithm>
 #include <numeric>
 
 namespace dovetail {
 
 namespace {
 
-/// Area and number of faces of a side, over all ranks.
-template <int dim>
-std::array<double, 2> measure_side(const InterfaceSide<dim> &side, const MPI_Comm &communicator)
-{
-  const Domain<dim> &domain = *side.domain;
-  dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
-                                   dealii::QGauss<dim - 1>(domain.mapping_degree() + 1),
-                                   dealii::update_JxW_values);
-  double area = 0, n_faces = 0;
-  for (const auto &[cell, face, id] : domain.boundary_faces())
-    if (cell->is_locally_owned() && side.boundary_ids.count(id) > 0) {
-      values.reinit(cell, face);
-      area = std::accumulate(values.get_JxW_values().begin(), values.get_JxW_values().end(), area);
-      ++n_faces;
-    }
-  return {
-      {dealii::Utilities::MPI::sum(area, communicator), dealii::Utilities::MPI::sum(n_faces, communicator)}};
-}
+using dealii::Utilities::MPI::max;
+using dealii::Utilities::MPI::min;
+using dealii::Utilities::MPI::sum;
 
 template <int dim>
-FaceLocator<dim> make_locator(const InterfaceSide<dim> &side, const double search_radius,
-                              const MPI_Comm &communicator)
+SideFaces<dim> faces_of(const InterfaceSide<dim> &side)
 {
-  return {side.domain->mesh(), side.domain->mapping(), side.domain->mapping_degree(),
-          side.boundary_ids,   search_radius,          communicator};
+  const Domain<dim> &domain = *side.domain;
+  return {domain.mesh(), domain.mapping(), domain.mapping_degree(), side.boundary_ids};
+}
+
+/// Area of the faces of this rank.
+template <int dim>
+double area_of(const SideFaces<dim> &side)
+{
+  const auto rule =
+      gauss_rule<dim - 1>(side.shape.is_triangle() ? dealii::ReferenceCells::Triangle
+                                                   : dealii::ReferenceCells::get_hypercube<dim - 1>(),
+                          side.shape.degree() + 1);
+  double area = 0;
+  for (unsigned int face = 0; face < side.faces.size(); ++face)
+    for (unsigned int q = 0; q < rule.size(); ++q)
+      area +=
+          rule.weight(q) *
+          side.shape.normal(side.faces[face].face_no, side.shape.evaluate(side.nodes(face), rule.point(q)))
+              .norm();
+  return area;
+}
+
+/// A match for each point at its own face, so that own and partner's shapes are fetched alike.
+template <int dim>
+PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &points,
+                              const SideFaces<dim> &faces)
+{
+  const unsigned int n = domain.n_nodes();
+  PartnerShapes<dim> result;
+  result.values.resize(points.size() * n);
+  result.gradients.resize(points.size() * n);
+  ShapeEvaluator<dim> shapes(domain);
+  unsigned int current = dealii::numbers::invalid_unsigned_int;
+  for (unsigned int q = 0; q < points.size(); ++q) {
+    if (points.face[q] != current) {
+      current = points.face[q];
+      const auto &face = faces.faces[current];
+      shapes.reinit(face.cell);
+      CellBehind behind;
+      domain.cell_dofs(domain.dof_cell(face.cell), behind.dofs);
+      behind.cell_measure = shapes.cell_measure(face.cell);
+      behind.face_measure = shapes.face_measure(face.cell, face.face_no);
+      result.cells.push_back(std::move(behind));
+    }
+    result.cell_of_point.push_back(result.cells.size() - 1);
+    if (points.matches[q].found)
+      shapes.evaluate(points.unit_points[q], &result.values[q * n], &result.gradients[q * n]);
+  }
+  return result;
 }
 
 } // namespace
 
 template <int dim>
 Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
-                      const MPI_Comm &communicator)
+                      const std::array<bool, 2> &with_cover, const MPI_Comm &communicator)
     : extension(options.gap_extension), n_nodes{{sides[source].domain->n_nodes(),
                                                  sides[destination].domain->n_nodes()}}
 {
-  std::array<double, 2> face_size;
   for (const unsigned int side : {source, destination}) {
-    const auto [area, n_faces] = measure_side(sides[side], communicator);
-    account.area[side] = area;
-    face_size[side] = std::pow(area / std::max(n_faces, 1.), 1. / (dim - 1));
+    const SideFaces<dim> faces = faces_of(sides[side]);
+    account.area[side] = sum(area_of(faces), communicator);
+    const double n_faces = sum(static_cast<double>(faces.faces.size()), communicator);
+    face_size[side] = std::pow(account.area[side] / std::max(n_faces, 1.), 1. / (dim - 1));
   }
 
   const double factor = options.integrate_on[source] && options.integrate_on[destination] ? 0.5 : 1;
   for (const unsigned int own : {source, destination})
-    if (options.integrate_on[own]) {
-      // a coarse face needs so many points that the partner's faces, too, hold their share of them
-      Options of_side = options;
-      if (of_side.points_per_direction == 0) {
-        const unsigned int degree = std::max(sides[source].domain->degree, sides[destination].domain->degree);
-        const double ratio = std::max(1., face_size[own] / face_size[1 - own]);
-        of_side.points_per_direction = static_cast<unsigned int>(std::ceil((degree + 1) * ratio - 1e-6)) + 1;
-      }
-      integrate(sides, own, of_side, factor, communicator);
+    if (options.integrate_on[own])
+      integrate(sides, own, options, factor, communicator);
+  account.n_points = sum(static_cast<unsigned long>(weights.size()), communicator);
+
+  // how much of a side without points is covered: all of it if its share of the partner's points says so
+  for (const unsigned int own : {source, destination})
+    if (!options.integrate_on[own] && (with_cover[own] || !account.is_complete(own))) {
+      const SideFaces<dim> faces = faces_of(sides[own]);
+      const FaceLocator<dim> locator(faces_of(sides[1 - own]), options.search_radius, communicator);
+      count(find_points(sides, own, options, faces, locator), faces, own, communicator);
     }
-  account.n_points = dealii::Utilities::MPI::sum(static_cast<unsigned long>(weights.size()), communicator);
 }
 
 template <int dim>
-typename Pairing<dim>::OwnPoints Pairing<dim>::own_points(const InterfaceSide<dim> &side,
-                                                          const unsigned int points_per_direction)
+FacePoints<dim> Pairing<dim>::find_points(const std::array<InterfaceSide<dim>, 2> &sides,
+                                          const unsigned int own, const Options &options,
+                                          const SideFaces<dim> &own_faces, const FaceLocator<dim> &locator)
 {
-  const Domain<dim> &domain = *side.domain;
-  const unsigned int n = domain.n_nodes();
-  dealii::FEFaceValues<dim> face_values(
-      domain.mapping(), domain.scalar_element(), dealii::QGauss<dim - 1>(points_per_direction),
-      dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
-          dealii::update_normal_vectors | dealii::update_JxW_values);
-  ShapeEvaluator<dim> shapes(domain);
-  OwnPoints own;
-  for (const auto &[cell, face, id] : domain.boundary_faces())
-    if (cell->is_locally_owned() && side.boundary_ids.count(id) > 0) {
-      face_values.reinit(cell, face);
-      CellBehind behind;
-      domain.cell_dofs(domain.dof_cell(cell), behind.dofs);
-      behind.cell_measure = shapes.cell_measure(cell);
-      behind.face_measure =
-          std::accumulate(face_values.get_JxW_values().begin(), face_values.get_JxW_values().end(), 0.);
-      for (const unsigned int q : face_values.quadrature_point_indices()) {
-        own.queries.push_back({face_values.quadrature_point(q), face_values.normal_vector(q)});
-        own.JxW.push_back(face_values.JxW(q));
-        own.cell_of_point.push_back(own.cells.size());
-        for (unsigned int a = 0; a < n; ++a) {
-          own.values.push_back(face_values.shape_value(a, q));
-          own.gradients.push_back(face_values.shape_grad(a, q));
-        }
-      }
-      own.cells.push_back(std::move(behind));
+  const unsigned int partner = 1 - own;
+  if (options.quadrature == FaceQuadrature::segments)
+    return segments(own_faces, locator, sides[own].domain->degree, sides[partner].domain->degree);
+  unsigned int n = options.points_per_direction;
+  if (n == 0) {
+    // a coarse face needs so many points that the partner's faces, too, hold their share of them
+    const unsigned int degree = std::max(sides[source].domain->degree, sides[destination].domain->degree);
+    const double ratio = std::max(1., face_size[own] / face_size[partner]);
+    n = static_cast<unsigned int>(std::ceil((degree + 1) * ratio - 1e-6)) + 1;
+  }
+  return mapped_points(own_faces, locator, n);
+}
+
+template <int dim>
+void Pairing<dim>::count(const FacePoints<dim> &points, const SideFaces<dim> &faces, const unsigned int own,
+                         const MPI_Comm &communicator)
+{
+  double covered = 0, miss = std::numeric_limits<double>::infinity();
+  for (unsigned int q = 0; q < points.size(); ++q) {
+    const auto &match = points.matches[q];
+    if (match.found)
+      covered += points.JxW[q];
+    else {
+      miss = std::min(miss, match.distance);
+      uncovered.push_back({own, points.queries[q].X, match.distance, match.angle});
     }
-  return own;
+  }
+  account.covered[own] = sum(covered, communicator);
+  account.nearest_miss = std::min(account.nearest_miss, min(miss, communicator));
+
+  for (unsigned int q = 0, end; q < points.size(); q = end) {
+    typename Cover<dim>::Face face;
+    double area = 0, covered_area = 0;
+    for (end = q; end < points.size() && points.face[end] == points.face[q]; ++end) {
+      area += points.JxW[end];
+      if (points.matches[end].found) {
+        covered_area += points.JxW[end];
+        face.unit_points.push_back(points.unit_points[end]);
+        face.JxW.push_back(points.JxW[end]);
+      }
+    }
+    if (covered_area == 0)
+      continue;
+    face.share = covered_area / area;
+    if (face.share == 1)
+      face = {1., {}, {}};
+    const auto &of_side = faces.faces[points.face[q]];
+    cover[own].emplace(std::make_pair(of_side.cell->active_cell_index(), of_side.face_no), std::move(face));
+  }
 }
 
 template <int dim>
@@ -108,32 +163,38 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
                              const Options &options, const double factor, const MPI_Comm &communicator)
 {
   const unsigned int partner = 1 - own;
-  OwnPoints points_of_own = own_points(sides[own], options.points_per_direction);
   dealii::Timer timer;
-  const FaceLocator<dim> locator = make_locator(sides[partner], options.search_radius, communicator);
-  const auto matches = locator.locate(points_of_own.queries);
+  const SideFaces<dim> faces = faces_of(sides[own]);
+  const FaceLocator<dim> locator(faces_of(sides[partner]), options.search_radius, communicator);
+  const FacePoints<dim> face_points = find_points(sides, own, options, faces, locator);
   search_seconds += timer.wall_time();
-  const PartnerShapes<dim> shapes = fetch_shapes(*sides[partner].domain, locator, matches, communicator);
+  std::array<PartnerShapes<dim>, 2> shapes;
+  shapes[own] = own_shapes(*sides[own].domain, face_points, faces);
+  shapes[partner] = fetch_shapes(*sides[partner].domain, locator, face_points.matches, communicator);
+  count(face_points, faces, own, communicator);
 
   // the points with a partner, sorted by the two cells behind them
   std::vector<unsigned int> order;
-  double covered = 0, covered_partner = 0, gap = 0, angle = 0, miss = std::numeric_limits<double>::infinity();
-  unsigned long n_uncovered = 0;
-  for (unsigned int q = 0; q < matches.size(); ++q)
-    if (matches[q].found) {
+  double covered_partner = 0, gap = 0, angle = 0;
+  for (unsigned int q = 0; q < face_points.size(); ++q)
+    if (const auto &match = face_points.matches[q]; match.found) {
       order.push_back(q);
-      covered += points_of_own.JxW[q];
-      covered_partner += points_of_own.JxW[q] * std::abs(points_of_own.queries[q].N * matches[q].N);
-      gap = std::max(gap, matches[q].distance);
-      angle = std::max(angle, matches[q].angle);
-    } else {
-      ++n_uncovered;
-      miss = std::min(miss, matches[q].distance);
+      covered_partner += face_points.JxW[q] / std::abs(face_points.queries[q].N * match.N);
+      gap = std::max(gap, match.distance);
+      angle = std::max(angle, match.angle);
     }
+  const auto cells_behind = [&](const unsigned int q) {
+    return std::make_pair(shapes[own].cell_of_point[q], shapes[partner].cell_of_point[q]);
+  };
   std::stable_sort(order.begin(), order.end(), [&](const unsigned int p, const unsigned int q) {
-    return std::make_pair(points_of_own.cell_of_point[p], shapes.cell_of_point[p]) <
-           std::make_pair(points_of_own.cell_of_point[q], shapes.cell_of_point[q]);
+    return cells_behind(p) < cells_behind(q);
   });
+  account.n_segments += sum(face_points.n_segments, communicator);
+  account.n_uncovered += sum(static_cast<unsigned long>(face_points.size() - order.size()), communicator);
+  account.largest_gap = std::max(account.largest_gap, max(gap, communicator));
+  account.largest_angle = std::max(account.largest_angle, max(angle, communicator));
+  if (!options.integrate_on[partner]) // up to the angle and what counts twice where that is large
+    account.covered[partner] = std::min(account.area[partner], sum(covered_partner, communicator));
 
   const unsigned int first_point = weights.size();
   const std::array<unsigned int, 2> first_cell = {{static_cast<unsigned int>(cells[source].size()),
@@ -144,62 +205,43 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
     shape_gradients[side].reserve(size);
     if (extension != GapExtension::none)
       extended_values[side].reserve(size);
+    cells[side].insert(cells[side].end(), shapes[side].cells.begin(), shapes[side].cells.end());
   }
+  std::vector<unsigned int> position(face_points.size(), dealii::numbers::invalid_unsigned_int);
   for (const unsigned int q : order) {
-    weights.push_back(factor * points_of_own.JxW[q]);
-    points[own].push_back(points_of_own.queries[q].X);
-    points[partner].push_back(matches[q].X);
-    normals[own].push_back(points_of_own.queries[q].N);
-    normals[partner].push_back(matches[q].N);
-    const dealii::Tensor<1, dim> offset = points_of_own.queries[q].X - matches[q].X;
-    for (unsigned int a = 0; a < n_nodes[own]; ++a) {
-      shape_values[own].push_back(points_of_own.values[q * n_nodes[own] + a]);
-      shape_gradients[own].push_back(points_of_own.gradients[q * n_nodes[own] + a]);
-      if (extension != GapExtension::none)
-        extended_values[own].push_back(shape_values[own].back());
-    }
-    for (unsigned int a = 0; a < n_nodes[partner]; ++a) {
-      const unsigned int i = q * n_nodes[partner] + a;
-      shape_values[partner].push_back(shapes.values[i]);
-      shape_gradients[partner].push_back(shapes.gradients[i]);
-      if (extension != GapExtension::none)
-        extended_values[partner].push_back(shapes.values[i] + shapes.gradients[i] * offset);
-    }
+    const auto &query = face_points.queries[q];
+    const auto &match = face_points.matches[q];
+    position[q] = weights.size();
+    weights.push_back(factor * face_points.JxW[q]);
+    points[own].push_back(query.X);
+    points[partner].push_back(match.X);
+    normals[own].push_back(query.N);
+    normals[partner].push_back(match.N);
+    const dealii::Tensor<1, dim> offset = query.X - match.X;
+    for (const unsigned int side : {source, destination})
+      for (unsigned int i = q * n_nodes[side]; i < (q + 1) * n_nodes[side]; ++i) {
+        const double value = shapes[side].values[i];
+        const dealii::Tensor<1, dim> &gradient = shapes[side].gradients[i];
+        shape_values[side].push_back(value);
+        shape_gradients[side].push_back(gradient);
+        if (extension != GapExtension::none)
+          extended_values[side].push_back(side == own ? value : value + gradient * offset);
+      }
   }
   for (unsigned int i = 0; i < order.size(); ++i) {
     std::array<unsigned int, 2> behind;
-    behind[own] = first_cell[own] + points_of_own.cell_of_point[order[i]];
-    behind[partner] = first_cell[partner] + shapes.cell_of_point[order[i]];
+    for (const unsigned int side : {source, destination})
+      behind[side] = first_cell[side] + shapes[side].cell_of_point[order[i]];
     if (i == 0 || groups.back().cells != behind)
-      groups.push_back({first_point + i, first_point + i, behind});
+      groups.push_back({first_point + i, first_point + i, behind, own});
     ++groups.back().end;
   }
-  for (const unsigned int side : {source, destination})
-    for (const CellBehind &cell : side == own ? points_of_own.cells : shapes.cells)
-      cells[side].push_back(cell);
-
-  account.covered[own] = dealii::Utilities::MPI::sum(covered, communicator);
-  n_uncovered = dealii::Utilities::MPI::sum(n_uncovered, communicator);
-  account.n_uncovered += n_uncovered;
-  account.largest_gap = std::max(account.largest_gap, dealii::Utilities::MPI::max(gap, communicator));
-  account.largest_angle = std::max(account.largest_angle, dealii::Utilities::MPI::max(angle, communicator));
-  if (n_uncovered > 0)
-    account.nearest_miss = dealii::Utilities::MPI::min(miss, communicator);
-  if (options.integrate_on[partner])
-    return; // the partner's own points tell how much of it is covered
-  if (n_uncovered == 0)
-    account.covered[partner] =
-        std::min(account.area[partner], dealii::Utilities::MPI::sum(covered_partner, communicator));
-  else {
-    const OwnPoints of_partner = own_points(sides[partner], options.points_per_direction);
-    const auto back =
-        make_locator(sides[own], options.search_radius, communicator).locate(of_partner.queries);
-    double found = 0;
-    for (unsigned int q = 0; q < back.size(); ++q)
-      if (back[q].found)
-        found += of_partner.JxW[q];
-    account.covered[partner] = dealii::Utilities::MPI::sum(found, communicator);
-  }
+  for (Piece piece : face_points.pieces)
+    if (const unsigned int begin = position[piece.begin]; begin != dealii::numbers::invalid_unsigned_int) {
+      piece.end = begin + (piece.end - piece.begin);
+      piece.begin = begin;
+      pieces.push_back(piece);
+    }
 }
 
 template class Pairing<2>;

@@ -46,7 +46,7 @@ std::vector<double> answer(const std::vector<double> &question, const Domain<dim
   std::vector<dealii::Tensor<1, dim>> gradients(n_nodes);
   std::vector<dealii::types::global_dof_index> dofs;
   for (std::size_t i = 0; i < question.size();) {
-    const auto &face = locator.faces()[static_cast<unsigned int>(question[i++])];
+    const auto &face = locator.side().faces[static_cast<unsigned int>(question[i++])];
     const unsigned int n_points = question[i++];
     shapes.reinit(face.cell);
     domain.cell_dofs(domain.dof_cell(face.cell), dofs);

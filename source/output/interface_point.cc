@@ -17,7 +17,7 @@ InterfacePoint<dim>::InterfacePoint(const Interface<dim> &interface, const doubl
 }
 
 template <int dim>
-void InterfacePoint<dim>::for_each(const Vector &solution, const std::function<void(unsigned int)> &visit)
+void InterfacePoint<dim>::for_each(const Vector &solution, const Visitor &visit)
 {
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;
@@ -28,7 +28,7 @@ void InterfacePoint<dim>::for_each(const Vector &solution, const std::function<v
       unknowns[i] = solution(dofs[i]);
     for (unsigned int q = group.begin; q < group.end; ++q) {
       evaluate(q, unknowns);
-      visit(q);
+      visit(q, group.side);
     }
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/quadrature.h>
 #include <dovetail/output/interface_point.h>
 #include <dovetail/output/measures.h>
 #include <dovetail/output/reaction.h>
@@ -66,7 +67,7 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
     return;
   const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
   dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
-                               dealii::QGauss<dim>(domain.degree + 3),
+                               gauss_rule<dim>(domain.scalar_element().reference_cell(), domain.degree + 3),
                                dealii::update_values | dealii::update_gradients |
                                    dealii::update_quadrature_points | dealii::update_JxW_values);
   std::map<std::string, Squares> squares;
@@ -131,17 +132,19 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
   struct Squares
   {
     double jump = 0, flux_jump = 0, flux_error = 0;
-    std::vector<double> resultant; ///< of the tie's flux into the source
+    /// Of the tie's flux into the source, at the points on the faces of each side.
+    std::array<std::vector<double>, 2> resultant;
   };
   std::vector<Squares> squares(interface.fields.size());
   InterfacePoint<dim> point(interface, t);
-  point.for_each(solution, [&](const unsigned int q) {
+  point.for_each(solution, [&](const unsigned int q, const unsigned int side_of_point) {
     const double weight = interface.pairing().weight(q);
     for (unsigned int f = 0; f < squares.size(); ++f) {
       const auto &of_field = point.fields[f];
-      squares[f].resultant.resize(of_field.jump.size());
+      std::vector<double> &resultant = squares[f].resultant[side_of_point];
+      resultant.resize(of_field.jump.size());
       for (unsigned int c = 0; c < of_field.jump.size(); ++c) {
-        squares[f].resultant[c] += of_field.numerical_flux[c] * weight;
+        resultant[c] += of_field.numerical_flux[c] * weight;
         squares[f].jump += of_field.jump[c] * of_field.jump[c] * weight;
         squares[f].flux_jump +=
             std::pow(of_field.flux[source][c] + of_field.flux[destination][c], 2) * weight;
@@ -171,13 +174,20 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
   // functions
   if (interface.tie().adds_terms())
     for (unsigned int f = 0; f < squares.size(); ++f) {
-      std::vector<double> resultant = squares[f].resultant;
-      resultant.resize(interface.fields[f].n_components);
-      dealii::Utilities::MPI::sum(resultant, communicator, resultant);
-      result["resultant source"][interface.fields[f].name] = resultant;
-      for (double &component : resultant)
-        component = -component;
-      result["resultant destination"][interface.fields[f].name] = resultant;
+      const bool is_balanced = interface.tie().is_balanced();
+      for (std::vector<double> &resultant : squares[f].resultant) {
+        resultant.resize(interface.fields[f].n_components);
+        dealii::Utilities::MPI::sum(resultant, communicator, resultant);
+      }
+      for (const unsigned int side : {source, destination}) {
+        const auto &on_own = squares[f].resultant[side], &on_other = squares[f].resultant[1 - side];
+        std::vector<double> of_side;
+        for (unsigned int c = 0; c < on_own.size(); ++c)
+          of_side.push_back((side == source ? 1 : -1) *
+                            (is_balanced ? on_own[c] + on_other[c] : 2 * on_own[c]));
+        result[side == source ? "resultant source" : "resultant destination"][interface.fields[f].name] =
+            of_side;
+      }
     }
 }
 
@@ -238,6 +248,9 @@ ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution,
     result["covered destination"] = coverage.covered[destination];
     result["uncovered points"] = coverage.n_uncovered;
     result["largest gap"] = coverage.largest_gap;
+    result["largest angle"] = coverage.largest_angle;
+    if (coverage.n_segments > 0)
+      result["segments"] = coverage.n_segments;
     result["points"] = coverage.n_points;
     measure_fluxes(*interface, solution, t, result);
     measure_resultants(model, *interface, solution, t, result);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/interface/make_cover.h>
 #include <dovetail/system/model.h>
 
 #include <deal.II/base/timer.h>
@@ -53,7 +54,44 @@ void Model<dim>::pair()
     interface->pair(communicator);
     search_seconds += interface->pairing().seconds_of_search();
   }
+  make_covers();
   pairing_seconds = timer.wall_time();
+}
+
+/// Boundary conditions act on what the interfaces leave of their boundary ids.
+template <int dim>
+void Model<dim>::make_covers()
+{
+  for (const auto &domain : domains)
+    domain->covers.clear();
+  for (const auto &interface : interfaces)
+    for (const unsigned int side : {source, destination})
+      if (interface->has_conditions(side))
+        for (const auto &domain : domains)
+          if (domain.get() == interface->sides[side].domain)
+            domain->covers.push_back(make_cover(*interface, side, communicator));
+
+  for (const auto &domain : domains)
+    for (const auto &condition : domain->conditions()) {
+      std::string covering;
+      std::map<std::pair<unsigned int, unsigned int>, double> share;
+      for (const Cover<dim> &cover : domain->covers)
+        if (cover.is_permanent && cover.fields.count(condition->field.name) > 0) {
+          covering = cover.interface;
+          for (const auto &[face, covered] : cover.faces)
+            share[face] += covered.share;
+        }
+      unsigned int n_open = 0;
+      for (const auto &[cell, face, id] : domain->boundary_faces())
+        if (cell->is_locally_owned() && condition->boundary_ids.count(id) > 0 &&
+            share[{cell->active_cell_index(), face}] < 1 - 1e-9)
+          ++n_open;
+      condition->section.check(covering.empty() || dealii::Utilities::MPI::sum(n_open, communicator) > 0,
+                               "Boundary ids",
+                               "are covered wholly by the interface " + covering +
+                                   ", which ties the same field there: the condition would act nowhere. "
+                                   "Remove the condition, or those ids from the interface.");
+    }
 }
 
 /// Every group of domains that is tied in a field needs, for each component, a condition that keeps it from

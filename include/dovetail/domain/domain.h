@@ -7,6 +7,7 @@
 
 #include <dovetail/domain/condition.h>
 #include <dovetail/domain/constraint_lines.h>
+#include <dovetail/domain/cover.h>
 #include <dovetail/domain/mesh.h>
 #include <dovetail/material/material.h>
 
@@ -98,6 +99,8 @@ public:
   void add_constraints(double t, ConstraintLines &lines) const;
 
   dealii::types::global_dof_index first_dof = 0;
+
+  std::vector<Cover<dim>> covers; ///< of its boundary, by interfaces
 
 private:
   void read_given(const Section &section);

@@ -5,18 +5,54 @@
 
 #pragma once
 
-#include <dovetail/domain/geometry.h>
+#include <dovetail/interface/face_shape.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/fe/mapping.h>
 #include <deal.II/grid/tria.h>
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <set>
 #include <vector>
 
 namespace dovetail {
+
+/// The unit in which distances to a face of a size are counted: about 1e-9 of the size, and a power of two,
+/// so that rounding is exact and faces of equal size share it.
+double distance_quantum(double face_size);
+
+/// (CellId, number of the face): the same for every partition.
+using GlobalKey = std::array<unsigned int, 5>;
+
+/// The locally owned faces of one side of an interface, in the order of the cells.
+template <int dim>
+class SideFaces
+{
+public:
+  struct Face
+  {
+    typename dealii::Triangulation<dim>::active_cell_iterator cell;
+    unsigned int face_no;
+    double size; ///< diameter of the support points
+  };
+
+  /// @p mapping_degree: the degree of @p mapping.
+  SideFaces(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
+            unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids);
+
+  FaceShape<dim> shape;
+  std::vector<Face> faces;
+  std::vector<GlobalKey> keys;
+  const dealii::Point<dim> *nodes(const unsigned int face) const
+  {
+    return &all_nodes[face * shape.n_nodes()];
+  }
+
+private:
+  std::vector<dealii::Point<dim>> all_nodes;
+};
 
 /// Finds, for points anywhere on any rank, the closest point on the faces of one side of an interface.
 ///
@@ -30,13 +66,6 @@ template <int dim>
 class FaceLocator
 {
 public:
-  struct Face
-  {
-    typename dealii::Triangulation<dim>::active_cell_iterator cell;
-    unsigned int face_no;
-    double size; ///< diameter of the support points
-  };
-
   struct Query
   {
     dealii::Point<dim> X;
@@ -51,11 +80,31 @@ public:
     double distance = std::numeric_limits<double>::infinity();
     double angle = 0; ///< between N and minus the partner's outward normal [rad]
     unsigned int rank = dealii::numbers::invalid_unsigned_int;
-    unsigned int face = dealii::numbers::invalid_unsigned_int; ///< index into faces() of that rank
+    unsigned int face = dealii::numbers::invalid_unsigned_int; ///< index into side().faces of that rank
     dealii::Point<dim> unit_point;                             ///< reference coordinates in the cell
     dealii::Point<dim> X;                                      ///< the closest point
     dealii::Tensor<1, dim> N;                                  ///< the partner's outward normal there
     double face_size = 0;
+
+    /// All but found, rank and face, from a point of a face.
+    void set(const FaceShape<dim> &shape, unsigned int face_no, double size, const Query &query,
+             const SurfacePoint<dim> &point);
+  };
+
+  /// A face of any rank.
+  struct NearbyFace
+  {
+    unsigned int rank, index; ///< index into side().faces of that rank
+    unsigned int face_no;
+    double size;
+    GlobalKey key;
+    std::vector<dealii::Point<dim>> nodes;
+  };
+  struct NearbyFaces
+  {
+    std::vector<NearbyFace> faces;
+    std::vector<std::vector<unsigned int>>
+        of_box; ///< for each box positions in faces, in the order of the keys
   };
 
   /// @p mapping_degree: the degree of @p mapping. @p search_radius: the largest distance, in units of the
@@ -63,16 +112,23 @@ public:
   FaceLocator(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
               unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids,
               double search_radius, const MPI_Comm &communicator);
+  FaceLocator(SideFaces<dim> side, double search_radius, const MPI_Comm &communicator);
   ~FaceLocator();
 
-  /// The locally owned faces, in the order of the cells.
-  const std::vector<Face> &faces() const;
+  const SideFaces<dim> &side() const;
 
-  /// A match per query. A candidate must face the point (angle below 90 degrees), lie within the search
-  /// radius and, where the closest point is clamped to the rim of the face, be off sideways by no more than
-  /// 1e-6 of the face size or the normal distance, whichever is larger (so a curved side of coarse facets
-  /// loses no point, and a side that sticks out over its partner is uncovered there). Collective.
+  /// Whether the closest point of a face makes it a partner: it must face the point (angle below 90 degrees),
+  /// lie within the search radius and, where the closest point is clamped to the rim of the face, be off
+  /// sideways by no more than 1e-6 of the face size or the normal distance, whichever is larger (so a curved
+  /// side of coarse facets loses no point, and a side that sticks out over its partner is uncovered there).
+  bool is_partner(const Query &query, const Match &match) const;
+
+  /// A match per query. Collective.
   std::vector<Match> locate(const std::vector<Query> &queries) const;
+
+  /// The faces within reach of each box. Only faces that some box of this rank asks for are received.
+  /// Collective.
+  NearbyFaces faces_near(const std::vector<dealii::BoundingBox<dim>> &boxes) const;
 
 private:
   struct Implementation;

@@ -37,6 +37,9 @@ public:
   GapExtension gap_extension() const { return options.gap_extension; }
 
   Tie<dim> &tie() const { return *method; }
+  bool has_toggle() const { return !toggle.empty(); }
+  /// Whether the domain of a side has conditions on its tied boundary ids and fields.
+  bool has_conditions(unsigned int side) const;
   bool is_active(const double t) const { return toggles->is_active(toggle, t); }
 
   /// Number of local unknowns of one side of a group: components[side] times nodes.

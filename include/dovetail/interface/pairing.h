@@ -8,9 +8,11 @@
 
 #pragma once
 
+#include <dovetail/interface/face_points.h>
 #include <dovetail/interface/partner_shapes.h>
 
 #include <array>
+#include <limits>
 #include <set>
 #include <vector>
 
@@ -31,22 +33,28 @@ struct InterfaceSide
 /// not at all.
 enum class GapExtension { symmetric, trial, none };
 
+/// Where the points of an interface lie: on the common refinement of the faces of both sides, or at the Gauss
+/// points of a face (face_points.h).
+enum class FaceQuadrature { segments, mapped_points };
+
 /// How much of the two sides faces the other one.
 struct Coverage
 {
   std::array<double, 2> area = {{0, 0}};
   std::array<double, 2> covered = {{0, 0}};
   unsigned long n_points = 0;
-  unsigned long n_uncovered = 0; ///< quadrature points without partner
+  unsigned long n_segments = 0;
+  unsigned long n_uncovered = 0; ///< quadrature points of the integrated sides without partner
   double largest_gap = 0;
   double largest_angle = 0; ///< between the normals [rad]
-  double nearest_miss = 0;  ///< distance of the nearest uncovered point to the other side
+  double nearest_miss =
+      std::numeric_limits<double>::infinity(); ///< distance of the nearest uncovered point to the other side
   bool is_complete(const unsigned int side) const { return covered[side] >= (1. - 1e-9) * area[side]; }
 };
 
-/// Quadrature points of one or both sides ("mapped points": Gauss points of a face, each with the closest
-/// point of the other side), and for both sides of each point the cell behind it and the shape functions
-/// there. Computed once per mesh in material coordinates; a rank holds the points whose own face it owns.
+/// Quadrature points of one or both sides, and for both sides of each point the cell behind it and the shape
+/// functions there. Computed once per mesh in material coordinates; a rank holds the points whose own face it
+/// owns.
 ///
 /// Points whose two cells are the same form a group, so that their terms are summed before they are
 /// scattered.
@@ -56,8 +64,9 @@ class Pairing
 public:
   struct Options
   {
+    FaceQuadrature quadrature = FaceQuadrature::segments;
     std::array<bool, 2> integrate_on = {{true, false}}; ///< sides; both: half the weight each
-    unsigned int points_per_direction = 0;              ///< 0: automatic
+    unsigned int points_per_direction = 0;              ///< of mapped points; 0: automatic
     double search_radius = 0.2;                         ///< in units of the partner's face size
     GapExtension gap_extension = GapExtension::symmetric;
   };
@@ -66,14 +75,30 @@ public:
   {
     unsigned int begin, end;           ///< points
     std::array<unsigned int, 2> cells; ///< indices into cells[side]
+    unsigned int side;                 ///< on whose faces the points lie
   };
 
-  /// Collective.
+  using Piece = typename FacePoints<dim>::Piece;
+
+  /// A point without partner.
+  struct Uncovered
+  {
+    unsigned int side;
+    dealii::Point<dim> X;
+    double distance; ///< to the nearest face within reach; infinity: there is none
+    double angle;    ///< [rad]
+  };
+
+  /// @p with_cover: the sides of which covered_faces() is needed. Collective.
   Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
-          const MPI_Comm &communicator);
+          const std::array<bool, 2> &with_cover, const MPI_Comm &communicator);
 
   std::array<std::vector<CellBehind>, 2> cells;
   std::vector<Group> groups;
+  std::vector<Piece> pieces; ///< of the sides on which points lie, to be shown
+  std::vector<Uncovered> uncovered;
+
+  const typename Cover<dim>::Faces &covered_faces(const unsigned int side) const { return cover[side]; }
 
   unsigned int n_points() const { return weights.size(); }
   double weight(const unsigned int q) const { return weights[q]; } ///< dGamma
@@ -106,18 +131,11 @@ public:
 private:
   void integrate(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own, const Options &options,
                  double factor, const MPI_Comm &communicator);
-
-  /// The quadrature points of the faces of one side, before they have partners.
-  struct OwnPoints
-  {
-    std::vector<typename FaceLocator<dim>::Query> queries;
-    std::vector<double> JxW;
-    std::vector<unsigned int> cell_of_point;
-    std::vector<CellBehind> cells;
-    std::vector<double> values;
-    std::vector<dealii::Tensor<1, dim>> gradients;
-  };
-  static OwnPoints own_points(const InterfaceSide<dim> &side, unsigned int points_per_direction);
+  FacePoints<dim> find_points(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own,
+                              const Options &options, const SideFaces<dim> &own_faces,
+                              const FaceLocator<dim> &locator);
+  void count(const FacePoints<dim> &points, const SideFaces<dim> &faces, unsigned int own,
+             const MPI_Comm &communicator);
 
   GapExtension extension;
   std::array<unsigned int, 2> n_nodes;
@@ -126,6 +144,8 @@ private:
   std::array<std::vector<dealii::Tensor<1, dim>>, 2> normals;
   std::array<std::vector<double>, 2> shape_values, extended_values;
   std::array<std::vector<dealii::Tensor<1, dim>>, 2> shape_gradients;
+  std::array<typename Cover<dim>::Faces, 2> cover;
+  std::array<double, 2> face_size; ///< of the sides, mean
   Coverage account;
   double search_seconds = 0;
 };

@@ -72,6 +72,8 @@ public:
   }
 
   virtual bool is_symmetric() const { return true; } ///< if the laws are
+  /// Whether both sides get the same flux at every point; else each gets that of the points on its own faces.
+  virtual bool is_balanced() const { return true; }
 
   /// The influx into the source at a point as the tie sees it, from the influxes A.N of both sides (each
   /// through its own normal) and the jump; without a better one their mean.

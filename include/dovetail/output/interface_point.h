@@ -30,8 +30,10 @@ public:
   };
   std::vector<OfField> fields; ///< as in Interface::fields, at the point visited last
 
+  /// Of a point, and of the side on whose faces it lies.
+  using Visitor = std::function<void(unsigned int q, unsigned int side)>;
   /// Visit all points of this rank, in order.
-  void for_each(const Vector &ghosted_solution, const std::function<void(unsigned int q)> &visit);
+  void for_each(const Vector &ghosted_solution, const Visitor &visit);
 
   /// Whether the domain of a side has an exact solution of the field and of all that its flux depends on.
   bool has_exact_flux(unsigned int field, unsigned int side) const;

@@ -16,12 +16,13 @@
 
 namespace dovetail {
 
-/// The integrated side of an interface as a surface of small patches, one around each point of the pairing,
-/// with what the interface does there (constant on a patch): `jump FIELD` [B], `flux FIELD` (the tie's
-/// numerical influx into the source; zero while the interface is inactive), `gap` (the distance of the facing
-/// points) and `normal` N of the integrated side. Parts without partner are holes.
+/// The integrated side of an interface as a surface of small patches, the pieces of the pairing, with what
+/// the interface does there (the mean over a piece): `jump FIELD` [B], `flux FIELD` (the tie's numerical
+/// influx into the source; zero while the interface is inactive), `gap` (the distance of the facing points)
+/// and `normal` N of the integrated side. Parts without partner are holes.
 ///
-/// The patch of a Gauss point is its share of the face; points of another kind get a square of their weight.
+/// Pieces of segments are lines, triangles and parallelograms; a mapped Gauss point has its share of the
+/// face.
 template <int dim>
 class InterfaceSurface : public dealii::DataOutInterface<dim - 1, dim>
 {
@@ -48,7 +49,7 @@ private:
   const Interface<dim> &interface;
   const unsigned int own; ///< the side that is shown
   std::vector<Patch> patches;
-  std::vector<unsigned int> point_of_patch;
+  std::vector<unsigned int> patch_of_point;
 };
 
 } // namespace dovetail

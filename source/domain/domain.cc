@@ -110,6 +110,15 @@ void Domain<dim>::read_conditions(const Section &section, const Toggles &toggles
 }
 
 template <int dim>
+std::set<dealii::types::boundary_id> Domain<dim>::boundary_ids() const
+{
+  std::set<dealii::types::boundary_id> ids;
+  for (const auto &[id, measure] : measures)
+    ids.insert(id);
+  return ids;
+}
+
+template <int dim>
 void Domain<dim>::check_boundary_id(const dealii::types::boundary_id id, const Section &asking,
                                     const std::string &entry) const
 {

@@ -36,7 +36,8 @@ InterfaceSurface<dim>::InterfaceSurface(const Interface<dim> &interface)
       patch.patch_index = patches.size();
       patch.reference_cell = shape_of(piece.n_vertices);
       patch.n_subdivisions = 1;
-      std::copy(piece.vertices.begin(), piece.vertices.begin() + piece.n_vertices, std::begin(patch.vertices));
+      std::copy(piece.vertices.begin(), piece.vertices.begin() + piece.n_vertices,
+                std::begin(patch.vertices));
       patches.push_back(patch);
     }
 }

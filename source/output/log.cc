@@ -85,7 +85,7 @@ template <int dim>
 std::vector<std::string> table_of_interfaces(const Model<dim> &model)
 {
   std::vector<std::vector<std::string>> rows = {
-      {"interface", "tie", "source", "destination", "points", "covered", "largest gap"}};
+      {"interface", "tie", "source", "destination", "points", "covered", "largest gap", "angle"}};
   for (const auto &interface : model.interfaces) {
     const Coverage &coverage = interface->pairing().coverage();
     // what is left of a gap by rounding
@@ -96,7 +96,8 @@ std::vector<std::string> table_of_interfaces(const Model<dim> &model)
     rows.push_back({interface->name, interface->section.peek("Type"), to_text(interface->sides[source]),
                     to_text(interface->sides[destination]), std::to_string(coverage.n_points),
                     covered(source) + " / " + covered(destination),
-                    to_text(is_closed ? 0. : coverage.largest_gap)});
+                    to_text(is_closed ? 0. : coverage.largest_gap),
+                    to_text(180 / dealii::numbers::PI * coverage.largest_angle, "%.3g deg")});
   }
   return align(rows);
 }

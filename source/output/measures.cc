@@ -5,6 +5,7 @@
 #include <dovetail/output/interface_point.h>
 #include <dovetail/output/measures.h>
 #include <dovetail/output/reaction.h>
+#include <dovetail/output/uncovered_points.h>
 
 #include <limits>
 
@@ -247,6 +248,8 @@ ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution,
     result["covered source"] = coverage.covered[source];
     result["covered destination"] = coverage.covered[destination];
     result["uncovered points"] = coverage.n_uncovered;
+    if (coverage.n_uncovered > 0)
+      result["first uncovered points"] = list_uncovered_points(interface->pairing(), 100, model.communicator);
     result["largest gap"] = coverage.largest_gap;
     result["largest angle"] = coverage.largest_angle;
     if (coverage.n_segments > 0)

@@ -4,6 +4,7 @@
 #include <dovetail/output/domain_picture.h>
 #include <dovetail/output/paraview.h>
 #include <dovetail/output/report.h>
+#include <dovetail/output/uncovered_points.h>
 
 #include <cctype>
 #include <cstdio>
@@ -78,6 +79,10 @@ void Paraview<dim>::prepare()
   }
   name_files();
   make_directory(directory + "/steps", model.communicator);
+  for (unsigned int i = 0; i < model.interfaces.size(); ++i)
+    if (const auto &pairing = model.interfaces[i]->pairing(); pairing.coverage().n_uncovered > 0)
+      UncoveredPoints<dim>(pairing).write_vtu_in_parallel(
+          directory + "/uncovered_" + blocks[model.domains.size() + i].stem + ".vtu", model.communicator);
 }
 
 template <int dim>

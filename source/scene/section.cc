@@ -355,6 +355,15 @@ std::string Section::peek(const std::string &name) const
   return entry ? entry->value : "";
 }
 
+void Section::give(const std::string &subsection, const std::string &name, const std::string &value,
+                   const std::string &reason) const
+{
+  const std::string path = subsection.empty() ? section_path : join_path(section_path, subsection);
+  if (state().tree.find(path) == nullptr)
+    state().tree.open(path, {reason, 0});
+  state().tree.set(path, {name, value, {reason, 0}});
+}
+
 bool Section::documenting() const
 {
   return state().is_documenting;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/interface/facing_boundaries.h>
 #include <dovetail/interface/make_cover.h>
 #include <dovetail/system/model.h>
 
@@ -35,8 +36,12 @@ Model<dim>::Model(const Section &scene, const MPI_Comm &communicator)
   }
   scene.check(!domains.empty(), "Domains", "must name at least one body.");
 
-  for (const std::string &name :
-       scene.announce("Interfaces", "Interface", "Names of the pairs of boundaries that are tied [-]"))
+  if (scene.peek("Interfaces") == "automatic" && !scene.has_subsection("Interface automatic"))
+    find_interfaces(scene);
+  for (const std::string &name : scene.announce(
+           "Interfaces", "Interface",
+           "Names of the pairs of boundaries that are tied; automatic: one by Nitsche's method for "
+           "each pair of bodies that face each other within 0.2 face sizes [-]"))
     interfaces.push_back(
         std::make_unique<Interface<dim>>(name, scene.subsection("Interface " + name), domains, toggles));
 
@@ -44,6 +49,33 @@ Model<dim>::Model(const Section &scene, const MPI_Comm &communicator)
     return;
   check_constants();
   numbering = std::make_unique<Numbering>(domains, communicator);
+}
+
+template <int dim>
+void Model<dim>::find_interfaces(const Section &scene) const
+{
+  const std::string reason = "Interfaces = automatic";
+  std::vector<std::string> names;
+  for (const FacingBoundaries &facing : find_facing_boundaries(domains, 0.2, communicator)) {
+    const auto side = [&](const unsigned int i) {
+      std::vector<std::string> ids;
+      for (const auto id : facing.ids[i])
+        ids.push_back(std::to_string(id));
+      return domains[facing.domains[i]]->name + " : " + comma_separated(ids);
+    };
+    names.push_back(domains[facing.domains[0]]->name + "-" + domains[facing.domains[1]]->name);
+    const std::string subsection = "Interface " + names.back();
+    scene.give(subsection, "Type", "Nitsche", reason);
+    scene.give(subsection, "Source", side(0), reason);
+    scene.give(subsection, "Destination", side(1), reason);
+    // each side is usually larger than what it shares with one other body
+    scene.give(subsection, "Uncovered", "allow", reason);
+  }
+  scene.check(
+      !names.empty(), "Interfaces",
+      "is automatic, but no two bodies that share a field face each other within 0.2 face sizes. Check "
+      "Scale and Shift of the meshes, or name the interfaces.");
+  scene.give("", "Interfaces", comma_separated(names), reason);
 }
 
 template <int dim>

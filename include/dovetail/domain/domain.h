@@ -91,6 +91,7 @@ public:
   double typical_length() const { return length; }     ///< the diagonal of the body's bounding box
   dealii::Point<dim> centre() const { return middle; } ///< of that box
 
+  std::set<dealii::types::boundary_id> boundary_ids() const; ///< of the whole mesh
   /// @throw UserError if the mesh has no boundary with this id; lists those it has with their areas.
   void check_boundary_id(dealii::types::boundary_id id, const Section &asking,
                          const std::string &entry) const;

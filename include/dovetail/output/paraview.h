@@ -23,6 +23,8 @@ namespace dovetail {
 /// A domain shows what DomainPicture lists, an interface what InterfaceSurface lists. Everything is shown on
 /// the undeformed bodies: "Warp By Vector" with displacement deforms them.
 ///
+/// The points of an interface that face nothing, if there are any, stand in `<Directory>/uncovered_NAME.vtu`.
+///
 /// With `Paraview = false` nothing is allocated or written.
 template <int dim>
 class Paraview

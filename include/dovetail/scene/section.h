@@ -94,6 +94,10 @@ public:
   /// the defaults too.
   bool is_set(const std::string &name) const;
   std::string peek(const std::string &name) const; ///< its text without declaring it, or ""
+  /// Put an entry into the scene that the program has found instead of the user, in @p subsection of this
+  /// section ("": this one); used.prm shows it. @p reason stands for its line in messages.
+  void give(const std::string &subsection, const std::string &name, const std::string &value,
+            const std::string &reason) const;
   bool documenting() const;
   unsigned int dimension() const;  ///< 2 or 3, as set at the top of the scene (3 while documenting)
   const std::string &path() const; ///< e.g. "Domain left/Mesh"

@@ -50,6 +50,7 @@ public:
   double search_seconds = 0;  ///< the search alone, this rank
 
 private:
+  void find_interfaces(const Section &scene) const;
   void make_covers();
   void check_constants() const;
   std::set<const Domain<dim> *> held_domains(const std::string &field, unsigned int component) const;

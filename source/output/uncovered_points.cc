@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/output/uncovered_points.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dovetail {
+
+template <int dim>
+UncoveredPoints<dim>::UncoveredPoints(const Pairing<dim> &pairing)
+{
+  for (const auto &point : pairing.uncovered) {
+    dealii::DataOutBase::Patch<0, dim> patch;
+    patch.vertices[0] = point.X;
+    patch.patch_index = patches.size();
+    patch.data.reinit(3, 1);
+    const bool has_candidate = std::isfinite(point.distance);
+    patch.data(0, 0) = point.side;
+    patch.data(1, 0) = has_candidate ? point.distance : -1;
+    patch.data(2, 0) = has_candidate ? point.angle : -1;
+    patches.push_back(patch);
+  }
+}
+
+template <int dim>
+nlohmann::ordered_json list_uncovered_points(const Pairing<dim> &pairing, const unsigned int n,
+                                             const MPI_Comm &communicator)
+{
+  std::vector<std::vector<double>> first;
+  for (const auto &point : pairing.uncovered)
+    first.emplace_back(point.X.begin_raw(), point.X.end_raw());
+  const auto keep_first = [&]() {
+    std::sort(first.begin(), first.end());
+    if (first.size() > n)
+      first.resize(n);
+  };
+  keep_first();
+  const auto of_ranks = dealii::Utilities::MPI::gather(communicator, first);
+  first.clear();
+  for (const auto &of_rank : of_ranks)
+    first.insert(first.end(), of_rank.begin(), of_rank.end());
+  keep_first();
+  return first;
+}
+
+template class UncoveredPoints<2>;
+template class UncoveredPoints<3>;
+template nlohmann::ordered_json list_uncovered_points(const Pairing<2> &, unsigned int, const MPI_Comm &);
+template nlohmann::ordered_json list_uncovered_points(const Pairing<3> &, unsigned int, const MPI_Comm &);
+
+} // namespace dovetail

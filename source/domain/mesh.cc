@@ -12,6 +12,7 @@
 #include <deal.II/grid/manifold.h>
 
 #include <fstream>
+#include <iostream>
 #include <limits>
 
 namespace dovetail {
@@ -68,6 +69,21 @@ bool is_abaqus(const std::string &file_name)
   return false;
 }
 
+/// What deal.II prints before it throws goes nowhere: the exception says enough, once.
+class SilentErrors
+{
+public:
+  SilentErrors() : of_terminal(std::cerr.rdbuf(nullptr)) {}
+  ~SilentErrors()
+  {
+    std::cerr.rdbuf(of_terminal);
+    std::cerr.clear();
+  }
+
+private:
+  std::streambuf *of_terminal;
+};
+
 template <int dim>
 void read_file(const Section &section, const std::string &file_name, dealii::Triangulation<dim> &mesh)
 {
@@ -75,6 +91,7 @@ void read_file(const Section &section, const std::string &file_name, dealii::Tri
   section.check(file.good(), "File",
                 "names '" + file_name +
                     "', which cannot be read. Relative paths start at the working directory.");
+  const SilentErrors silent;
   dealii::GridIn<dim> reader(mesh);
   const std::string suffix = suffix_of(file_name);
   if (suffix == ".msh")
@@ -184,10 +201,17 @@ void make_coarse_mesh(const Section &section, dealii::Triangulation<dim> &mesh)
   } catch (const std::exception &error) {
     if (file_name.empty())
       fail_generator(section, generator, arguments, reason(error));
-    section.fail(source, "could not be used to make the mesh: " + reason(error));
+    const std::string suffix = suffix_of(file_name);
+    section.fail("File", "could not be used to make the mesh: " + reason(error) +
+                             (suffix == ".inp" || suffix == ".unv"
+                                  ? " In " + suffix +
+                                        " files only quadrilaterals and hexahedra are understood; "
+                                        "give triangles and tetrahedra as .msh or .vtk."
+                                  : ""));
   }
   section.check(mesh.n_active_cells() > 0, source, "gives a mesh without cells.");
-  const std::string shapes = dim == 2 ? "triangles or of quadrilaterals" : "tetrahedra or of hexahedra";
+  const std::string shapes =
+      dim == 2 ? "triangles or nothing but quadrilaterals" : "tetrahedra or nothing but hexahedra";
   section.check(mesh.all_reference_cells_are_hyper_cube() || mesh.all_reference_cells_are_simplex(), source,
                 "gives a mesh of " +
                     std::string(dim == 2 ? "triangles and quadrilaterals"

@@ -61,16 +61,16 @@ void check(const std::string &degree)
         if (cell->face(f)->at_boundary())
           surface += evaluator.face_measure(cell, f);
         // a node is on the face if the volume below it and the face vanishes
-        const auto &face = *cell->face(f);
+        const auto face = cell->face(f);
         for (unsigned int a = 0; a < domain.n_nodes(); ++a) {
-          const dealii::Tensor<1, dim> r = at_nodes.quadrature_point(a) - face.vertex(0);
+          const dealii::Tensor<1, dim> r = at_nodes.quadrature_point(a) - face->vertex(0);
           double below;
           if constexpr (dim == 2)
-            below = dealii::cross_product_2d(face.vertex(1) - face.vertex(0)) * r;
+            below = dealii::cross_product_2d(face->vertex(1) - face->vertex(0)) * r;
           else
-            below =
-                dealii::cross_product_3d(face.vertex(1) - face.vertex(0), face.vertex(2) - face.vertex(0)) *
-                r;
+            below = dealii::cross_product_3d(face->vertex(1) - face->vertex(0),
+                                             face->vertex(2) - face->vertex(0)) *
+                    r;
           nodes_agree = nodes_agree && domain.scalar_element().has_support_on_face(a, f) ==
                                            (std::abs(below) < 1e-10 * cell->measure());
         }

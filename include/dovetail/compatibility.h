@@ -23,4 +23,7 @@ inline dealii::AffineConstraints<double> make_affine_constraints(const dealii::I
 #endif
 }
 
+/// Of the Lagrange elements on triangles and tetrahedra.
+constexpr unsigned int largest_degree_of_simplices = DEAL_II_VERSION_GTE(9, 6, 0) ? 3 : 2;
+
 } // namespace dovetail

@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/domain/quadrature.h>
 
 namespace dovetail {
 
@@ -25,10 +26,12 @@ void evaluate_state(const unsigned int n_components, const unsigned int n_nodes,
 template <int dim>
 CellTerms<dim>::CellTerms(const Domain<dim> &domain)
     : domain(domain), n(domain.n_components()), n_nodes(domain.n_nodes()),
-      cell_values(domain.mapping(), domain.scalar_element(), dealii::QGauss<dim>(domain.degree + 1),
+      cell_values(domain.mapping(), domain.scalar_element(),
+                  gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
-      face_values(domain.mapping(), domain.scalar_element(), dealii::QGauss<dim - 1>(domain.degree + 1),
+      face_values(domain.mapping(), domain.scalar_element(),
+                  gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
                   dealii::update_values | dealii::update_quadrature_points | dealii::update_JxW_values),
       state(n), response(n), couples(n * n, false), by_value(n * n, false), shape(n_nodes), gradient(n_nodes),
       source_of_component(n)

@@ -8,12 +8,47 @@
 #include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/fe_simplex_p.h>
 #include <deal.II/fe/fe_values.h>
+#include <deal.II/fe/mapping_fe.h>
 #include <deal.II/fe/mapping_q.h>
-#include <deal.II/grid/grid_tools.h>
 #include <deal.II/lac/affine_constraints.h>
 
+#include <limits>
+
 namespace dovetail {
+
+namespace {
+
+/// FE_SimplexP, which before deal.II 9.6 gives every shape function a support on every face.
+template <int dim>
+class SimplexElement : public dealii::FE_SimplexP<dim>
+{
+public:
+  using dealii::FE_SimplexP<dim>::FE_SimplexP;
+
+  std::unique_ptr<dealii::FiniteElement<dim>> clone() const override
+  {
+    return std::make_unique<SimplexElement>(*this);
+  }
+
+  /// The nodes of face f are those where the barycentric coordinate of the opposite vertex vanishes.
+  bool has_support_on_face(const unsigned int shape_function, const unsigned int face) const override
+  {
+    const auto shape = this->reference_cell();
+    unsigned int opposite = 0;
+    for (const unsigned int v : shape.vertex_indices()) {
+      bool is_on_face = false;
+      for (unsigned int i = 0; i < dim; ++i)
+        is_on_face = is_on_face || shape.face_to_cell_vertices(face, i, 1) == v;
+      if (!is_on_face)
+        opposite = v;
+    }
+    return shape.d_linear_shape_function(this->get_unit_support_points()[shape_function], opposite) < 1e-10;
+  }
+};
+
+} // namespace
 
 template <int dim>
 Domain<dim>::Domain(const std::string &name, const Section &section, const Material<dim> &material,
@@ -32,15 +67,40 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
   collect_boundary_faces(communicator);
   check_conditions();
 
+  choose_element();
+  measure_box(communicator);
+  distribute_dofs();
+}
+
+template <int dim>
+void Domain<dim>::choose_element()
+{
+  if (dovetail::has_simplices(*triangulation)) {
+    section.check(degree <= largest_degree_of_simplices, "Degree",
+                  "is " + std::to_string(degree) +
+                      ", but triangles and tetrahedra have the degrees 1 and 2 only (with deal.II 9.6 or "
+                      "newer also 3).");
+    cell_mapping = std::make_unique<dealii::MappingFE<dim>>(dealii::FE_SimplexP<dim>(1));
+    element = std::make_unique<dealii::FESystem<dim>>(SimplexElement<dim>(degree), n_components());
+    return;
+  }
   degree_of_mapping = is_straight(*triangulation) ? 1 : degree;
   cell_mapping = std::make_unique<dealii::MappingQ<dim>>(degree_of_mapping);
-  const auto box = dealii::GridTools::compute_bounding_box(*triangulation);
-  std::vector<double> corners;
-  for (unsigned int d = 0; d < dim; ++d) {
-    const bool has_cells = triangulation->n_active_cells() > 0;
-    corners.push_back(has_cells ? box.get_boundary_points().first[d] : std::numeric_limits<double>::max());
-    corners.push_back(has_cells ? -box.get_boundary_points().second[d] : std::numeric_limits<double>::max());
-  }
+  element = std::make_unique<dealii::FESystem<dim>>(dealii::FE_Q<dim>(degree), n_components());
+}
+
+/// Only by the cells of this rank: without any, deal.II may give it a dummy cell.
+template <int dim>
+void Domain<dim>::measure_box(const MPI_Comm &communicator)
+{
+  std::vector<double> corners(2 * dim, std::numeric_limits<double>::max()); // smallest, minus largest
+  for (const auto &cell : triangulation->active_cell_iterators())
+    if (cell->is_locally_owned())
+      for (const unsigned int v : cell->vertex_indices())
+        for (unsigned int d = 0; d < dim; ++d) {
+          corners[2 * d] = std::min(corners[2 * d], cell->vertex(v)[d]);
+          corners[2 * d + 1] = std::min(corners[2 * d + 1], -cell->vertex(v)[d]);
+        }
   dealii::Utilities::MPI::min(corners, communicator, corners);
   dealii::Tensor<1, dim> diagonal;
   for (unsigned int d = 0; d < dim; ++d) {
@@ -48,8 +108,6 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
     diagonal[d] = -corners[2 * d + 1] - corners[2 * d];
   }
   length = diagonal.norm();
-
-  distribute_dofs();
 }
 
 template <int dim>
@@ -68,10 +126,10 @@ void Domain<dim>::collect_boundary_faces(const MPI_Comm &communicator)
           if constexpr (dim == 2)
             measure += face->vertex(0).distance(face->vertex(1));
           else
-            measure +=
-                dealii::cross_product_3d(face->vertex(3) - face->vertex(0), face->vertex(2) - face->vertex(1))
-                    .norm() /
-                2;
+            measure += dealii::cross_product_3d(face->vertex(face->n_vertices() - 1) - face->vertex(0),
+                                                face->vertex(2) - face->vertex(1))
+                           .norm() /
+                       2;
         }
   for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, of_this_rank))
     for (const auto &[id, measure] : of_rank)
@@ -161,7 +219,6 @@ void Domain<dim>::check_conditions() const
 template <int dim>
 void Domain<dim>::distribute_dofs()
 {
-  element = std::make_unique<dealii::FESystem<dim>>(dealii::FE_Q<dim>(degree), n_components());
   dofs.reinit(*triangulation);
   dofs.distribute_dofs(*element);
   if (fields().size() > 1) {

@@ -2,14 +2,17 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/mesh.h>
+#include <dovetail/domain/simplices.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/distributed/tria.h>
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_in.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/manifold.h>
 
 #include <fstream>
+#include <iostream>
 #include <limits>
 
 namespace dovetail {
@@ -66,6 +69,21 @@ bool is_abaqus(const std::string &file_name)
   return false;
 }
 
+/// What deal.II prints before it throws goes nowhere: the exception says enough, once.
+class SilentErrors
+{
+public:
+  SilentErrors() : of_terminal(std::cerr.rdbuf(nullptr)) {}
+  ~SilentErrors()
+  {
+    std::cerr.rdbuf(of_terminal);
+    std::cerr.clear();
+  }
+
+private:
+  std::streambuf *of_terminal;
+};
+
 template <int dim>
 void read_file(const Section &section, const std::string &file_name, dealii::Triangulation<dim> &mesh)
 {
@@ -73,6 +91,7 @@ void read_file(const Section &section, const std::string &file_name, dealii::Tri
   section.check(file.good(), "File",
                 "names '" + file_name +
                     "', which cannot be read. Relative paths start at the working directory.");
+  const SilentErrors silent;
   dealii::GridIn<dim> reader(mesh);
   const std::string suffix = suffix_of(file_name);
   if (suffix == ".msh")
@@ -182,20 +201,31 @@ void make_coarse_mesh(const Section &section, dealii::Triangulation<dim> &mesh)
   } catch (const std::exception &error) {
     if (file_name.empty())
       fail_generator(section, generator, arguments, reason(error));
-    section.fail(source, "could not be used to make the mesh: " + reason(error));
+    const std::string suffix = suffix_of(file_name);
+    section.fail("File", "could not be used to make the mesh: " + reason(error) +
+                             (suffix == ".inp" || suffix == ".unv"
+                                  ? " In " + suffix +
+                                        " files only quadrilaterals and hexahedra are understood; "
+                                        "give triangles and tetrahedra as .msh or .vtk."
+                                  : ""));
   }
   section.check(mesh.n_active_cells() > 0, source, "gives a mesh without cells.");
-  section.check(mesh.all_reference_cells_are_hyper_cube(), source,
-                "gives a mesh with triangles, tetrahedra or wedges; only " +
-                    std::string(dim == 2 ? "quadrilaterals" : "hexahedra") + " are supported.");
+  const std::string shapes =
+      dim == 2 ? "triangles or nothing but quadrilaterals" : "tetrahedra or nothing but hexahedra";
+  section.check(mesh.all_reference_cells_are_hyper_cube() || mesh.all_reference_cells_are_simplex(), source,
+                "gives a mesh of " +
+                    std::string(dim == 2 ? "triangles and quadrilaterals"
+                                         : "several cell shapes, or of wedges or pyramids") +
+                    ". All cells must have one shape: mesh the body with nothing but " + shapes +
+                    ", or make a domain of each part and tie them by an interface.");
 }
 
 /// A distributed mesh together with the coarse mesh it came from: some of deal.II's manifolds refer to it.
 template <int dim>
-class MeshWithOrigin : public Mesh<dim>
+class MeshWithOrigin : public dealii::parallel::distributed::Triangulation<dim>
 {
 public:
-  using Mesh<dim>::Mesh;
+  using dealii::parallel::distributed::Triangulation<dim>::Triangulation;
   dealii::Triangulation<dim> origin;
 };
 
@@ -220,6 +250,11 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
 {
   auto mesh = std::make_unique<MeshWithOrigin<dim>>(communicator);
   make_coarse_mesh(section, mesh->origin);
+  const bool converts =
+      section.choose(
+          "Cells", {"as they are", "simplices"}, 0,
+          "simplices: divide quadrilaterals into triangles, hexahedra into tetrahedra, after Refinements "
+          "[-]") == 1;
   const auto n_refinements = section.read<unsigned int>(
       "Refinements", 0, "How often every cell is divided into 2^d [-]", Patterns::Integer(0, 20));
   const auto scale =
@@ -237,11 +272,21 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   dealii::Triangulation<dim> coarse_mesh;
   coarse_mesh.copy_triangulation(mesh->origin);
   transform(scale, shift_in_dim, coarse_mesh);
+  if (converts || coarse_mesh.all_reference_cells_are_simplex()) {
+    make_simplices(n_refinements, coarse_mesh);
+    return distribute(coarse_mesh, communicator);
+  }
   mesh->copy_triangulation(coarse_mesh);
   if (is_straight(mesh->origin))
     mesh->origin.clear();
   mesh->refine_global(n_refinements);
   return mesh;
+}
+
+template <int dim>
+bool has_simplices(const Mesh<dim> &mesh)
+{
+  return !mesh.all_reference_cells_are_hyper_cube(); // a rank without cells may hold a dummy hypercube
 }
 
 template <int dim>
@@ -255,6 +300,8 @@ bool is_straight(const dealii::Triangulation<dim> &mesh)
 
 template std::unique_ptr<Mesh<2>> make_mesh<2>(const Section &, const MPI_Comm &);
 template std::unique_ptr<Mesh<3>> make_mesh<3>(const Section &, const MPI_Comm &);
+template bool has_simplices<2>(const Mesh<2> &);
+template bool has_simplices<3>(const Mesh<3> &);
 template bool is_straight<2>(const dealii::Triangulation<2> &);
 template bool is_straight<3>(const dealii::Triangulation<3> &);
 

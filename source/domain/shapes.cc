@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/quadrature.h>
 #include <dovetail/domain/shapes.h>
 
 #include <numeric>
@@ -10,15 +11,21 @@ namespace dovetail {
 template <int dim>
 ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
     : domain(domain), geometry(domain.mapping_degree()), element(domain.degree),
-      geometry_nodes(domain.mapping(), domain.scalar_element(),
-                     dealii::Quadrature<dim>(geometry.support_points()), dealii::update_quadrature_points),
       measure_of_cell(domain.mapping(), domain.scalar_element(),
-                      dealii::QGauss<dim>(domain.mapping_degree() + 1), dealii::update_JxW_values),
+                      gauss_rule<dim>(domain.cell_shape(), domain.mapping_degree() + 1),
+                      dealii::update_JxW_values),
       measure_of_face(domain.mapping(), domain.scalar_element(),
-                      dealii::QGauss<dim - 1>(domain.mapping_degree() + 1), dealii::update_JxW_values),
+                      gauss_rule<dim - 1>(domain.face_shape(), domain.mapping_degree() + 1),
+                      dealii::update_JxW_values),
       nodes(geometry.size()), values(element.size()), geometry_gradients(geometry.size()),
       element_gradients(element.size())
 {
+  if (domain.has_simplices())
+    return;
+  if (domain.mapping_degree() > 1)
+    geometry_nodes = std::make_unique<dealii::FEValues<dim>>(
+        domain.mapping(), domain.scalar_element(), dealii::Quadrature<dim>(geometry.support_points()),
+        dealii::update_quadrature_points);
   for (const auto &point : domain.scalar_element().get_unit_support_points()) {
     unsigned int nearest = 0;
     for (unsigned int i = 1; i < element.size(); ++i)
@@ -32,19 +39,37 @@ ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
 template <int dim>
 void ShapeEvaluator<dim>::reinit(const cell_iterator &cell)
 {
+  if (domain.has_simplices()) {
+    inverse_of_simplex = dealii::invert(jacobian_of_simplex<dim>(cell));
+    return;
+  }
   if (domain.mapping_degree() == 1) {
     for (const unsigned int v : cell->vertex_indices())
       nodes[v] = cell->vertex(v);
     return;
   }
-  geometry_nodes.reinit(cell);
-  nodes = geometry_nodes.get_quadrature_points();
+  geometry_nodes->reinit(cell);
+  nodes = geometry_nodes->get_quadrature_points();
+}
+
+template <int dim>
+void ShapeEvaluator<dim>::evaluate_simplex(const dealii::Point<dim> &unit_point, double *shape_values,
+                                           dealii::Tensor<1, dim> *shape_gradients) const
+{
+  for (unsigned int a = 0; a < domain.n_nodes(); ++a) {
+    shape_values[a] = domain.scalar_element().shape_value(a, unit_point);
+    shape_gradients[a] = domain.scalar_element().shape_grad(a, unit_point) * inverse_of_simplex;
+  }
 }
 
 template <int dim>
 void ShapeEvaluator<dim>::evaluate(const dealii::Point<dim> &unit_point, double *shape_values,
                                    dealii::Tensor<1, dim> *shape_gradients)
 {
+  if (domain.has_simplices()) {
+    evaluate_simplex(unit_point, shape_values, shape_gradients);
+    return;
+  }
   element.evaluate(unit_point, values, element_gradients, no_hessians);
   const bool is_isoparametric = geometry.size() == element.size(); // then the bases are the same
   if (!is_isoparametric)

@@ -4,7 +4,7 @@
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/output/domain_picture.h>
 
-#include <deal.II/grid/reference_cell.h>
+#include <deal.II/fe/fe_simplex_p.h>
 
 #include <limits>
 
@@ -29,6 +29,21 @@ group_by_name(const std::vector<std::string> &names)
   return ranges;
 }
 
+namespace {
+
+/// A grid of degree^dim parts on a hypercube. The nodes of the linear or quadratic element on a simplex, in
+/// the order that VTK has, too.
+template <int dim>
+dealii::Quadrature<dim> points_of_patch(const Domain<dim> &domain)
+{
+  if (domain.has_simplices())
+    return dealii::Quadrature<dim>(
+        dealii::FE_SimplexP<dim>(std::min(domain.degree, 2U)).get_unit_support_points());
+  return dealii::QIterated<dim>(dealii::QTrapezoid<1>(), domain.degree);
+}
+
+} // namespace
+
 template <int dim>
 DomainPicture<dim>::DomainPicture(const Domain<dim> &domain, const std::set<std::string> &fields,
                                   const Vector &solution, const double t)
@@ -36,11 +51,11 @@ DomainPicture<dim>::DomainPicture(const Domain<dim> &domain, const std::set<std:
 {
   declare(fields);
   const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
-  const dealii::QIterated<dim> points(dealii::QTrapezoid<1>(), domain.degree);
+  const dealii::Quadrature<dim> points = points_of_patch(domain);
   dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(), points,
                                dealii::update_values | dealii::update_gradients |
                                    dealii::update_quadrature_points);
-  const bool is_curved = domain.mapping_degree() > 1;
+  const bool gives_points = domain.mapping_degree() > 1 || domain.has_simplices();
   State<dim> state(n);
   state.t = t;
   std::vector<dealii::types::global_dof_index> dofs;
@@ -56,12 +71,12 @@ DomainPicture<dim>::DomainPicture(const Domain<dim> &domain, const std::set<std:
 
       Patch patch;
       patch.patch_index = patches.size();
-      patch.reference_cell = dealii::ReferenceCells::get_hypercube<dim>();
-      patch.n_subdivisions = domain.degree;
+      patch.reference_cell = domain.cell_shape();
+      patch.n_subdivisions = domain.has_simplices() ? 1 : domain.degree;
       for (const unsigned int v : mesh_cell->vertex_indices())
         patch.vertices[v] = mesh_cell->vertex(v);
-      patch.points_are_available = is_curved; // as the last rows
-      patch.data.reinit(names.size() + (is_curved ? dim : 0), points.size());
+      patch.points_are_available = gives_points; // as the last rows
+      patch.data.reinit(names.size() + (gives_points ? dim : 0), points.size());
       for (unsigned int q = 0; q < points.size(); ++q) {
         for (unsigned int a = 0; a < n_nodes; ++a) {
           shape[a] = values.shape_value(a, q);
@@ -71,7 +86,7 @@ DomainPicture<dim>::DomainPicture(const Domain<dim> &domain, const std::set<std:
         evaluate_state<dim>(n, n_nodes, shape.data(), gradients.data(), unknowns.data(), state);
         data.clear();
         append_data(state, data);
-        for (unsigned int d = 0; is_curved && d < dim; ++d)
+        for (unsigned int d = 0; gives_points && d < dim; ++d)
           data.push_back(state.X[d]);
         for (unsigned int i = 0; i < data.size(); ++i)
           patch.data(i, q) = data[i];

@@ -64,6 +64,25 @@ struct Nearest
   double distance = std::numeric_limits<double>::max(); ///< in units of the cell's diameter
 };
 
+/// Where X is in the reference cell, or at its surface if X is outside.
+template <int dim>
+dealii::Point<dim> find_in_cell(const Domain<dim> &domain, const typename Domain<dim>::cell_iterator &cell,
+                                const dealii::Point<dim> &X)
+{
+  if (!domain.has_simplices())
+    return dealii::GeometryInfo<dim>::project_to_unit_cell(
+        domain.mapping().transform_real_to_unit_cell(cell, X));
+  const typename dealii::Triangulation<dim>::active_cell_iterator mesh_cell(cell);
+  dealii::Point<dim> unit_point(dealii::invert(jacobian_of_simplex<dim>(mesh_cell)) * (X - cell->vertex(0)));
+  double first = 1, sum = 0; // barycentric coordinates
+  for (unsigned int d = 0; d < dim; ++d) {
+    first -= unit_point[d];
+    unit_point[d] = std::max(unit_point[d], 0.);
+    sum += unit_point[d];
+  }
+  return dealii::Point<dim>(unit_point / (sum + std::max(first, 0.)));
+}
+
 template <int dim>
 void compare_with_cell(const Domain<dim> &domain, const typename Domain<dim>::cell_iterator &cell,
                        const dealii::Point<dim> &X, Nearest<dim> &nearest)
@@ -72,8 +91,7 @@ void compare_with_cell(const Domain<dim> &domain, const typename Domain<dim>::ce
   if (X.distance(cell->center()) > 1.5 * diameter)
     return;
   try {
-    const auto unit_point = dealii::GeometryInfo<dim>::project_to_unit_cell(
-        domain.mapping().transform_real_to_unit_cell(cell, X));
+    const auto unit_point = find_in_cell(domain, cell, X);
     const double distance =
         X.distance(domain.mapping().transform_unit_to_real_cell(cell, unit_point)) / diameter;
     if (distance < nearest.distance)

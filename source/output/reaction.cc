@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/domain/quadrature.h>
 #include <dovetail/output/reaction.h>
 
 #include <deal.II/dofs/dof_tools.h>
@@ -107,7 +108,8 @@ class GivenInflux
 public:
   GivenInflux(const Domain<dim> &domain, const Ids &boundary_ids, const Field &field, const double t)
       : domain(domain), boundary_ids(boundary_ids), field(field), t(t),
-        face_values(domain.mapping(), domain.scalar_element(), dealii::QGauss<dim - 1>(domain.degree + 1),
+        face_values(domain.mapping(), domain.scalar_element(),
+                    gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
                     dealii::update_values | dealii::update_quadrature_points | dealii::update_JxW_values)
   {
     for (const auto &condition : domain.conditions())

@@ -49,6 +49,11 @@ public:
   const dealii::DoFHandler<dim> &dof_handler() const { return dofs; }
   const dealii::FiniteElement<dim> &scalar_element() const { return element->base_element(0); }
 
+  /// All cells have one shape, and so have their faces.
+  dealii::ReferenceCell cell_shape() const { return scalar_element().reference_cell(); }
+  dealii::ReferenceCell face_shape() const { return cell_shape().face_reference_cell(0); }
+  bool has_simplices() const { return cell_shape().is_simplex(); } ///< triangles or tetrahedra
+
   const std::vector<Field> &fields() const { return material.fields(); }
   unsigned int n_components() const { return material.n_components(); }
   unsigned int n_nodes() const { return scalar_element().n_dofs_per_cell(); } ///< of one cell
@@ -108,6 +113,8 @@ private:
   void read_conditions(const Section &section, const Toggles &toggles);
   void check_conditions() const;
   void collect_boundary_faces(const MPI_Comm &communicator);
+  void choose_element();
+  void measure_box(const MPI_Comm &communicator);
   void distribute_dofs();
   void add_hanging_nodes(ConstraintLines &lines) const;
 

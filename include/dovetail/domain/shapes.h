@@ -15,6 +15,18 @@
 
 namespace dovetail {
 
+/// dX_i / dxi_j of a straight triangle or tetrahedron.
+template <int dim>
+dealii::Tensor<2, dim>
+jacobian_of_simplex(const typename dealii::Triangulation<dim>::active_cell_iterator &cell)
+{
+  dealii::Tensor<2, dim> jacobian;
+  for (unsigned int i = 0; i < dim; ++i)
+    for (unsigned int j = 0; j < dim; ++j)
+      jacobian[i][j] = cell->vertex(j + 1)[i] - cell->vertex(0)[i];
+  return jacobian;
+}
+
 /// Values and gradients (by X) of the scalar element's shape functions at reference points of a cell, as
 /// FEValues would give them, but without its set-up for every new set of points.
 template <int dim>
@@ -34,16 +46,21 @@ public:
 
 private:
   const Domain<dim> &domain;
-  const LagrangeBasis<dim> geometry, element;
+  void evaluate_simplex(const dealii::Point<dim> &unit_point, double *values,
+                        dealii::Tensor<1, dim> *gradients) const;
+
+  const LagrangeBasis<dim> geometry, element; ///< of hypercubes
   std::vector<unsigned int>
       lexicographic; ///< index in `element` of the shape functions of the scalar element
-  dealii::FEValues<dim> geometry_nodes, measure_of_cell;
+  std::unique_ptr<dealii::FEValues<dim>> geometry_nodes; ///< of curved cells
+  dealii::FEValues<dim> measure_of_cell;
   dealii::FEFaceValues<dim> measure_of_face;
   std::vector<dealii::Point<dim>> nodes;
   std::vector<double> values;
   std::vector<dealii::Tensor<1, dim>> geometry_gradients, element_gradients;
   std::vector<dealii::Tensor<2, dim>> no_hessians;
   std::vector<double> no_values;
+  dealii::Tensor<2, dim> inverse_of_simplex; ///< dxi_i / dX_j
 };
 
 } // namespace dovetail

@@ -28,8 +28,8 @@ group_by_name(const std::vector<std::string> &names);
 /// stress` (a three-dimensional tensor also in 2D) and its `von Mises` measure. The latter are evaluated in
 /// each cell and not averaged between cells.
 ///
-/// A cell of degree p is one patch of p^dim parts. deal.II's DataOut would do, but knows only names without
-/// blanks and tensors of the dimension of space.
+/// A hypercube of degree p is one patch of p^dim parts, a simplex is one linear or quadratic cell of VTK.
+/// deal.II's DataOut would do, but knows only names without blanks and tensors of the dimension of space.
 template <int dim>
 class DomainPicture : public dealii::DataOutInterface<dim>
 {

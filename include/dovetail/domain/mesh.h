@@ -18,7 +18,7 @@ using Mesh = dealii::parallel::distributed::Triangulation<dim>;
 
 /// Make the mesh that a `subsection Mesh` describes: File (.msh 2.2 and 4.1, .inp of Abaqus or AVS UCD, .vtk,
 /// .unv) or Generator with Arguments; then X -> Scale X + Shift (curved manifolds follow), then global
-/// Refinements.
+/// Refinements, then the local ones.
 template <int dim>
 std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &communicator);
 

@@ -69,8 +69,8 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
   const Probes<3> probes(scene, model);
   const Steps steps(scene.subsection("Steps"));
   const Newton newton(scene.subsection("Newton"));
-  const LinearSolver solver(scene.subsection("Linear solver"), {});
   const Adaptivity adaptivity(scene);
+  const LinearSolver solver(scene.subsection("Linear solver"), {});
   const Section output = scene.subsection("Output");
   read_directory(output, "");
   output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
@@ -87,7 +87,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
         return Model<dim>(scene, communicator);
       }()),
       probes(scene, model), steps(scene.subsection("Steps")), newton(scene.subsection("Newton")),
-      linear_solver(scene.subsection("Linear solver"), solve_groups()), adaptivity(scene)
+      adaptivity(scene), linear_solver(scene.subsection("Linear solver"), solve_groups())
 {
   const Section output = scene.subsection("Output");
   directory = read_directory(output, text->file_name());
@@ -181,8 +181,8 @@ template <int dim>
 void Simulation<dim>::set_up(const double t)
 {
   const Phases::Scope scope(phases, "setup");
+  linear_solver.forget_matrix();
   system->set_up(t);
-  has_new_structure = true;
 }
 
 template <int dim>
@@ -198,8 +198,7 @@ NewtonResult Simulation<dim>::solve_step()
   double linear_residual = 0;
   problem.solve = [&]() {
     const Phases::Scope scope(phases, "solve");
-    linear_solver.set_matrix(system->tangent(), has_new_structure);
-    has_new_structure = false;
+    linear_solver.set_matrix(system->tangent());
     const auto n_iterations = linear_solver.solve(update, system->negative_residual());
     if (problem.is_linear)
       linear_residual = system->linear_residual_norm(update);
@@ -330,6 +329,7 @@ NewtonResult Simulation<dim>::solve_on_refined_meshes(const ErrorEstimate &estim
     Vector ghosted = system->ghosted_vector();
     ghosted = solution;
     phases.add("tie", system->seconds_of_ties());
+    linear_solver.forget_matrix();
     system.reset(); // its memory is needed
     const Phases::Scope scope(phases, "mesh");
     solution = model.refine(mark_cells(model, estimate, adaptivity.share), ghosted);

@@ -72,15 +72,14 @@ private:
   Probes<dim> probes;
   Steps steps;
   Newton newton;
-  LinearSolver linear_solver;
   Adaptivity adaptivity;
   std::string directory;
   unsigned int every_steps;
   std::unique_ptr<Paraview<dim>> paraview;
   std::unique_ptr<BlockSystem<dim>> system;
+  LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<Report> report;
   Vector solution, trial, update;
-  bool has_new_structure = true;
 };
 
 /// Read every entry that a scene can have, for the reference (@p text from SceneText::for_documentation).

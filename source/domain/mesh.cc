@@ -272,7 +272,7 @@ public:
       dealii::Utilities::MPI::sum(n_in_box, communicator, n_in_box);
       for (unsigned int b = 0; b < boxes.size(); ++b)
         section.check(
-            n_in_box[b] > 0, "Refine boxes",
+            n_in_box[b] > 0 || level > 0, "Refine boxes",
             "contains a box, number " + std::to_string(b + 1) +
                 ", in which no cell has its centre. Boxes are in the final coordinates, after Scale "
                 "and Shift.");

@@ -72,6 +72,8 @@ Vector Model<dim>::refine(const std::vector<std::vector<bool>> &marked, const Ve
     for (const auto dof : domains[d]->dof_handler().locally_owned_dofs())
       refined(domains[d]->first_dof + dof) = parts[d](dof);
   refined.compress(dealii::VectorOperation::insert);
+  for (auto &interface : interfaces) // what a tie has frozen belongs to points that are no more
+    interface = std::make_unique<Interface<dim>>(interface->name, interface->section, domains, toggles);
   pair();
   return refined;
 }

@@ -8,6 +8,11 @@
 #include <deal.II/base/config.h>
 #include <deal.II/base/index_set.h>
 #include <deal.II/lac/affine_constraints.h>
+#if DEAL_II_VERSION_GTE(9, 7, 0)
+#include <deal.II/numerics/solution_transfer.h>
+#else
+#include <deal.II/distributed/solution_transfer.h>
+#endif
 
 namespace dovetail {
 
@@ -25,5 +30,14 @@ inline dealii::AffineConstraints<double> make_affine_constraints(const dealii::I
 
 /// Of the Lagrange elements on triangles and tetrahedra.
 constexpr unsigned int largest_degree_of_simplices = DEAL_II_VERSION_GTE(9, 6, 0) ? 3 : 2;
+
+/// From one mesh to the next, serial and parallel.
+#if DEAL_II_VERSION_GTE(9, 7, 0)
+template <int dim, typename VectorType>
+using SolutionTransfer = dealii::SolutionTransfer<dim, VectorType>;
+#else
+template <int dim, typename VectorType>
+using SolutionTransfer = dealii::parallel::distributed::SolutionTransfer<dim, VectorType>;
+#endif
 
 } // namespace dovetail

@@ -69,6 +69,7 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
 
   choose_element();
   measure_box(communicator);
+  dofs.reinit(*triangulation);
   distribute_dofs();
 }
 
@@ -113,6 +114,8 @@ void Domain<dim>::measure_box(const MPI_Comm &communicator)
 template <int dim>
 void Domain<dim>::collect_boundary_faces(const MPI_Comm &communicator)
 {
+  faces.clear();
+  measures.clear();
   std::map<dealii::types::boundary_id, double> of_this_rank;
   for (const auto &cell : triangulation->active_cell_iterators())
     if (!cell->is_artificial() && cell->at_boundary())
@@ -219,7 +222,6 @@ void Domain<dim>::check_conditions() const
 template <int dim>
 void Domain<dim>::distribute_dofs()
 {
-  dofs.reinit(*triangulation);
   dofs.distribute_dofs(*element);
   if (fields().size() > 1) {
     std::vector<unsigned int> field_of_component(n_components());
@@ -233,6 +235,33 @@ void Domain<dim>::distribute_dofs()
   for (unsigned int c = 0; c < n_components(); ++c)
     for (unsigned int a = 0; a < n_nodes(); ++a)
       by_component[c * n_nodes() + a] = element->component_to_system_index(c, a);
+}
+
+template <int dim>
+bool Domain<dim>::can_refine() const
+{
+  return dynamic_cast<const dealii::parallel::distributed::Triangulation<dim> *>(triangulation.get()) !=
+         nullptr;
+}
+
+template <int dim>
+dealii::TrilinosWrappers::MPI::Vector
+Domain<dim>::refine(const std::vector<bool> &marked, const dealii::TrilinosWrappers::MPI::Vector &ghosted)
+{
+  for (const auto &cell : triangulation->active_cell_iterators())
+    if (cell->is_locally_owned() && marked[cell->active_cell_index()])
+      cell->set_refine_flag();
+  triangulation->prepare_coarsening_and_refinement();
+  SolutionTransfer<dim, dealii::TrilinosWrappers::MPI::Vector> transfer(dofs);
+  transfer.prepare_for_coarsening_and_refinement(ghosted);
+  triangulation->execute_coarsening_and_refinement();
+
+  const MPI_Comm communicator = ghosted.get_mpi_communicator();
+  collect_boundary_faces(communicator);
+  distribute_dofs();
+  dealii::TrilinosWrappers::MPI::Vector refined(dofs.locally_owned_dofs(), communicator);
+  transfer.interpolate(refined);
+  return refined;
 }
 
 template <int dim>

@@ -4,7 +4,9 @@
 #include <dovetail/domain/mesh.h>
 #include <dovetail/domain/simplices.h>
 
+#include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
 #include <deal.II/distributed/tria.h>
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_in.h>
@@ -14,6 +16,7 @@
 #include <fstream>
 #include <iostream>
 #include <limits>
+#include <set>
 
 namespace dovetail {
 
@@ -243,6 +246,109 @@ void transform(const double scale, const dealii::Tensor<1, dim> &shift, dealii::
     }
 }
 
+/// Which cells are divided once more: those in boxes and those at parts of the boundary.
+template <int dim>
+class LocalRefinement
+{
+public:
+  explicit LocalRefinement(const Section &section) : section(section)
+  {
+    for (const std::string &text : section.read<std::vector<std::string>>(
+             "Refine boxes", {},
+             "Cells with their centre in one of these boxes, smallest : largest coordinates in the final "
+             "position, are divided further; for instance 0; 0 : 1; 0.5, 2; 0 : 3; 0.5 [m]"))
+      boxes.push_back(read_box(text));
+    const auto ids = section.read<std::vector<unsigned int>>(
+        "Refine at boundary ids", {}, "Cells with a face on these parts of the boundary, too [-]");
+    boundary_ids.insert(ids.begin(), ids.end());
+    n_refinements = section.read<unsigned int>(
+        "Local refinements", 1, "How often the cells of these boxes and boundaries are divided [-]",
+        Patterns::Integer(0, 20));
+  }
+
+  bool is_asked_for() const { return !boxes.empty() || !boundary_ids.empty(); }
+
+  void check(const dealii::Triangulation<dim> &coarse_mesh, const bool becomes_simplices) const
+  {
+    section.check(!becomes_simplices && coarse_mesh.all_reference_cells_are_hyper_cube(),
+                  boxes.empty() ? "Refine at boundary ids" : "Refine boxes",
+                  "cannot be used: triangles and tetrahedra are not refined locally. Remove it, or make a "
+                  "mesh that is finer there.");
+    const auto known = coarse_mesh.get_boundary_ids();
+    std::vector<std::string> names;
+    for (const auto id : known)
+      names.push_back(std::to_string(id));
+    for (const auto id : boundary_ids)
+      section.check(std::find(known.begin(), known.end(), id) != known.end(), "Refine at boundary ids",
+                    "has " + std::to_string(id) + ", which the mesh does not have. It has " +
+                        comma_separated(names) + ".");
+  }
+
+  void refine(Mesh<dim> &mesh, const MPI_Comm &communicator) const
+  {
+    for (unsigned int level = 0; level < n_refinements; ++level) {
+      std::vector<unsigned int> n_in_box(boxes.size(), 0);
+      for (const auto &cell : mesh.active_cell_iterators())
+        if (cell->is_locally_owned()) {
+          bool is_marked = is_at_boundary(cell);
+          for (unsigned int b = 0; b < boxes.size(); ++b)
+            if (boxes[b].point_inside(cell->center())) {
+              ++n_in_box[b];
+              is_marked = true;
+            }
+          if (is_marked)
+            cell->set_refine_flag();
+        }
+      dealii::Utilities::MPI::sum(n_in_box, communicator, n_in_box);
+      for (unsigned int b = 0; b < boxes.size(); ++b)
+        section.check(
+            n_in_box[b] > 0 || level > 0, "Refine boxes",
+            "contains a box, number " + std::to_string(b + 1) +
+                ", in which no cell has its centre. Boxes are in the final coordinates, after Scale "
+                "and Shift.");
+      mesh.execute_coarsening_and_refinement();
+    }
+  }
+
+private:
+  dealii::BoundingBox<dim> read_box(const std::string &text) const
+  {
+    const auto corners = dealii::Utilities::split_string_list(text, ':');
+    section.check(corners.size() == 2, "Refine boxes",
+                  "has the box '" + text + "', but a box is two corners: 'smallest : largest'.");
+    std::array<dealii::Point<dim>, 2> points;
+    for (unsigned int corner = 0; corner < 2; ++corner) {
+      const auto coordinates = dealii::Utilities::split_string_list(corners[corner], ';');
+      section.check(coordinates.size() == dim, "Refine boxes",
+                    "has the corner '" + corners[corner] + "', but needs " + std::to_string(dim) +
+                        " numbers separated by ';'.");
+      for (unsigned int d = 0; d < dim; ++d) {
+        section.check(Patterns::Double().match(coordinates[d]), "Refine boxes",
+                      "has '" + coordinates[d] + "', which is not a number.");
+        points[corner][d] = dealii::Utilities::string_to_double(coordinates[d]);
+      }
+    }
+    for (unsigned int d = 0; d < dim; ++d)
+      section.check(points[0][d] <= points[1][d], "Refine boxes",
+                    "has the box '" + text + "', whose first corner is larger than its second one in " +
+                        std::string(1, "xyz"[d]) + ". Write 'smallest : largest'.");
+    return dealii::BoundingBox<dim>(std::make_pair(points[0], points[1]));
+  }
+
+  bool is_at_boundary(const typename dealii::Triangulation<dim>::active_cell_iterator &cell) const
+  {
+    for (const unsigned int face : cell->face_indices())
+      if (cell->face(face)->at_boundary() && boundary_ids.count(cell->face(face)->boundary_id()) > 0)
+        return true;
+    return false;
+  }
+
+  const Section section;
+  std::vector<dealii::BoundingBox<dim>> boxes;
+  std::set<dealii::types::boundary_id> boundary_ids;
+  unsigned int n_refinements;
+};
+
 } // namespace
 
 template <int dim>
@@ -257,6 +363,7 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
           "[-]") == 1;
   const auto n_refinements = section.read<unsigned int>(
       "Refinements", 0, "How often every cell is divided into 2^d [-]", Patterns::Integer(0, 20));
+  const LocalRefinement<dim> local_refinement(section);
   const auto scale =
       section.read<double>("Scale", 1, "All lengths of the mesh are multiplied by this, before Shift [-]",
                            Patterns::Double(1e-300));
@@ -272,6 +379,8 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   dealii::Triangulation<dim> coarse_mesh;
   coarse_mesh.copy_triangulation(mesh->origin);
   transform(scale, shift_in_dim, coarse_mesh);
+  if (local_refinement.is_asked_for())
+    local_refinement.check(coarse_mesh, converts);
   if (converts || coarse_mesh.all_reference_cells_are_simplex()) {
     make_simplices(n_refinements, coarse_mesh);
     return distribute(coarse_mesh, communicator);
@@ -280,6 +389,8 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   if (is_straight(mesh->origin))
     mesh->origin.clear();
   mesh->refine_global(n_refinements);
+  if (local_refinement.is_asked_for())
+    local_refinement.refine(*mesh, communicator);
   return mesh;
 }
 

@@ -198,6 +198,14 @@ void Log::step_ends(const std::string &remark)
   }
 }
 
+void Log::cycle(const unsigned int n_done, const unsigned int n_cycles, const unsigned long n_unknowns,
+                const double estimated_error)
+{
+  line("Adaptive cycle " + std::to_string(n_done) + " of " + std::to_string(n_cycles) + ": " +
+       std::to_string(n_unknowns) + " unknowns, estimated error " +
+       to_text(100 * estimated_error, "%.3g %% of the energy norm"));
+}
+
 void Log::finish(const nlohmann::ordered_json &report, const std::string &directory)
 {
   erase_bar();

@@ -133,6 +133,8 @@ void Paraview<dim>::write(const double time, const Vector &solution)
     return;
   if (blocks.empty())
     prepare();
+  if (!times.empty() && times.back() == time)
+    times.pop_back();
   for (const Block &block : blocks) {
     const std::string file = directory + "/steps/" + file_of(block.stem, times.size(), ".vtu");
     if (block.domain != nullptr) {

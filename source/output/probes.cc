@@ -124,13 +124,13 @@ typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Sec
   section.check(!has_boundary || !section.is_set("Domain"), "Domain",
                 "belongs to a Point; a Boundary names its domain itself (domain : boundary ids).");
 
-  dealii::Point<dim> X;
+  probe.section = section;
   if (has_point || section.documenting()) {
     const auto domain = section.require<std::string>("Domain", "The domain in which the point lies [-]");
     const auto point =
         section.require_point("Point", "Where the field is evaluated, in material coordinates [m]");
     for (unsigned int d = 0; d < dim; ++d)
-      X[d] = point[d];
+      probe.X[d] = point[d];
     probe.domain = find_domain(domain, section, "Domain", model);
   }
   if (has_boundary || section.documenting()) {
@@ -145,23 +145,32 @@ typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Sec
   probe.field = find_field(section.require<std::string>("Field", "The field, for instance temperature [-]"),
                            section, probe.domain);
   if (has_point && !section.documenting())
-    locate(probe, section, X, model.communicator);
+    locate(probe, model.communicator);
   return probe;
 }
 
 template <int dim>
-void Probes<dim>::locate(Probe &probe, const Section &section, const dealii::Point<dim> &X,
-                         const MPI_Comm &communicator)
+void Probes<dim>::locate_again()
 {
+  for (Probe &probe : probes)
+    if (probe.boundary_ids.empty())
+      locate(probe, model.communicator);
+}
+
+template <int dim>
+void Probes<dim>::locate(Probe &probe, const MPI_Comm &communicator)
+{
+  probe.dofs.clear();
+  probe.shape_values.clear();
   const Domain<dim> &domain = *probe.domain;
   Nearest<dim> nearest;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned())
-      compare_with_cell(domain, cell, X, nearest);
+      compare_with_cell(domain, cell, probe.X, nearest);
 
   const double least = dealii::Utilities::MPI::min(nearest.distance, communicator);
   if (least > (is_straight(domain.mesh()) ? tolerance_of_straight : tolerance_of_curved))
-    fail_outside(probe, section, X, communicator);
+    fail_outside(probe, communicator);
 
   // several ranks may have it on a common face; the fields are continuous there
   const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(communicator);
@@ -176,15 +185,14 @@ void Probes<dim>::locate(Probe &probe, const Section &section, const dealii::Poi
 }
 
 template <int dim>
-void Probes<dim>::fail_outside(const Probe &probe, const Section &section, const dealii::Point<dim> &X,
-                               const MPI_Comm &communicator)
+void Probes<dim>::fail_outside(const Probe &probe, const MPI_Comm &communicator)
 {
   double distance = std::numeric_limits<double>::max();
   std::vector<double> corners(2 * dim, std::numeric_limits<double>::max()); // smallest, minus largest
   for (const auto &cell : probe.domain->mesh().active_cell_iterators())
     if (cell->is_locally_owned())
       for (const unsigned int v : cell->vertex_indices()) {
-        distance = std::min(distance, X.distance(cell->vertex(v)));
+        distance = std::min(distance, probe.X.distance(cell->vertex(v)));
         for (unsigned int d = 0; d < dim; ++d) {
           corners[d] = std::min(corners[d], cell->vertex(v)[d]);
           corners[dim + d] = std::min(corners[dim + d], -cell->vertex(v)[d]);
@@ -201,7 +209,7 @@ void Probes<dim>::fail_outside(const Probe &probe, const Section &section, const
   message << "is outside the domain " << probe.domain->name << ": the nearest vertex of its mesh is "
           << distance << " away, and the domain extends from " << to_text(lower) << " to " << to_text(upper)
           << ".";
-  section.fail("Point", message.str());
+  probe.section->fail("Point", message.str());
 }
 
 template <int dim>

@@ -52,7 +52,8 @@ Report::Report(const std::string &directory, const MPI_Comm &communicator)
              {"converged", false}};
   for (const char *key : {"domains", "interfaces", "probes"})
     content[key] = nlohmann::ordered_json::object();
-  content["steps"] = nlohmann::ordered_json::array();
+  for (const char *key : {"steps", "adaptive cycles"})
+    content[key] = nlohmann::ordered_json::array();
   content["seconds"] = nlohmann::ordered_json::object();
   content["peak memory MiB"] = 0;
   content["left out"] = nlohmann::ordered_json::array();

@@ -41,6 +41,18 @@ Steps::Steps(const Section &section)
 {
 }
 
+Adaptivity::Adaptivity(const Section &scene)
+    : n_cycles(scene.read<unsigned int>(
+          "Adaptive cycles", 0,
+          "Refine where the estimated error is largest and solve the end time again, so often [-]",
+          Patterns::Integer(0, 50))),
+      share(scene.read<double>("Adaptive share", 0.5,
+                               "The refined cells hold this share of the estimated error squared [-]",
+                               Patterns::Double(0, 1)))
+{
+  scene.check(share > 0, "Adaptive share", "is 0, but must be larger: nothing would be refined.");
+}
+
 unsigned int read_dimension(const Section &scene)
 {
   const auto dimension =
@@ -57,6 +69,7 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
   const Probes<3> probes(scene, model);
   const Steps steps(scene.subsection("Steps"));
   const Newton newton(scene.subsection("Newton"));
+  const Adaptivity adaptivity(scene);
   const LinearSolver solver(scene.subsection("Linear solver"), {});
   const Section output = scene.subsection("Output");
   read_directory(output, "");
@@ -74,7 +87,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
         return Model<dim>(scene, communicator);
       }()),
       probes(scene, model), steps(scene.subsection("Steps")), newton(scene.subsection("Newton")),
-      linear_solver(scene.subsection("Linear solver"), solve_groups())
+      adaptivity(scene), linear_solver(scene.subsection("Linear solver"), solve_groups())
 {
   const Section output = scene.subsection("Output");
   directory = read_directory(output, text->file_name());
@@ -82,6 +95,11 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
       "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1));
   paraview = std::make_unique<Paraview<dim>>(output, model, directory);
   text->check_all_read();
+  scene.check(adaptivity.n_cycles == 0 ||
+                  std::any_of(model.domains.begin(), model.domains.end(),
+                              [](const auto &domain) { return domain->can_refine(); }),
+              "Adaptive cycles",
+              "cannot be done: triangles and tetrahedra are not refined locally. Remove the entry.");
 
   if (!model.interfaces.empty()) {
     const Phases::Scope scope(phases, "pairing");
@@ -163,8 +181,8 @@ template <int dim>
 void Simulation<dim>::set_up(const double t)
 {
   const Phases::Scope scope(phases, "setup");
+  linear_solver.forget_matrix();
   system->set_up(t);
-  has_new_structure = true;
 }
 
 template <int dim>
@@ -180,8 +198,7 @@ NewtonResult Simulation<dim>::solve_step()
   double linear_residual = 0;
   problem.solve = [&]() {
     const Phases::Scope scope(phases, "solve");
-    linear_solver.set_matrix(system->tangent(), has_new_structure);
-    has_new_structure = false;
+    linear_solver.set_matrix(system->tangent());
     const auto n_iterations = linear_solver.solve(update, system->negative_residual());
     if (problem.is_linear)
       linear_residual = system->linear_residual_norm(update);
@@ -266,8 +283,71 @@ bool Simulation<dim>::run()
       break;
     }
   }
-  write_report(t, is_converged);
+  measure(t);
+  if (is_converged)
+    is_converged = run_cycles(t);
+  write_report(is_converged);
   return is_converged;
+}
+
+/// What is measured and written last stays if a cycle does not converge.
+template <int dim>
+bool Simulation<dim>::run_cycles(const double t)
+{
+  unsigned int n_newton_iterations = (*report)["steps"].back()["newton iterations"];
+  for (unsigned int cycle = 0; adaptivity.n_cycles > 0; ++cycle) {
+    Vector ghosted = system->ghosted_vector();
+    ghosted = solution;
+    const ErrorEstimate estimate = estimate_error(model, ghosted, t);
+    (*report)["adaptive cycles"].push_back({{"dofs", model.numbering->n_dofs()},
+                                            {"estimated error", estimate.relative},
+                                            {"newton iterations", n_newton_iterations}});
+    log.cycle(cycle, adaptivity.n_cycles, model.numbering->n_dofs(), estimate.relative);
+    if (cycle == adaptivity.n_cycles)
+      break;
+    if (estimate.is_rounding()) {
+      report->leave_out("adaptive cycles: the estimated error is rounding");
+      break;
+    }
+
+    const NewtonResult result = solve_on_refined_meshes(estimate, t);
+    if (!result.is_converged) {
+      log.step_ends("did not converge; the results are those before this cycle");
+      return false;
+    }
+    n_newton_iterations = result.linear_iterations.size();
+    write_output(t, 0, true);
+    measure(t);
+  }
+  return true;
+}
+
+template <int dim>
+NewtonResult Simulation<dim>::solve_on_refined_meshes(const ErrorEstimate &estimate, const double t)
+{
+  {
+    Vector ghosted = system->ghosted_vector();
+    ghosted = solution;
+    phases.add("tie", system->seconds_of_ties());
+    linear_solver.forget_matrix();
+    system.reset(); // its memory is needed
+    const Phases::Scope scope(phases, "mesh");
+    solution = model.refine(mark_cells(model, estimate, adaptivity.share), ghosted);
+  }
+  phases.add("mesh", -model.pairing_seconds);
+  phases.add("pairing", model.pairing_seconds);
+  phases.add("tie", model.pairing_seconds);
+  probes.locate_again();
+  paraview->forget_meshes();
+  trial = solution;
+  update = solution;
+  system = std::make_unique<BlockSystem<dim>>(model);
+  set_up(t);
+  {
+    const Phases::Scope scope(phases, "setup");
+    system->begin_step(t, solution);
+  }
+  return solve_step();
 }
 
 template <int dim>
@@ -282,22 +362,28 @@ void Simulation<dim>::write_output(const double t, const unsigned int step, cons
 }
 
 template <int dim>
-void Simulation<dim>::write_report(const double t, const bool is_converged)
+void Simulation<dim>::measure(const double t)
 {
-  {
-    const Phases::Scope scope(phases, "output");
-    Vector ghosted = system->ghosted_vector();
-    ghosted = solution;
-    (*report)["dofs"] = model.numbering->n_dofs();
-    (*report)["converged"] = is_converged;
-    (*report)["domains"] = measure_domains(model, ghosted, t);
-    (*report)["interfaces"] = measure_interfaces(model, ghosted, t);
-    (*report)["probes"] = probes.evaluate(ghosted, t);
-    for (const std::string &sentence : left_out(model))
-      report->leave_out(sentence);
-    if (!paraview->is_on())
-      report->leave_out("ParaView files: Paraview = false");
-  }
+  const Phases::Scope scope(phases, "output");
+  Vector ghosted = system->ghosted_vector();
+  ghosted = solution;
+  (*report)["dofs"] = model.numbering->n_dofs();
+  (*report)["domains"] = measure_domains(model, ghosted, t);
+  (*report)["interfaces"] = measure_interfaces(model, ghosted, t);
+  (*report)["probes"] = probes.evaluate(ghosted, t);
+}
+
+template <int dim>
+void Simulation<dim>::write_report(const bool is_converged)
+{
+  (*report)["converged"] = is_converged;
+  for (const std::string &sentence : left_out(model))
+    report->leave_out(sentence);
+  for (const auto &domain : model.domains)
+    if (adaptivity.n_cycles > 0 && !domain->can_refine())
+      report->leave_out("refinement of " + domain->name + ": triangles and tetrahedra stay as they are");
+  if (!paraview->is_on())
+    report->leave_out("ParaView files: Paraview = false");
   phases.add("tie", system->seconds_of_ties());
   (*report)["seconds"] = phases.largest_of_ranks(communicator);
   log.finish(report->write(), directory);

@@ -236,15 +236,26 @@ LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given
 
 LinearSolver::~LinearSolver() = default;
 
-void LinearSolver::set_matrix(const Matrix &new_matrix, const bool has_new_structure)
+void LinearSolver::set_matrix(const Matrix &new_matrix)
 {
   matrix = &new_matrix;
   for (auto &group : groups) {
     group->forget_values();
-    if (!group->merged || has_new_structure)
+    if (!group->merged)
       group->merged = std::make_unique<MergedMatrix>(new_matrix, group->blocks);
     group->merged->copy_values(new_matrix);
     group->decide(type);
+  }
+}
+
+void LinearSolver::forget_matrix()
+{
+  for (auto &group : groups) {
+    group->forget_values();
+    group->problem.reset();
+    group->modes.reset();
+    group->merged.reset();
+    group->is_decided = group->iteration_failed;
   }
 }
 

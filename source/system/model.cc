@@ -126,6 +126,28 @@ void Model<dim>::make_covers()
     }
 }
 
+template <int dim>
+Vector Model<dim>::refine(const std::vector<std::vector<bool>> &marked, const Vector &ghosted)
+{
+  std::vector<dealii::TrilinosWrappers::MPI::Vector> parts;
+  for (const auto &domain : domains)
+    parts.push_back(domain_vector(*domain, ghosted));
+  for (unsigned int d = 0; d < domains.size(); ++d)
+    if (domains[d]->can_refine())
+      parts[d] = domains[d]->refine(marked[d], parts[d]);
+
+  numbering = std::make_unique<Numbering>(domains, communicator);
+  Vector refined(numbering->split(numbering->owned), communicator);
+  for (unsigned int d = 0; d < domains.size(); ++d)
+    for (const auto dof : domains[d]->dof_handler().locally_owned_dofs())
+      refined(domains[d]->first_dof + dof) = parts[d](dof);
+  refined.compress(dealii::VectorOperation::insert);
+  for (auto &interface : interfaces) // what a tie has frozen belongs to points that are no more
+    interface = std::make_unique<Interface<dim>>(interface->name, interface->section, domains, toggles);
+  pair();
+  return refined;
+}
+
 /// Every group of domains that is tied in a field needs, for each component, a condition that keeps it from
 /// drifting.
 template <int dim>

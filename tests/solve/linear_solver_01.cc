@@ -83,7 +83,7 @@ void check(const std::string &theta)
                          Vector &solution) {
     LinearSolver solver(SceneText::root(SceneText::from_prm(settings)), of_groups);
     solution = system.owned_vector();
-    solver.set_matrix(system.tangent(), true);
+    solver.set_matrix(system.tangent());
     const auto n_iterations = solver.solve(solution, system.negative_residual());
     report("solved", n_iterations && *n_iterations > 0);
     if (is_rank_0())

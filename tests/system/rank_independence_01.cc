@@ -160,7 +160,7 @@ int main(int argc, char **argv)
   for (unsigned int b = 0; b < model.numbering->blocks().size(); ++b)
     all_blocks.blocks.push_back(b);
   LinearSolver solver(SceneText::root(SceneText::from_prm(set("Type", "direct"))), {all_blocks});
-  solver.set_matrix(system.tangent(), true);
+  solver.set_matrix(system.tangent());
   report("solved", solver.solve(x, system.negative_residual()).has_value());
   system.distribute(x);
   print("solution, norms by block", norms(x));

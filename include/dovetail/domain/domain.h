@@ -14,6 +14,7 @@
 #include <deal.II/dofs/dof_handler.h>
 #include <deal.II/fe/fe_system.h>
 #include <deal.II/fe/mapping.h>
+#include <deal.II/lac/trilinos_vector.h>
 
 #include <map>
 #include <memory>
@@ -103,6 +104,14 @@ public:
 
   /// Hanging nodes and prescribed values at time @p t, in global unknowns, for those that this rank owns.
   void add_constraints(double t, ConstraintLines &lines) const;
+
+  bool can_refine() const; ///< cells of its mesh can be divided one by one
+
+  /// Divide the marked ones of the owned cells (by active cell index) and as many around them as that needs,
+  /// and number the unknowns anew. @p ghosted holds the domain's unknowns in the numbering of its DoFHandler.
+  /// Collective. @return the same function on the new mesh, owned entries. @pre can_refine()
+  dealii::TrilinosWrappers::MPI::Vector refine(const std::vector<bool> &marked,
+                                               const dealii::TrilinosWrappers::MPI::Vector &ghosted);
 
   dealii::types::global_dof_index first_dof = 0;
 

@@ -35,6 +35,9 @@ public:
   /// tried".
   void step_ends(const std::string &remark = "");
 
+  /// The meshes after so many adaptive cycles.
+  void cycle(unsigned int n_done, unsigned int n_cycles, unsigned long n_unknowns, double estimated_error);
+
   /// Probes, errors, jumps and seconds of the report, and where the files are.
   void finish(const nlohmann::ordered_json &report, const std::string &directory);
 

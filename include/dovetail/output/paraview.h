@@ -36,9 +36,11 @@ public:
 
   bool is_on() const { return writes; }
 
-  /// Add a time step; solution.pvd is whole after each. Collective; @p solution is ghosted. @pre The model is
-  /// paired.
+  /// Add a time step, or write the last one anew if it has this time; solution.pvd is whole after each.
+  /// Collective; @p solution is ghosted. @pre The model is paired.
   void write(double time, const Vector &solution);
+
+  void forget_meshes() { blocks.clear(); } ///< they have changed
 
 private:
   struct Block

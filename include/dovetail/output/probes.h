@@ -10,6 +10,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 namespace dovetail {
 
 /// All probes of a scene: values of a field at points, and resultants of its flux over boundaries
@@ -33,6 +35,9 @@ public:
   /// @throw UserError if a point is outside its domain.
   Probes(const Section &scene, const Model<dim> &model);
 
+  /// Find the points again after the meshes have changed. Collective.
+  void locate_again();
+
   /// A number for scalars, an array for vectors. Collective; @p solution is ghosted.
   nlohmann::ordered_json evaluate(const Vector &solution, double t) const;
 
@@ -47,16 +52,16 @@ private:
     const Domain<dim> *domain = nullptr;
     Field field;
     std::set<dealii::types::boundary_id> boundary_ids; ///< empty: a point
+    std::optional<Section> section;                    ///< for error messages
+    dealii::Point<dim> X;
     // of a point, on the one rank that evaluates it:
     std::vector<dealii::types::global_dof_index> dofs; ///< component, node; empty on the others
     std::vector<double> shape_values;
   };
 
   static Probe read(const std::string &name, const Section &section, const Model<dim> &model);
-  static void locate(Probe &probe, const Section &section, const dealii::Point<dim> &X,
-                     const MPI_Comm &communicator);
-  [[noreturn]] static void fail_outside(const Probe &probe, const Section &section,
-                                        const dealii::Point<dim> &X, const MPI_Comm &communicator);
+  static void locate(Probe &probe, const MPI_Comm &communicator);
+  [[noreturn]] static void fail_outside(const Probe &probe, const MPI_Comm &communicator);
 
   const Model<dim> &model;
   std::vector<Probe> probes;

@@ -13,6 +13,7 @@
 #include <dovetail/solve/linear_solver.h>
 #include <dovetail/solve/newton.h>
 #include <dovetail/system/block_system.h>
+#include <dovetail/system/error_estimate.h>
 
 #include <memory>
 #include <optional>
@@ -27,6 +28,14 @@ struct Steps
   double end_time;
   unsigned int n_steps;
   bool is_adaptive; ///< halve a step that does not converge, down to 1/1024
+};
+
+/// How often the meshes are refined at the end time: top-level entries.
+struct Adaptivity
+{
+  explicit Adaptivity(const Section &scene);
+  unsigned int n_cycles;
+  double share; ///< of the estimated error squared, in the cells that are refined
 };
 
 /// A whole run of one scene.
@@ -48,8 +57,11 @@ private:
   void set_up(double t);
   bool advance(double t);
   NewtonResult solve_step();
+  bool run_cycles(double t);
+  NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t);
   void write_output(double t, unsigned int step, bool is_last);
-  void write_report(double t, bool is_converged);
+  void measure(double t);
+  void write_report(bool is_converged);
 
   MPI_Comm communicator;
   Phases phases;
@@ -60,14 +72,14 @@ private:
   Probes<dim> probes;
   Steps steps;
   Newton newton;
-  LinearSolver linear_solver;
+  Adaptivity adaptivity;
   std::string directory;
   unsigned int every_steps;
   std::unique_ptr<Paraview<dim>> paraview;
   std::unique_ptr<BlockSystem<dim>> system;
+  LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<Report> report;
   Vector solution, trial, update;
-  bool has_new_structure = true;
 };
 
 /// Read every entry that a scene can have, for the reference (@p text from SceneText::for_documentation).

@@ -43,8 +43,10 @@ public:
   LinearSolver(const Section &section, std::vector<SolveGroup> groups);
   ~LinearSolver();
 
-  /// The matrix has new entries (and, if @p has_new_structure, another sparsity).
-  void set_matrix(const Matrix &matrix, bool has_new_structure);
+  /// The matrix has new entries.
+  void set_matrix(const Matrix &matrix);
+  /// Before the matrix is destroyed or gets another sparsity: what was built from it refers to it.
+  void forget_matrix();
 
   /// @return the number of linear iterations (1 per direct solve), or nothing if even the direct solver
   /// failed. A group whose iteration fails is solved directly, now and from then on.

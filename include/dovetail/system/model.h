@@ -7,6 +7,7 @@
 
 #include <dovetail/domain/numbering.h>
 #include <dovetail/interface/interface.h>
+#include <dovetail/system/vector.h>
 
 #include <memory>
 #include <set>
@@ -25,6 +26,10 @@ public:
 
   /// Find the partners of all interfaces. Collective; nothing happens without interfaces.
   void pair();
+
+  /// Refine every domain that can be refined (Domain::refine; marks by domain) and number and pair anew.
+  /// Collective. @return @p ghosted on the new meshes, owned entries.
+  Vector refine(const std::vector<std::vector<bool>> &marked, const Vector &ghosted);
 
   MPI_Comm communicator;
   Toggles toggles;

@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/system/error_estimate.h>
+
+#include <dovetail/domain/quadrature.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/fe/fe_values.h>
+#include <deal.II/numerics/error_estimator.h>
+
+#include <cmath>
+#include <map>
+
+namespace dovetail {
+
+namespace {
+
+using Index = dealii::types::global_dof_index;
+
+/// Of a field in a domain.
+struct Scale
+{
+  double stiffness = 0; ///< kappa
+  double energy = 0;    ///< kappa times the integral of |grad B|^2
+  double noise = 0;     ///< energy that rounding of the values may have
+};
+using ScalesOfDomain = std::vector<Scale>; ///< by field
+
+/// The largest dA_cJ / d(grad B_c)_J: lambda + 2 mu, or the largest conductivity in a direction.
+template <int dim>
+double stiffness(const Domain<dim> &domain, const Field &field, const std::vector<double> &mean,
+                 const double t)
+{
+  const unsigned int n = domain.n_components();
+  State<dim> state(n);
+  Response<dim> response(n);
+  state.X = domain.centre();
+  state.t = t;
+  state.value = mean;
+  const bool is_defined = domain.material.evaluate(state, true, response);
+  AssertThrow(is_defined, dealii::ExcMessage("The material of " + domain.name + " is not defined at rest."));
+  double largest = 0;
+  for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
+    for (unsigned int d = 0; d < dim; ++d)
+      largest = std::max(largest, response.by_gradient[c * n + c][d][d]);
+  return largest;
+}
+
+template <int dim>
+ScalesOfDomain scales_of(const Domain<dim> &domain, const Vector &ghosted, const double t,
+                         const MPI_Comm &communicator)
+{
+  const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
+  const auto &element = domain.scalar_element();
+  dealii::FEValues<dim> values(domain.mapping(), element,
+                               gauss_rule<dim>(element.reference_cell(), domain.degree + 1),
+                               dealii::update_values | dealii::update_gradients | dealii::update_JxW_values);
+  // volume; per component the integrals of B, B^2 and |grad B|^2
+  std::vector<double> integrals(1 + 3 * n, 0.);
+  std::vector<Index> dofs;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+      domain.cell_dofs(cell, dofs);
+      for (const unsigned int q : values.quadrature_point_indices()) {
+        integrals[0] += values.JxW(q);
+        for (unsigned int c = 0; c < n; ++c) {
+          double value = 0;
+          dealii::Tensor<1, dim> gradient;
+          for (unsigned int a = 0; a < n_nodes; ++a) {
+            const double unknown = ghosted(dofs[c * n_nodes + a]);
+            value += values.shape_value(a, q) * unknown;
+            gradient += values.shape_grad(a, q) * unknown;
+          }
+          integrals[1 + c] += value * values.JxW(q);
+          integrals[1 + n + c] += value * value * values.JxW(q);
+          integrals[1 + 2 * n + c] += gradient.norm_square() * values.JxW(q);
+        }
+      }
+    }
+  dealii::Utilities::MPI::sum(integrals, communicator, integrals);
+
+  std::vector<double> mean(n);
+  for (unsigned int c = 0; c < n; ++c)
+    mean[c] = integrals[1 + c] / integrals[0];
+  ScalesOfDomain scales;
+  for (const Field &field : domain.fields()) {
+    Scale scale;
+    scale.stiffness = stiffness(domain, field, mean, t);
+    for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
+      scale.energy += scale.stiffness * integrals[1 + 2 * n + c];
+      scale.noise += 1e-16 * scale.stiffness * integrals[1 + n + c] / std::pow(domain.typical_length(), 2);
+    }
+    scales.push_back(scale);
+  }
+  return scales;
+}
+
+/// Sums over the domains, by the name of the field; infinite where the field is constant but for rounding.
+template <int dim>
+std::map<std::string, double> energies_of(const Model<dim> &model, const std::vector<ScalesOfDomain> &scales)
+{
+  std::map<std::string, double> energy, noise;
+  for (unsigned int d = 0; d < model.domains.size(); ++d)
+    for (unsigned int f = 0; f < scales[d].size(); ++f) {
+      energy[model.domains[d]->fields()[f].name] += scales[d][f].energy;
+      noise[model.domains[d]->fields()[f].name] += scales[d][f].noise;
+    }
+  for (auto &[field, of_field] : energy)
+    if (of_field <= noise[field])
+      of_field = std::numeric_limits<double>::infinity();
+  return energy;
+}
+
+/// What cells of any rank get, by the unknowns of their first component.
+using Key = std::vector<Index>;
+using Shares = std::map<Key, double>;
+
+/// The shares of the cells behind the points of this rank.
+template <int dim>
+class InterfaceShares
+{
+public:
+  InterfaceShares(const Interface<dim> &interface, const double t,
+                  const std::array<const ScalesOfDomain *, 2> &scales,
+                  const std::map<std::string, double> &energies)
+      : interface(interface), scales(scales),
+        energies(energies), state{{State<dim>(interface.sides[source].domain->n_components()),
+                                   State<dim>(interface.sides[destination].domain->n_components())}},
+        response{{Response<dim>(state[source].value.size()), Response<dim>(state[destination].value.size())}}
+  {
+    for (const unsigned int side : {source, destination})
+      state[side].t = t;
+  }
+
+  void add(const Vector &ghosted, Shares &shares)
+  {
+    std::vector<Index> dofs;
+    std::vector<double> unknowns;
+    for (const auto &group : interface.pairing().groups) {
+      interface.group_dofs(group, dofs);
+      unknowns.resize(dofs.size());
+      ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+      std::array<double, 2> share = {{0, 0}}, size;
+      for (const unsigned int side : {source, destination}) {
+        const CellBehind &cell = interface.pairing().cells[side][group.cells[side]];
+        size[side] = cell.cell_measure / cell.face_measure;
+      }
+      for (unsigned int q = group.begin; q < group.end; ++q)
+        add_point(q, unknowns, size, share);
+      for (const unsigned int side : {source, destination}) {
+        const auto &of_cell = interface.pairing().cells[side][group.cells[side]].dofs;
+        shares[Key(of_cell.begin(), of_cell.begin() + interface.sides[side].domain->n_nodes())] +=
+            share[side];
+      }
+    }
+  }
+
+private:
+  void add_point(const unsigned int q, const std::vector<double> &unknowns, const std::array<double, 2> &size,
+                 std::array<double, 2> &share)
+  {
+    for (const unsigned int side : {source, destination}) {
+      interface.evaluate(side, q, unknowns, state[side]);
+      state[side].X = interface.pairing().X(side, q);
+      if (!interface.sides[side].domain->material.evaluate(state[side], false, response[side]))
+        return;
+    }
+    for (const TiedField &field : interface.fields) {
+      std::array<std::vector<double>, 2> flux;
+      std::array<double, 2> stiffness;
+      for (const unsigned int side : {source, destination}) {
+        stiffness[side] = (*scales[side])[field.field[side]].stiffness;
+        for (unsigned int c = 0; c < field.n_components; ++c)
+          flux[side].push_back(response[side].flux[field.first_component[side] + c] *
+                               interface.pairing().N(side, q));
+      }
+      interface.jump(field, q, unknowns, jump);
+      numerical_flux.assign(field.n_components, 0.);
+      interface.tie().numerical_flux(interface, field, q, flux, jump, numerical_flux);
+
+      const double weight = interface.pairing().weight(q) / energies.at(field.name);
+      const double mean_stiffness =
+          2 * stiffness[source] * stiffness[destination] / (stiffness[source] + stiffness[destination]);
+      for (const unsigned int side : {source, destination})
+        for (unsigned int c = 0; c < field.n_components; ++c) {
+          const double residual = flux[side][c] - (side == source ? 1 : -1) * numerical_flux[c];
+          share[side] += weight * size[side] / (24 * stiffness[side]) * residual * residual;
+          if (!interface.tie().adds_terms())
+            share[side] += weight * mean_stiffness / (2 * size[side]) * jump[c] * jump[c];
+        }
+    }
+  }
+
+  const Interface<dim> &interface;
+  const std::array<const ScalesOfDomain *, 2> scales;
+  const std::map<std::string, double> &energies;
+  std::array<State<dim>, 2> state;
+  std::array<Response<dim>, 2> response;
+  std::vector<double> jump, numerical_flux;
+};
+
+/// A cell at an interface, owned or ghost.
+struct CellOfKey
+{
+  unsigned int rank, domain, index;
+};
+
+template <int dim>
+std::map<Key, CellOfKey> cells_at_interfaces(const Model<dim> &model)
+{
+  std::map<Key, CellOfKey> cells;
+  std::vector<Index> dofs;
+  for (unsigned int d = 0; d < model.domains.size(); ++d)
+    for (const auto &face : model.domains[d]->boundary_faces()) {
+      model.domains[d]->cell_dofs(model.domains[d]->dof_cell(face.cell), dofs);
+      cells[Key(dofs.begin(), dofs.begin() + model.domains[d]->n_nodes())] = {face.cell->subdomain_id(), d,
+                                                                              face.cell->active_cell_index()};
+    }
+  return cells;
+}
+
+/// Send each share to a rank and add up what arrives; as numbers: length of the key, key, share.
+template <typename RankOf>
+Shares send(const Shares &shares, const RankOf &rank_of, const MPI_Comm &communicator)
+{
+  std::map<unsigned int, std::vector<double>> numbers;
+  for (const auto &[key, share] : shares) {
+    std::vector<double> &of_rank = numbers[rank_of(key)];
+    of_rank.push_back(key.size());
+    of_rank.insert(of_rank.end(), key.begin(), key.end());
+    of_rank.push_back(share);
+  }
+  Shares received;
+  for (const auto &of_rank : dealii::Utilities::MPI::some_to_some(communicator, numbers))
+    for (auto next = of_rank.second.begin(); next != of_rank.second.end();) {
+      const auto begin = next + 1, end = begin + static_cast<unsigned int>(*next);
+      received[Key(begin, end)] += *end;
+      next = end + 1;
+    }
+  return received;
+}
+
+template <int dim>
+void add_interfaces(const Model<dim> &model, const Vector &ghosted, const double t,
+                    const std::vector<ScalesOfDomain> &scales, const std::map<std::string, double> &energies,
+                    ErrorEstimate &estimate)
+{
+  Shares shares;
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t)) {
+      std::array<const ScalesOfDomain *, 2> of_sides;
+      for (const unsigned int side : {source, destination})
+        for (unsigned int d = 0; d < model.domains.size(); ++d)
+          if (model.domains[d].get() == interface->sides[side].domain)
+            of_sides[side] = &scales[d];
+      InterfaceShares<dim>(*interface, t, of_sides, energies).add(ghosted, shares);
+    }
+  // the rank that owns an unknown sees all cells around it and knows whose they are
+  const auto cells = cells_at_interfaces(model);
+  shares = send(
+      shares, [&](const Key &key) { return model.numbering->owner(key.front()); }, model.communicator);
+  shares = send(
+      shares, [&](const Key &key) { return cells.at(key).rank; }, model.communicator);
+  for (const auto &[key, share] : shares)
+    estimate.squares[cells.at(key).domain][cells.at(key).index] += share;
+}
+
+} // namespace
+
+template <int dim>
+ErrorEstimate estimate_error(const Model<dim> &model, const Vector &ghosted, const double t)
+{
+  std::vector<ScalesOfDomain> scales;
+  for (const auto &domain : model.domains)
+    scales.push_back(scales_of(*domain, ghosted, t, model.communicator));
+  const auto energies = energies_of(model, scales);
+
+  ErrorEstimate estimate;
+  for (unsigned int d = 0; d < model.domains.size(); ++d) {
+    const Domain<dim> &domain = *model.domains[d];
+    const auto solution = domain_vector(domain, ghosted);
+    const auto face = domain.scalar_element().reference_cell().face_reference_cell(0);
+    estimate.squares.emplace_back(domain.mesh().n_active_cells(), 0.);
+    for (unsigned int f = 0; f < domain.fields().size(); ++f) {
+      const Field &field = domain.fields()[f];
+      dealii::ComponentMask components(domain.n_components(), false);
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        components.set(field.first_component + c, true);
+      dealii::Vector<float> eta(domain.mesh().n_active_cells());
+      dealii::KellyErrorEstimator<dim>::estimate(domain.mapping(), domain.dof_handler(),
+                                                 gauss_rule<dim - 1>(face, domain.degree + 1), {}, solution,
+                                                 eta, components);
+      for (const auto &cell : domain.mesh().active_cell_iterators())
+        if (cell->is_locally_owned()) {
+          const unsigned int index = cell->active_cell_index();
+          estimate.squares[d][index] +=
+              scales[d][f].stiffness * std::pow<double>(eta(index), 2) / energies.at(field.name);
+        }
+    }
+  }
+  if (!model.interfaces.empty())
+    add_interfaces(model, ghosted, t, scales, energies, estimate);
+
+  double sum = 0;
+  for (const auto &of_domain : estimate.squares)
+    for (const double square : of_domain)
+      sum += square;
+  estimate.relative = std::sqrt(dealii::Utilities::MPI::sum(sum, model.communicator));
+  return estimate;
+}
+
+double marking_threshold(const std::vector<double> &squares, const double share, const MPI_Comm &communicator)
+{
+  const auto sum_from = [&](const double threshold) {
+    double sum = 0;
+    for (const double square : squares)
+      if (square >= threshold)
+        sum += square;
+    return dealii::Utilities::MPI::sum(sum, communicator);
+  };
+  const double asked = share * sum_from(0) * (1 - 1e-12);
+  const double largest = squares.empty() ? 0. : *std::max_element(squares.begin(), squares.end());
+  double above = 2 * dealii::Utilities::MPI::max(largest, communicator), threshold = 0;
+  for (unsigned int i = 0; i < 100 && above - threshold > 1e-8 * above; ++i) {
+    const double middle = (threshold + above) / 2;
+    (sum_from(middle) >= asked ? threshold : above) = middle;
+  }
+
+  for (double lowered = threshold;; threshold = lowered) {
+    for (const double square : squares)
+      if (square >= threshold * (1 - 1e-5))
+        lowered = std::min(lowered, square);
+    lowered = dealii::Utilities::MPI::min(lowered, communicator);
+    if (lowered == threshold)
+      return threshold;
+  }
+}
+
+template <int dim>
+std::vector<std::vector<bool>> mark_cells(const Model<dim> &model, const ErrorEstimate &estimate,
+                                          const double share)
+{
+  std::vector<double> squares;
+  for (unsigned int d = 0; d < model.domains.size(); ++d)
+    if (model.domains[d]->can_refine())
+      squares.insert(squares.end(), estimate.squares[d].begin(), estimate.squares[d].end());
+  const double threshold = marking_threshold(squares, share, model.communicator);
+  std::vector<std::vector<bool>> marked;
+  for (const auto &of_domain : estimate.squares) {
+    marked.emplace_back();
+    for (const double square : of_domain)
+      marked.back().push_back(square > 0 && square >= threshold);
+  }
+  return marked;
+}
+
+template ErrorEstimate estimate_error(const Model<2> &, const Vector &, double);
+template ErrorEstimate estimate_error(const Model<3> &, const Vector &, double);
+template std::vector<std::vector<bool>> mark_cells(const Model<2> &, const ErrorEstimate &, double);
+template std::vector<std::vector<bool>> mark_cells(const Model<3> &, const ErrorEstimate &, double);
+
+} // namespace dovetail

@@ -138,16 +138,29 @@ void Simulation<dim>::check()
   for (const std::string &sentence : left_out(model))
     log.line("left out: " + sentence);
 
-  unsigned long n_points = 0;
-  for (const auto &interface : model.interfaces)
-    n_points += interface->pairing().coverage().n_points;
+  unsigned long n_points = 0, n_segments = 0;
+  double bytes = 0;
+  for (const auto &interface : model.interfaces) {
+    const Coverage &coverage = interface->pairing().coverage();
+    n_points += coverage.n_points;
+    n_segments += coverage.n_segments;
+    // weight; on each side position, normal, and values (twice over a gap) and gradients of the shape functions
+    unsigned int n_doubles = 1;
+    for (const auto &side : interface->sides)
+      n_doubles += 2 * dim + side.domain->n_nodes() * (2 + dim);
+    bytes += static_cast<double>(coverage.n_points) * n_doubles * sizeof(double);
+  }
   const double pairing = dealii::Utilities::MPI::max(model.pairing_seconds, communicator);
   const double search = dealii::Utilities::MPI::max(model.search_seconds, communicator);
   if (n_points > 0) {
     std::ostringstream words;
     words.precision(3);
     words << "pairing: " << n_points << " points in " << pairing << " s, " << 1e6 * pairing / n_points
-          << " microseconds a point; the search alone " << 1e6 * search / n_points;
+          << " microseconds a point (the search alone " << 1e6 * search / n_points << "), "
+          << bytes / n_points << " bytes a point";
+    if (n_segments > 0)
+      words << "; " << n_segments << " segments, " << 1e6 * pairing / n_segments << " microseconds and "
+            << bytes / n_segments << " bytes a segment";
     log.line(words.str());
   }
 }

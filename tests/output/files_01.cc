@@ -17,12 +17,11 @@
 #include <fstream>
 #include <sstream>
 
-using namespace dovetail;
+using namespace test;
 
 namespace {
 
 const std::string prm = R"(
-set Dimension = 3
 set Materials = stuff
 set Domains = a b, a_b
 set Interfaces = seam

@@ -5,68 +5,33 @@
 
 #pragma once
 
-#include <dovetail/scene/scene_text.h>
-#include <dovetail/system/block_system.h>
+#include "../system/scene_model.h"
 
-#include <iostream>
+namespace test {
 
-namespace dovetail {
-
-/// The model of a scene, paired, and the interpolant of its exact solution.
+/// The model of a scene, paired, and the interpolant of its exact solution at t = 1.
 template <int dim>
-struct GivenSolution
+struct GivenSolution : SceneModel<dim>
 {
-  explicit GivenSolution(const std::string &prm)
-      : text(SceneText::from_prm(prm)), scene(SceneText::root(text)), model(scene, MPI_COMM_WORLD)
+  explicit GivenSolution(const std::string &prm) : SceneModel<dim>(prm)
   {
-    model.pair();
-    BlockSystem<dim> system(model);
+    BlockSystem<dim> system(this->model);
     system.set_up(1);
     Vector owned = system.owned_vector();
-    for (const auto &domain : model.domains)
-      interpolate(*domain, owned);
-    owned.compress(dealii::VectorOperation::insert);
+    const auto exact = [this](const unsigned int d, const unsigned int c, const dealii::Point<dim> &X) {
+      const Domain<dim> &domain = *this->model.domains[d];
+      for (const Field &field : domain.fields())
+        if (c >= field.first_component && c < field.first_component + field.n_components)
+          return domain.exact().find(field.name)->value(X, 1., c - field.first_component);
+      return 0.;
+    };
+    interpolate<dim>(this->model, exact, owned);
     solution = system.ghosted_vector();
     solution = owned;
     system.begin_step(1, owned);
   }
 
-  std::shared_ptr<SceneText> text;
-  Section scene;
-  Model<dim> model;
   Vector solution;
-
-private:
-  void interpolate(const Domain<dim> &domain, Vector &owned) const
-  {
-    const unsigned int n = domain.n_nodes();
-    dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
-                                   domain.scalar_element().get_unit_support_points(),
-                                   dealii::update_quadrature_points);
-    std::vector<dealii::types::global_dof_index> dofs;
-    for (const auto &cell : domain.dof_handler().active_cell_iterators())
-      if (cell->is_locally_owned()) {
-        at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-        domain.cell_dofs(cell, dofs);
-        for (const Field &field : domain.fields())
-          for (unsigned int c = 0; c < field.n_components; ++c)
-            for (unsigned int a = 0; a < n; ++a)
-              if (const auto dof = dofs[(field.first_component + c) * n + a];
-                  model.numbering->owned.is_element(dof))
-                owned(dof) = domain.exact().find(field.name)->value(at_nodes.quadrature_point(a), 1., c);
-      }
-  }
 };
 
-/// Rank 0 prints.
-inline void print(const std::string &name, const std::vector<double> &values)
-{
-  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) != 0)
-    return;
-  std::cout << name;
-  for (const double value : values)
-    std::cout << ' ' << (std::abs(value) < 1e-11 ? 0. : value);
-  std::cout << std::endl;
-}
-
-} // namespace dovetail
+} // namespace test

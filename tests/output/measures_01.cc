@@ -18,13 +18,12 @@
 #include <dovetail/output/measures.h>
 #include <dovetail/output/probes.h>
 
-using namespace dovetail;
+using namespace test;
 
 int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const GivenSolution<2> given(R"(
-set Dimension = 2
 set Materials = good, poor
 set Domains = left, right
 set Interfaces = seam

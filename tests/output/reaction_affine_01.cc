@@ -20,13 +20,13 @@
 
 #include <dovetail/output/reaction.h>
 
-using namespace dovetail;
+using namespace test;
 
 template <int dim>
 void test()
 {
-  const std::string prm = std::string("set Materials = stuff\nset Domains = box\nset Dimension = ") +
-                          (dim == 2 ? "2" : "3") + R"(
+  const std::string prm = std::string(R"(set Materials = stuff
+set Domains = box
 subsection Material stuff
   subsection Heat
     set Type = Fourier
@@ -43,7 +43,7 @@ subsection Domain box
   set Boundary conditions = heated, fixed, heat in, pull
   subsection Mesh
     set Generator = subdivided_hyper_rectangle
-    set Arguments = )" + (dim == 2 ? "3, 2 : 0, 0 : 1, 2 : true" : "3, 2, 2 : 0, 0, 0 : 1, 2, 3 : true") +
+    set Arguments = )") + (dim == 2 ? "3, 2 : 0, 0 : 1, 2 : true" : "3, 2, 2 : 0, 0, 0 : 1, 2, 3 : true") +
                           R"(
   end
   subsection Exact

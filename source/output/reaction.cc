@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/compatibility.h>
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/output/reaction.h>
@@ -91,7 +92,7 @@ Weights make_weights(const Model<dim> &model, const Domain<dim> &domain, const I
   set_nodes(domain, boundary_ids, Nodes::of_faces, 1, w);
   w.compress(dealii::VectorOperation::insert);
   if (domain.mesh().has_hanging_nodes()) {
-    dealii::AffineConstraints<double> hanging(relevant);
+    auto hanging = make_affine_constraints(owned, relevant);
     dealii::DoFTools::make_hanging_node_constraints(domain.dof_handler(), hanging);
     hanging.close();
     hanging.distribute(w);

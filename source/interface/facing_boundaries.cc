@@ -16,13 +16,12 @@ SideFaces<dim> faces_of(const Domain<dim> &domain, const std::set<dealii::types:
   return {domain.mesh(), domain.mapping(), domain.mapping_degree(), ids};
 }
 
-/// Whether points on the faces of one side have partners on the other. Two points in each direction, so that
-/// a face that is covered in part is seen too.
+/// Whether some part of the faces of one side has a partner on the other.
 template <int dim>
 bool faces(const SideFaces<dim> &own, const SideFaces<dim> &other, const double search_radius,
            const MPI_Comm &communicator)
 {
-  const auto points = mapped_points(own, FaceLocator<dim>(other, search_radius, communicator), 2);
+  const auto points = segments(own, FaceLocator<dim>(other, search_radius, communicator), 1, 1);
   const bool is_found = std::any_of(points.matches.begin(), points.matches.end(),
                                     [](const auto &match) { return match.found; });
   return dealii::Utilities::MPI::max(is_found ? 1 : 0, communicator) > 0;

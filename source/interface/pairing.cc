@@ -124,17 +124,16 @@ template <int dim>
 void Pairing<dim>::count(const FacePoints<dim> &points, const SideFaces<dim> &faces, const unsigned int own,
                          const MPI_Comm &communicator)
 {
-  double covered = 0, miss = std::numeric_limits<double>::infinity();
+  double open = 0, miss = std::numeric_limits<double>::infinity();
   for (unsigned int q = 0; q < points.size(); ++q) {
     const auto &match = points.matches[q];
-    if (match.found)
-      covered += points.JxW[q];
-    else {
+    if (!match.found) {
+      open += points.JxW[q];
       miss = std::min(miss, match.distance);
       uncovered.push_back({own, points.queries[q].X, match.distance, match.angle});
     }
   }
-  account.covered[own] = sum(covered, communicator);
+  account.covered[own] = account.area[own] - sum(open, communicator);
   account.nearest_miss = std::min(account.nearest_miss, min(miss, communicator));
 
   for (unsigned int q = 0, end; q < points.size(); q = end) {

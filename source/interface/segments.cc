@@ -21,9 +21,6 @@ using namespace dealii;
 
 namespace {
 
-/// Regions below this fraction of a face are rounding.
-constexpr double negligible = 1e-13;
-
 /// Coordinates s on a face: for clipping and, unless the face is curved in 3D, for integration too.
 template <int dim>
 class Chart
@@ -34,6 +31,7 @@ public:
   Region<dim - 1> window;                 ///< the face itself
   std::vector<Point<dim>> nodes_of_plane; ///< of the plane face through the corners
   bool is_flat, is_affine;
+  double negligible; ///< regions below this fraction of a face are rounding
 
   /// The projection of a point of the other side.
   Point<dim - 1> project(const Point<dim> &X) const;
@@ -61,6 +59,7 @@ Chart<dim>::Chart(const FaceShape<dim> &shape, const FaceShape<dim> &bilinear, c
       bilinear(bilinear), nodes(nodes), size(size)
 {
   origin = shape.corner(nodes, 0);
+  negligible = is_flat ? std::max(1e-13, 4e-15 * origin.norm() / size) : 1e-11;
   const unsigned int n = shape.n_corners();
   if constexpr (dim == 2) {
     axis[0] = shape.corner(nodes, 1) - origin;
@@ -199,7 +198,7 @@ private:
   void add_face(unsigned int face, const std::vector<unsigned int> &nearby);
   bool is_near(const Chart<dim> &chart, const Region<dim - 1> &region, const NearbyFace &face,
                Segment &segment);
-  void keep_nearest(std::vector<Segment> &segments) const;
+  void keep_nearest(const Chart<dim> &chart, std::vector<Segment> &segments) const;
   void add_rest(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
                 std::vector<Segment> &segments);
   void integrate(const Chart<dim> &chart, const Segment &segment);
@@ -260,20 +259,20 @@ void Segmentation<dim>::add_face(const unsigned int face, const std::vector<unsi
     if (segment.region.empty())
       continue;
     const double area = measure(segment.region);
-    if (area > negligible * std::min(whole, measure(of_other)) &&
+    if (area > chart.negligible * std::min(whole, measure(of_other)) &&
         is_near(chart, segment.region, other, segment)) {
       segments.push_back(segment);
       covered += area;
     }
   }
   if (covered > whole * (1 + 1e-9)) {
-    keep_nearest(segments);
+    keep_nearest(chart, segments);
     covered =
         std::accumulate(segments.begin(), segments.end(), 0., [](const double sum, const Segment &segment) {
           return sum + measure(segment.region);
         });
   }
-  if (covered < whole * (1 - 2 * negligible))
+  if (covered < whole * (1 - 2 * chart.negligible))
     add_rest(chart, nearby, segments);
   for (const Segment &segment : segments)
     integrate(chart, segment);
@@ -309,7 +308,7 @@ bool Segmentation<dim>::is_near(const Chart<dim> &chart, const Region<dim - 1> &
 
 /// Where regions overlap the nearest face wins, and of equally near ones the first.
 template <int dim>
-void Segmentation<dim>::keep_nearest(std::vector<Segment> &segments) const
+void Segmentation<dim>::keep_nearest(const Chart<dim> &chart, std::vector<Segment> &segments) const
 {
   std::stable_sort(segments.begin(), segments.end(), [&](const Segment &one, const Segment &other) {
     const double quantum = distance_quantum(own.faces[current_face].size);
@@ -325,7 +324,7 @@ void Segmentation<dim>::keep_nearest(std::vector<Segment> &segments) const
           left.push_back(outside);
       parts = left;
     }
-    const double least = negligible * measure(segment.region);
+    const double least = chart.negligible * measure(segment.region);
     for (const auto &part : parts)
       if (measure(part) > least)
         result.push_back({part, segment.partner, segment.distance});
@@ -347,7 +346,7 @@ void Segmentation<dim>::add_rest(const Chart<dim> &chart, const std::vector<unsi
         left.push_back(outside);
     rest = left;
   }
-  const double least = negligible * measure(chart.window);
+  const double least = chart.negligible * measure(chart.window);
   for (const auto &part : rest)
     if (measure(part) > least) {
       Segment best{part, nullptr, std::numeric_limits<double>::infinity()};
@@ -397,8 +396,9 @@ void Segmentation<dim>::integrate(const Chart<dim> &chart, const Segment &segmen
     return;
   const bool is_affine =
       chart.is_affine && segment.partner != nullptr && partner_shape.is_affine(segment.partner->nodes.data());
-  // rational integrands converge fast with the degree
-  const unsigned int more = is_affine ? 0 : 2 * std::max(own.shape.degree(), partner_shape.degree());
+  // rational integrands converge fast with the degree; in 3D every point costs memory
+  const unsigned int mapping_degree = std::max(own.shape.degree(), partner_shape.degree());
+  const unsigned int more = is_affine ? 0 : dim == 2 ? 2 * mapping_degree : 2;
   if constexpr (dim == 2)
     add_piece(chart, region, rules.simplex(2 * degree + 1 + more), segment.partner);
   else if (segment.partner != nullptr && is_aligned_box(chart, segment.region, *segment.partner))

@@ -27,7 +27,7 @@ void check(const std::string &name, const Triangulation<dim> &triangulation, con
       });
   std::set<unsigned int> face_numbers;
   for (const auto &match : matches)
-    face_numbers.insert(locator.faces()[match.face].face_no);
+    face_numbers.insert(locator.side().faces[match.face].face_no);
   test::print(name + ", degree " + std::to_string(degree) + ": lost " + std::to_string(lost) + " of " +
               std::to_string(queries.size()) + ", on " + std::to_string(face_numbers.size()) +
               " faces of cells, itself " +

@@ -81,7 +81,7 @@ std::pair<double, double> difference_from_mapping(const dovetail::FaceLocator<di
   double of_position = 0, of_normal = 0;
   for (const auto &match : matches)
     if (match.found && match.rank == rank) {
-      const auto &face = locator.faces()[match.face];
+      const auto &face = locator.side().faces[match.face];
       FEValues<dim> values(mapping, fe, Quadrature<dim>(match.unit_point),
                            update_quadrature_points | update_inverse_jacobians);
       values.reinit(face.cell);

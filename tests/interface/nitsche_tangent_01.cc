@@ -65,7 +65,7 @@ std::string scene(const Laws &laws, const Choice &choice, const unsigned int deg
                     set("Type", "Nitsche") + set("Source", "left : 1") + set("Destination", "right : 0") +
                         set("Theta", choice.theta) + set("Weights", choice.weights) +
                         set("Integrate on", choice.integrate_on) + set("Gap extension", choice.extension) +
-                        set("Points per face", "2"));
+                        set("Quadrature", "mapped points") + set("Points per face", "2"));
 }
 
 /// Largest relative errors: of the tangent, of its symmetry, of what must not couple, of the balance.

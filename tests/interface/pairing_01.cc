@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The points of a pairing: areas and covered areas by hand in every comment below (a side that ends inside a
-// face is covered up to its quadrature points only), number of points and of groups (pairs of cells). At
+// The points of a pairing: areas and covered areas by hand in every comment below (with mapped points a side
+// that ends inside a face is covered up to its quadrature points only), number of points and of groups (pairs of cells). At
 // every point: the normals are opposite on flat sides, the shape functions sum to 1 and their gradients to 0,
 // values and gradients of an affine field are exact on both sides, and its jump over a gap vanishes with the
 // gap extension and is the gradient times the gap without.
@@ -17,6 +17,7 @@ struct Case
 {
   std::string name, left, right; ///< the bodies: Degree and Mesh
   std::string source, destination, entries;
+  std::string clamped = "2"; ///< boundary id of the left body
 };
 
 template <int dim>
@@ -29,7 +30,7 @@ std::string scene(const Case &of)
          subsection("Domain left", set("Material", "steel") + set("Boundary conditions", "clamp") +
                                        subsection("Boundary condition clamp",
                                                   set("Type", "value") + set("Field", "displacement") +
-                                                      set("Boundary ids", "0") +
+                                                      set("Boundary ids", of.clamped) +
                                                       set("Expression", dim == 2 ? "0; 0" : "0; 0; 0")) +
                                        of.left) +
          subsection("Domain right", set("Material", "steel") + of.right) +
@@ -142,6 +143,10 @@ int main(int argc, char **argv)
 
   // length 1; 3 + 4 faces make 6 pairs; points per face: 2 + 1, on the coarse side ceil(2 * 4/3) + 1
   const std::string three = body("2, 3 : 0, 0 : 1, 1"), four = body("2, 4 : 1, 0 : 2, 1");
+  const std::string mapped = set("Quadrature", "mapped points");
+  check<2>({"3 : 4, mapped on source", three, four, l, r, from + mapped});
+  check<2>({"3 : 4, mapped on destination", three, four, l, r, to + mapped});
+  check<2>({"3 : 4, mapped on both", three, four, l, r, both + mapped});
   check<2>({"3 : 4, source", three, four, l, r, from});
   check<2>({"3 : 4, destination", three, four, l, r, to});
   check<2>({"3 : 4, both", three, four, l, r, both});
@@ -160,11 +165,13 @@ int main(int argc, char **argv)
   check<2>({"integrated on the smaller side", whole, half, l, r, to});
   check<2>({"both overhang", whole, shifted, l, r, both + allow});
   // the larger side ends inside a face
-  check<2>({"inside a face", body("2, 3 : 0, 0 : 1, 1"), half, l, r, from + set("Points per face", "20")});
+  check<2>({"inside a face", body("2, 3 : 0, 0 : 1, 1"), half, l, r, from});
+  check<2>({"mapped points inside a face", body("2, 3 : 0, 0 : 1, 1"), half, l, r,
+            from + mapped + set("Points per face", "20")});
 
   // 2 pi
-  check<2>({"rings, degree 1", ring("0.5 : 1", "24", 1), ring("1 : 1.5", "36", 1), l, r, from});
-  check<2>({"rings, degree 2", ring("0.5 : 1", "12", 2), ring("1 : 1.5", "18", 2), l, r, both});
+  check<2>({"rings, degree 1", ring("0.5 : 1", "24", 1), ring("1 : 1.5", "36", 1), l, r, from, "0"});
+  check<2>({"rings, degree 2", ring("0.5 : 1", "12", 2), ring("1 : 1.5", "18", 2), l, r, both, "0"});
 
   // 1 in 3D; 2 * 2 against 3 * 3 faces make 4 * 4 pairs
   const std::string cube = body("1, 2, 2 : 0, 0, 0 : 1, 1, 1"), next = body("1, 3, 3 : 1.01, 0, 0 : 2, 1, 1");

@@ -23,7 +23,7 @@
 using namespace test;
 
 template <int dim>
-void test()
+void check()
 {
   const std::string prm = std::string(R"(set Materials = stuff
 set Domains = box
@@ -99,6 +99,6 @@ end
 int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  test<2>();
-  test<3>();
+  check<2>();
+  check<3>();
 }

@@ -19,7 +19,7 @@ std::string scene(const bool is_tied)
     for (const std::string field : {"displacement", "temperature"})
       conditions +=
           subsection("Boundary condition " + field, set("Type", "value") + set("Field", field) +
-                                                        set("Boundary ids", "0") + set("Toggle", "later") +
+                                                        set("Boundary ids", "2") + set("Toggle", "later") +
                                                         set("Expression", field == "temperature" ? "0"
                                                                           : dim == 2             ? "0; 0"
                                                                                      : "0; 0; 0"));

@@ -30,11 +30,8 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                   gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
-      face_values(domain.mapping(), domain.scalar_element(),
-                  gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
-                  dealii::update_values | dealii::update_quadrature_points | dealii::update_JxW_values),
-      state(n), response(n), couples(n * n, false), by_value(n * n, false), shape(n_nodes), gradient(n_nodes),
-      source_of_component(n)
+      open_boundary(domain), state(n), response(n), couples(n * n, false), by_value(n * n, false),
+      shape(n_nodes), gradient(n_nodes), source_of_component(n)
 {
   const auto &fields = domain.fields();
   for (unsigned int f = 0; f < fields.size(); ++f)
@@ -142,72 +139,39 @@ void CellTerms<dim>::add_boundary_terms(const typename Domain<dim>::cell_iterato
                                         const std::vector<double> &unknowns, std::vector<double> &residual,
                                         dealii::FullMatrix<double> *tangent)
 {
-  for (const unsigned int face : cell->face_indices()) {
-    if (!cell->face(face)->at_boundary())
-      continue;
-    bool is_mapped = false;
-    for (const Condition<dim> *condition : flux_conditions) {
-      if (condition->boundary_ids.count(cell->face(face)->boundary_id()) == 0 || !condition->is_active(t))
-        continue;
-      // the rest of a covered face: the whole minus what is covered
-      double share = 0;
-      std::vector<const typename Cover<dim>::Face *> covered;
-      for (const Cover<dim> &cover : domain.covers)
-        if (cover.fields.count(condition->field.name) > 0 && cover.is_active(t))
-          if (const auto found = cover.faces.find({cell->active_cell_index(), face});
-              found != cover.faces.end()) {
-            share += found->second.share;
-            covered.push_back(&found->second);
-          }
-      if (share > 1 - 1e-12)
-        continue;
-
-      if (!is_mapped)
-        face_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell), face);
-      is_mapped = true;
-      for (const unsigned int q : face_values.quadrature_point_indices()) {
-        for (unsigned int a = 0; a < n_nodes; ++a)
-          shape[a] = face_values.shape_value(a, q);
-        add_influx(*condition, face_values.quadrature_point(q), t, face_values.JxW(q), unknowns, residual,
-                   tangent);
-      }
-      if (!covered.empty() && !shapes_anywhere)
-        shapes_anywhere = std::make_unique<ShapeEvaluator<dim>>(domain);
-      for (const auto *part : covered) {
-        shapes_anywhere->reinit(cell);
-        for (unsigned int q = 0; q < part->JxW.size(); ++q) {
-          shapes_anywhere->evaluate(part->unit_points[q], shape.data(), gradient.data());
-          const auto X = domain.mapping().transform_unit_to_real_cell(cell, part->unit_points[q]);
-          add_influx(*condition, X, t, -part->JxW[q], unknowns, residual, tangent);
-        }
-      }
-    }
-  }
+  for (const unsigned int face : cell->face_indices())
+    if (cell->face(face)->at_boundary())
+      for (const Condition<dim> *condition : flux_conditions)
+        open_boundary.for_each_point(
+            cell, face, *condition, t,
+            [&](const dealii::Point<dim> &X, const std::vector<double> &shape_values, const double JxW) {
+              add_influx(*condition, X, t, shape_values, JxW, unknowns, residual, tangent);
+            });
 }
 
-/// The influx of a condition at a point, whose shape values are in `shape`.
 template <int dim>
 void CellTerms<dim>::add_influx(const Condition<dim> &condition, const dealii::Point<dim> &X, const double t,
-                                const double JxW, const std::vector<double> &unknowns,
-                                std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
+                                const std::vector<double> &shape_values, const double JxW,
+                                const std::vector<double> &unknowns, std::vector<double> &residual,
+                                dealii::FullMatrix<double> *tangent)
 {
   const unsigned int first = condition.field.first_component, n_c = condition.field.n_components;
   std::vector<double> trace(n_c, 0.), flux(n_c, 0.);
   dealii::FullMatrix<double> d_flux(n_c, n_c);
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int a = 0; a < n_nodes; ++a)
-      trace[c] += shape[a] * unknowns[(first + c) * n_nodes + a];
+      trace[c] += shape_values[a] * unknowns[(first + c) * n_nodes + a];
   condition.flux(X, t, trace.data(), flux, d_flux);
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int a = 0; a < n_nodes; ++a) {
-      const double test = shape[a] * JxW;
+      const double test = shape_values[a] * JxW;
       const unsigned int i = (first + c) * n_nodes + a;
       residual[i] -= test * flux[c];
       if (tangent != nullptr)
         for (unsigned int d = 0; d < n_c; ++d)
           if (d_flux(c, d) != 0)
             for (unsigned int b = 0; b < n_nodes; ++b)
-              (*tangent)(i, (first + d) * n_nodes + b) -= test * d_flux(c, d) * shape[b];
+              (*tangent)(i, (first + d) * n_nodes + b) -= test * d_flux(c, d) * shape_values[b];
     }
 }
 

@@ -305,9 +305,9 @@ void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
     const auto components = condition->prescribed_components();
     if (components.empty() || !condition->is_active(t))
       continue;
-    const auto is_covered = [&](const dealii::types::global_dof_index node) {
+    const auto is_covered = [&](const unsigned int cell, const unsigned int face, const unsigned int node) {
       return std::any_of(covers.begin(), covers.end(), [&](const Cover<dim> &cover) {
-        return cover.nodes.count(node - first_dof) > 0 && cover.fields.count(condition->field.name) > 0 &&
+        return cover.nodes.count({{cell, face, node}}) > 0 && cover.fields.count(condition->field.name) > 0 &&
                cover.is_active(t);
       });
     };
@@ -316,7 +316,8 @@ void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
         at_nodes.reinit(cell);
         cell_dofs(dof_cell(cell), indices);
         for (unsigned int a = 0; a < n; ++a)
-          if (scalar_element().has_support_on_face(a, face) && !is_covered(indices[a]))
+          if (scalar_element().has_support_on_face(a, face) &&
+              !is_covered(cell->active_cell_index(), face, a))
             for (const unsigned int c : components) {
               const auto dof = indices[(condition->field.first_component + c) * n + a];
               if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)

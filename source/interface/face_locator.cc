@@ -102,13 +102,17 @@ struct FaceLocator<dim>::Implementation
 
   using Candidates = std::vector<Candidate>;
 
-  Implementation(SideFaces<dim> side, const double search_radius, const MPI_Comm &communicator);
+  Implementation(SideFaces<dim> side, double search_radius, double least_reach, const MPI_Comm &communicator);
 
   void build_trees();
 
   /// The distance beyond which a face of this size is no partner.
-  double reach(double face_size) const { return (radius + relative_tolerance) * face_size; }
+  double reach(double face_size) const
+  {
+    return std::max((radius + relative_tolerance) * face_size, least_reach);
+  }
   bool is_partner(const Query &query, const Match &match) const;
+  BoundingBox<dim> box_of(const Query &query) const; ///< of what the asking face reaches
   Match closest(const unsigned int face, const Query &query) const;
   void search(const Query &query, Candidates &candidates, Match &best) const;
 
@@ -126,7 +130,7 @@ struct FaceLocator<dim>::Implementation
                      const std::vector<double> &packed, NearbyFaces &result) const;
 
   const SideFaces<dim> side;
-  const double radius;
+  const double radius, least_reach;
   const MPI_Comm communicator;
   const unsigned int this_rank;
   const unsigned int n_ranks;
@@ -157,8 +161,8 @@ bool is_better(const Match &one, const GlobalKey &key_of_one, const Match &other
 
 template <int dim>
 FaceLocator<dim>::Implementation::Implementation(SideFaces<dim> side, const double search_radius,
-                                                 const MPI_Comm &communicator)
-    : side(std::move(side)), radius(search_radius), communicator(communicator),
+                                                 const double least_reach, const MPI_Comm &communicator)
+    : side(std::move(side)), radius(search_radius), least_reach(least_reach), communicator(communicator),
       this_rank(Utilities::MPI::this_mpi_process(communicator)),
       n_ranks(Utilities::MPI::n_mpi_processes(communicator))
 {
@@ -216,12 +220,22 @@ typename FaceLocator<dim>::Match FaceLocator<dim>::Implementation::closest(const
 }
 
 template <int dim>
+BoundingBox<dim> FaceLocator<dim>::Implementation::box_of(const Query &query) const
+{
+  BoundingBox<dim> box({query.X, query.X});
+  if (query.face_size > 0)
+    box.extend(reach(query.face_size));
+  return box;
+}
+
+template <int dim>
 bool FaceLocator<dim>::Implementation::is_partner(const Query &query, const Match &match) const
 {
   const Tensor<1, dim> r = match.X - query.X;
   const double normal_distance = std::abs(r * match.N);
   const double sideways = std::sqrt(std::max(0., r.norm_square() - normal_distance * normal_distance));
-  return query.N * match.N < -relative_tolerance && match.distance <= reach(match.face_size) &&
+  return query.N * match.N < -relative_tolerance &&
+         match.distance <= reach(std::max(match.face_size, query.face_size)) &&
          sideways <= std::max(relative_tolerance * match.face_size, normal_distance);
 }
 
@@ -229,7 +243,7 @@ template <int dim>
 void FaceLocator<dim>::Implementation::search(const Query &query, Candidates &candidates, Match &best) const
 {
   candidates.clear();
-  face_tree.query(boost::geometry::index::intersects(query.X),
+  face_tree.query(boost::geometry::index::intersects(box_of(query)),
                   boost::make_function_output_iterator([&](const auto &box_and_face) {
                     const unsigned int face = box_and_face.second;
                     candidates.push_back({std::sqrt(distance_square(boxes[face], query.X)), face});
@@ -254,7 +268,7 @@ FaceLocator<dim>::Implementation::queries_of_other_ranks(const std::vector<Query
 {
   std::map<unsigned int, std::vector<unsigned int>> result;
   for (unsigned int i = 0; i < queries.size(); ++i)
-    rank_tree.query(boost::geometry::index::intersects(queries[i].X),
+    rank_tree.query(boost::geometry::index::intersects(box_of(queries[i])),
                     boost::make_function_output_iterator([&](const auto &box_and_rank) {
                       std::vector<unsigned int> &indices = result[box_and_rank.second];
                       if (indices.empty() ||
@@ -265,6 +279,10 @@ FaceLocator<dim>::Implementation::queries_of_other_ranks(const std::vector<Query
 }
 
 namespace {
+
+/// X, N, face size.
+template <int dim>
+constexpr unsigned int query_size = 2 * dim + 1;
 
 /// found, distance, angle, face, face size; then three points or vectors; then the key.
 constexpr unsigned int n_scalars = 5;
@@ -309,14 +327,15 @@ template <int dim>
 std::vector<double> FaceLocator<dim>::Implementation::answer(const std::vector<double> &packed_queries,
                                                              Candidates &candidates) const
 {
-  const unsigned int n_queries = packed_queries.size() / (2 * dim);
+  const unsigned int n_queries = packed_queries.size() / query_size<dim>;
   std::vector<double> result(n_queries * answer_size<dim>);
   for (unsigned int i = 0; i < n_queries; ++i) {
     Query query;
     for (unsigned int d = 0; d < dim; ++d) {
-      query.X[d] = packed_queries[2 * dim * i + d];
-      query.N[d] = packed_queries[2 * dim * i + dim + d];
+      query.X[d] = packed_queries[query_size<dim> * i + d];
+      query.N[d] = packed_queries[query_size<dim> * i + dim + d];
     }
+    query.face_size = packed_queries[query_size<dim> * i + 2 * dim];
     Match match;
     search(query, candidates, match);
     const bool is_empty = match.face == numbers::invalid_unsigned_int;
@@ -354,14 +373,16 @@ FaceLocator<dim>::FaceLocator(const Triangulation<dim> &triangulation, const Map
                               const unsigned int mapping_degree,
                               const std::set<types::boundary_id> &boundary_ids, const double search_radius,
                               const MPI_Comm &communicator)
-    : FaceLocator(SideFaces<dim>(triangulation, mapping, mapping_degree, boundary_ids), search_radius,
+    : FaceLocator(SideFaces<dim>(triangulation, mapping, mapping_degree, boundary_ids), search_radius, 0.,
                   communicator)
 {
 }
 
 template <int dim>
-FaceLocator<dim>::FaceLocator(SideFaces<dim> side, const double search_radius, const MPI_Comm &communicator)
-    : implementation(std::make_unique<Implementation>(std::move(side), search_radius, communicator))
+FaceLocator<dim>::FaceLocator(SideFaces<dim> side, const double search_radius, const double least_reach,
+                              const MPI_Comm &communicator)
+    : implementation(
+          std::make_unique<Implementation>(std::move(side), search_radius, least_reach, communicator))
 {
   implementation->build_trees();
 }
@@ -399,6 +420,7 @@ FaceLocator<dim>::locate(const std::vector<Query> &queries) const
     for (const unsigned int i : indices_of_rank) {
       sent[rank].insert(sent[rank].end(), queries[i].X.begin_raw(), queries[i].X.end_raw());
       sent[rank].insert(sent[rank].end(), queries[i].N.begin_raw(), queries[i].N.end_raw());
+      sent[rank].push_back(queries[i].face_size);
     }
   for (const auto &[rank, packed] : Utilities::MPI::some_to_some(local.communicator, sent))
     answers[rank] = local.answer(packed, candidates);
@@ -488,10 +510,12 @@ void FaceLocator<dim>::Implementation::unpack_nearby(const unsigned int rank,
 }
 
 template <int dim>
-typename FaceLocator<dim>::NearbyFaces
-FaceLocator<dim>::faces_near(const std::vector<BoundingBox<dim>> &boxes) const
+typename FaceLocator<dim>::NearbyFaces FaceLocator<dim>::faces_near(std::vector<BoundingBox<dim>> boxes,
+                                                                    const std::vector<double> &sizes) const
 {
   const Implementation &local = *implementation;
+  for (unsigned int i = 0; i < boxes.size(); ++i)
+    boxes[i].extend(local.reach(sizes[i]));
   const auto pack_box = [](const BoundingBox<dim> &box, std::vector<double> &packed) {
     const auto &[lower, upper] = box.get_boundary_points();
     packed.insert(packed.end(), lower.begin_raw(), lower.end_raw());

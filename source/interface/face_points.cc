@@ -12,13 +12,15 @@ namespace dovetail {
 using namespace dealii;
 
 template <int dim>
-void FacePoints<dim>::add(const FaceShape<dim> &shape, const unsigned int face, const unsigned int face_no,
-                          const SurfacePoint<dim> &point, const double JxW)
+void FacePoints<dim>::add(const SideFaces<dim> &own, const unsigned int face, const SurfacePoint<dim> &point,
+                          const double JxW)
 {
+  const FaceShape<dim> &shape = own.shape;
+  const unsigned int face_no = own.faces[face].face_no;
   const Tensor<1, dim> normal = shape.normal(face_no, point);
   this->face.push_back(face);
   unit_points.push_back(shape.position_in_cell(face_no, point.xi));
-  queries.push_back({point.X, normal / normal.norm()});
+  queries.push_back({point.X, normal / normal.norm(), own.faces[face].size});
   this->JxW.push_back(JxW);
 }
 
@@ -78,7 +80,7 @@ FacePoints<dim> mapped_points(const SideFaces<dim> &own, const FaceLocator<dim> 
       for (const auto &corner : share_of(own.shape, rule, shares, q))
         piece.vertices[piece.n_vertices++] = own.shape.evaluate(nodes, corner).X;
       points.pieces.push_back(piece);
-      points.add(own.shape, face, face_no, point, rule.weight(q) * own.shape.normal(face_no, point).norm());
+      points.add(own, face, point, rule.weight(q) * own.shape.normal(face_no, point).norm());
     }
   }
   points.matches = partner.locate(points.queries);

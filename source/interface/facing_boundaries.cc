@@ -16,15 +16,40 @@ SideFaces<dim> faces_of(const Domain<dim> &domain, const std::set<dealii::types:
   return {domain.mesh(), domain.mapping(), domain.mapping_degree(), ids};
 }
 
-/// Whether some part of the faces of one side has a partner on the other.
+/// Whether some part of the faces of one side has a partner on the other with no third body between them.
 template <int dim>
-bool faces(const SideFaces<dim> &own, const SideFaces<dim> &other, const double search_radius,
+bool faces(const SideFaces<dim> &own, const SideFaces<dim> &other,
+           const std::vector<const Domain<dim> *> &third, const double search_radius,
            const MPI_Comm &communicator)
 {
-  const auto points = segments(own, FaceLocator<dim>(other, search_radius, communicator), 1, 1);
-  const bool is_found = std::any_of(points.matches.begin(), points.matches.end(),
-                                    [](const auto &match) { return match.found; });
-  return dealii::Utilities::MPI::max(is_found ? 1 : 0, communicator) > 0;
+  const auto points = segments(own, FaceLocator<dim>(other, search_radius, 0., communicator), 1, 1);
+  std::vector<typename FaceLocator<dim>::Query> across_gap;
+  std::vector<double> gap;
+  bool touches = false;
+  for (unsigned int q = 0; q < points.size(); ++q)
+    if (points.matches[q].found) {
+      if (points.matches[q].distance < 1e-6 * points.queries[q].face_size)
+        touches = true;
+      else {
+        across_gap.push_back(points.queries[q]);
+        gap.push_back(points.matches[q].distance);
+      }
+    }
+  if (dealii::Utilities::MPI::max(touches ? 1 : 0, communicator) > 0)
+    return true;
+  if (dealii::Utilities::MPI::max(gap.empty() ? 0 : 1, communicator) == 0)
+    return false;
+  std::vector<bool> is_open(gap.size(), true);
+  for (const Domain<dim> *domain : third) {
+    const FaceLocator<dim> locator(faces_of(*domain, domain->boundary_ids()), search_radius, 0.,
+                                   communicator);
+    const auto matches = locator.locate(across_gap);
+    for (unsigned int q = 0; q < gap.size(); ++q)
+      if (matches[q].found && matches[q].distance < (1 - 1e-6) * gap[q])
+        is_open[q] = false;
+  }
+  const bool is_any_open = std::find(is_open.begin(), is_open.end(), true) != is_open.end();
+  return dealii::Utilities::MPI::max(is_any_open ? 1 : 0, communicator) > 0;
 }
 
 template <int dim>
@@ -47,12 +72,16 @@ std::vector<FacingBoundaries> find_facing_boundaries(const std::vector<std::uniq
       const double reach = (1 + search_radius) * (one.typical_length() + other.typical_length()) / 2;
       if (!share_a_field(one, other) || one.centre().distance(other.centre()) > reach)
         continue;
+      std::vector<const Domain<dim> *> third;
+      for (unsigned int k = 0; k < domains.size(); ++k)
+        if (k != i && k != j)
+          third.push_back(domains[k].get());
       FacingBoundaries facing{{{i, j}}, {}};
       for (const auto id : one.boundary_ids())
         for (const auto other_id : other.boundary_ids()) {
           const auto of_one = faces_of(one, {id}), of_other = faces_of(other, {other_id});
-          if (faces(of_one, of_other, search_radius, communicator) ||
-              faces(of_other, of_one, search_radius, communicator)) {
+          if (faces(of_one, of_other, third, search_radius, communicator) ||
+              faces(of_other, of_one, third, search_radius, communicator)) {
             facing.ids[0].insert(id);
             facing.ids[1].insert(other_id);
           }

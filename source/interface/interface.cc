@@ -66,9 +66,9 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       "Points per face",
       "belongs to Quadrature = mapped points; segments know how many points they need. Remove it, or "
       "set Quadrature = mapped points.");
-  options.search_radius =
-      section.read<double>("Search radius", 0.2, "Largest gap that is tied, in units of the face size [-]",
-                           Patterns::Double(1e-300));
+  options.search_radius = section.read<double>(
+      "Search radius", 0.2, "Largest gap that is tied, in units of the larger one of the two face sizes [-]",
+      Patterns::Double(1e-300));
   options.gap_extension = static_cast<GapExtension>(section.choose(
       "Gap extension", {"symmetric", "trial", "none"}, 0,
       "Extend the partner's field affinely over the gap: solution and test functions, only the "
@@ -142,7 +142,46 @@ void Interface<dim>::pair(const MPI_Comm &communicator)
   for (const unsigned int side : {source, destination})
     with_cover[side] = has_conditions(side);
   geometry = std::make_unique<Pairing<dim>>(sides, options, with_cover, communicator);
-  report_uncovered();
+  report_uncovered(communicator);
+}
+
+template <int dim>
+FaceLocator<dim> Interface<dim>::make_locator(const unsigned int side, const MPI_Comm &communicator) const
+{
+  const Domain<dim> &domain = *sides[side].domain;
+  return {{domain.mesh(), domain.mapping(), domain.mapping_degree(), sides[side].boundary_ids},
+          options.search_radius,
+          options.least_reach,
+          communicator};
+}
+
+template <int dim>
+void Interface<dim>::keep_reach_of(const Interface &other)
+{
+  options.least_reach = (1 + 1e-6) * other.pairing().coverage().largest_gap;
+}
+
+/// The smallest distance of some points of the source to the destination.
+template <int dim>
+double Interface<dim>::distance_of_sides(const MPI_Comm &communicator) const
+{
+  const Domain<dim> &one = *sides[source].domain, &other = *sides[destination].domain;
+  const SideFaces<dim> faces(one.mesh(), one.mapping(), one.mapping_degree(), sides[source].boundary_ids);
+  const double reach = one.centre().distance(other.centre()) + one.typical_length() + other.typical_length();
+  const FaceLocator<dim> locator(
+      {other.mesh(), other.mapping(), other.mapping_degree(), sides[destination].boundary_ids}, 0, reach,
+      communicator);
+  constexpr unsigned int n_points = 100;
+  std::vector<typename FaceLocator<dim>::Query> queries;
+  for (unsigned int i = 0; i < faces.faces.size(); i += 1 + faces.faces.size() / n_points) {
+    const auto middle = faces.shape.evaluate(faces.nodes(i), faces.shape.centre());
+    const auto N = faces.shape.normal(faces.faces[i].face_no, middle);
+    queries.push_back({middle.X, N / N.norm(), faces.faces[i].size});
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto &match : locator.locate(queries))
+    least = std::min(least, match.distance);
+  return dealii::Utilities::MPI::min(least, communicator);
 }
 
 template <int dim>
@@ -159,17 +198,17 @@ bool Interface<dim>::has_conditions(const unsigned int side) const
 }
 
 template <int dim>
-void Interface<dim>::report_uncovered() const
+void Interface<dim>::report_uncovered(const MPI_Comm &communicator) const
 {
   const Coverage &coverage = pairing().coverage();
   std::ostringstream message;
   message.precision(3);
   if (coverage.n_points == 0) {
-    message << "and Destination do not face each other anywhere";
-    if (std::isfinite(coverage.nearest_miss))
-      message << "; the nearest points are " << coverage.nearest_miss << " apart";
-    message << ". Check the boundary ids, Scale and Shift of the two meshes, or enlarge Search radius (now "
-            << options.search_radius << " of the face size).";
+    message
+        << "and Destination do not face each other anywhere; they are about "
+        << distance_of_sides(communicator)
+        << " apart. Check the boundary ids, Scale and Shift of the two meshes, or enlarge Search radius (now "
+        << options.search_radius << " of the face size).";
     section.fail("Source", message.str());
   }
   if (coverage.is_complete(source) || coverage.is_complete(destination) || uncovered == "allow")

@@ -7,41 +7,41 @@ namespace dovetail {
 
 namespace {
 
-/// A node as one of the faces of the side around it sees it.
+/// A node as one of the faces around it sees it, from a point towards one of the face's corners.
 template <int dim>
-struct NodeOfFace
+struct Look
 {
   typename FaceLocator<dim>::Query query;
-  dealii::types::global_dof_index node;
+  std::array<unsigned int, 3> node; ///< as in Cover::nodes
 };
 
-/// The nodes that this rank owns; it sees all faces around them.
 template <int dim>
-std::vector<NodeOfFace<dim>> nodes_of(const InterfaceSide<dim> &side)
+std::vector<Look<dim>> looks_at_nodes(const InterfaceSide<dim> &side)
 {
   const Domain<dim> &domain = *side.domain;
   const auto &element = domain.scalar_element();
   const FaceShape<dim> shape(element.reference_cell(), 1);
-  std::vector<NodeOfFace<dim>> nodes;
-  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<Look<dim>> looks;
   for (const auto &[cell, face, id] : domain.boundary_faces())
     if (side.boundary_ids.count(id) > 0) {
-      domain.cell_dofs(domain.dof_cell(cell), dofs);
-      const auto at = [&](const dealii::Point<dim> &unit_point) {
+      const auto at = [&cell = cell, &domain](const dealii::Point<dim> &unit_point) {
         return domain.mapping().transform_unit_to_real_cell(cell, unit_point);
       };
       const auto centre = shape.position_in_cell(face, shape.centre());
       dealii::Tensor<1, dim> outward = at(centre) - at(element.reference_cell().template barycenter<dim>());
       outward /= outward.norm();
       for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
-        if (const auto node = dofs[a] - domain.first_dof;
-            element.has_support_on_face(a, face) &&
-            domain.dof_handler().locally_owned_dofs().is_element(node)) {
-          const auto unit_point = element.unit_support_point(a);
-          nodes.push_back({{at(unit_point + 1e-3 * (centre - unit_point)), outward}, node});
-        }
+        if (element.has_support_on_face(a, face))
+          for (unsigned int corner = 0; corner < shape.n_corners(); ++corner) {
+            // not along the rim, which the neighbouring face shares
+            const auto unit_point = element.unit_support_point(a);
+            const auto target = centre + 0.9 * (shape.position_in_cell(face, shape.corner(corner)) - centre);
+            looks.push_back(
+                {{at(unit_point + 1e-3 * (target - unit_point)), outward, cell->face(face)->diameter()},
+                 {{cell->active_cell_index(), face, a}}});
+          }
     }
-  return nodes;
+  return looks;
 }
 
 } // namespace
@@ -57,21 +57,17 @@ Cover<dim> make_cover(const Interface<dim> &interface, const unsigned int side, 
     cover.fields.insert(field.name);
   cover.faces = interface.pairing().covered_faces(side);
 
-  const InterfaceSide<dim> &partner = interface.sides[1 - side];
-  const FaceLocator<dim> locator(partner.domain->mesh(), partner.domain->mapping(),
-                                 partner.domain->mapping_degree(), partner.boundary_ids,
-                                 interface.search_radius(), communicator);
-  const auto nodes = nodes_of(interface.sides[side]);
+  const FaceLocator<dim> locator = interface.make_locator(1 - side, communicator);
+  const auto looks = looks_at_nodes(interface.sides[side]);
   std::vector<typename FaceLocator<dim>::Query> queries;
-  for (const auto &node : nodes)
-    queries.push_back(node.query);
+  for (const auto &look : looks)
+    queries.push_back(look.query);
   const auto matches = locator.locate(queries);
-  for (unsigned int i = 0; i < nodes.size(); ++i)
-    if (matches[i].found)
-      cover.nodes.insert(nodes[i].node);
-  for (unsigned int i = 0; i < nodes.size(); ++i)
+  for (const auto &look : looks)
+    cover.nodes.insert(look.node);
+  for (unsigned int i = 0; i < looks.size(); ++i)
     if (!matches[i].found)
-      cover.nodes.erase(nodes[i].node);
+      cover.nodes.erase(looks[i].node);
   return cover;
 }
 

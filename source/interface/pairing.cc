@@ -97,9 +97,11 @@ Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Opti
   for (const unsigned int own : {source, destination})
     if (!options.integrate_on[own] && (with_cover[own] || !account.is_complete(own))) {
       const SideFaces<dim> faces = faces_of(sides[own]);
-      const FaceLocator<dim> locator(faces_of(sides[1 - own]), options.search_radius, communicator);
+      const FaceLocator<dim> locator(faces_of(sides[1 - own]), options.search_radius, options.least_reach,
+                                     communicator);
       count(find_points(sides, own, options, faces, locator), faces, own, communicator);
     }
+  account.n_uncovered = sum(static_cast<unsigned long>(uncovered.size()), communicator);
 }
 
 template <int dim>
@@ -164,7 +166,8 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
   const unsigned int partner = 1 - own;
   dealii::Timer timer;
   const SideFaces<dim> faces = faces_of(sides[own]);
-  const FaceLocator<dim> locator(faces_of(sides[partner]), options.search_radius, communicator);
+  const FaceLocator<dim> locator(faces_of(sides[partner]), options.search_radius, options.least_reach,
+                                 communicator);
   const FacePoints<dim> face_points = find_points(sides, own, options, faces, locator);
   search_seconds += timer.wall_time();
   std::array<PartnerShapes<dim>, 2> shapes;
@@ -189,7 +192,6 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
     return cells_behind(p) < cells_behind(q);
   });
   account.n_segments += sum(face_points.n_segments, communicator);
-  account.n_uncovered += sum(static_cast<unsigned long>(face_points.size() - order.size()), communicator);
   account.largest_gap = std::max(account.largest_gap, max(gap, communicator));
   account.largest_angle = std::max(account.largest_angle, max(angle, communicator));
   if (!options.integrate_on[partner]) // up to the angle and what counts twice where that is large

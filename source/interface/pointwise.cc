@@ -70,6 +70,7 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
           Node &node = nodes[dofs[a]];
           node.query.X = at_nodes.quadrature_point(a);
           node.query.N += at_face.normal_vector(0); // the mean of the faces that meet here
+          node.query.face_size = std::max(node.query.face_size, cell->face(face)->diameter());
           node.dofs.clear();
           for (unsigned int c = 0; c < domain.n_components(); ++c)
             node.dofs.push_back(dofs[c * n + a]);
@@ -88,8 +89,7 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, Constraint
                                      const MPI_Comm &communicator)
 {
   const InterfaceSide<dim> &from = interface.sides[source];
-  const FaceLocator<dim> locator(from.domain->mesh(), from.domain->mapping(), from.domain->mapping_degree(),
-                                 from.boundary_ids, interface.search_radius(), communicator);
+  const FaceLocator<dim> locator = interface.make_locator(source, communicator);
   const std::vector<Node> nodes = nodes_of(interface.sides[destination]);
   std::vector<typename FaceLocator<dim>::Query> queries;
   for (const Node &node : nodes)

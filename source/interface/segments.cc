@@ -10,6 +10,10 @@
 #include <dovetail/interface/face_points.h>
 #include <dovetail/interface/region.h>
 
+#include <deal.II/numerics/rtree.h>
+
+#include <boost/iterator/function_output_iterator.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -43,6 +47,7 @@ public:
 private:
   Point<dim> lift(const Point<dim - 1> &s) const; ///< the point of the plane
   Point<dim - 1> xi_of(const Point<dim - 1> &s) const;
+  void improve(const Point<dim - 1> &s, Point<dim - 1> &xi) const;
 
   const FaceShape<dim> &shape, &bilinear;
   const Point<dim> *nodes;
@@ -126,9 +131,46 @@ Region<dim - 1> Chart<dim>::to_integration(const Region<dim - 1> &region) const
   if (dim == 2 || is_flat)
     return region;
   Region<dim - 1> result;
-  for (const auto &corner : region)
+  for (const auto &corner : region) {
     result.push_back(xi_of(corner));
+    if (shape.degree() > 1)
+      improve(corner, result.back());
+  }
   return result;
+}
+
+/// Newton's method for project(X(xi)) = s on the true face, from the plane one. On the rim xi stays on the
+/// rim, so that the segments still tile the face.
+template <int dim>
+void Chart<dim>::improve(const Point<dim - 1> &s, Point<dim - 1> &xi) const
+{
+  if constexpr (dim == 3) {
+    const auto is_on_rim = [&xi](const unsigned int k) { return xi[k] < 1e-10 || xi[k] > 1 - 1e-10; };
+    const std::array<bool, 2> is_fixed{{is_on_rim(0), is_on_rim(1)}};
+    const Point<2> start = xi;
+    for (unsigned int iteration = 0; iteration < 10 && !(is_fixed[0] && is_fixed[1]); ++iteration) {
+      const SurfacePoint<dim> point = shape.evaluate(nodes, xi);
+      const Tensor<1, 2> rest = s - project(point.X);
+      Tensor<2, 2> J; // ds / dxi
+      for (unsigned int k = 0; k < 2; ++k)
+        for (unsigned int l = 0; l < 2; ++l)
+          J[k][l] = axis[k] * point.tangent[l] / size;
+      Tensor<1, 2> step;
+      if (!is_fixed[0] && !is_fixed[1])
+        step = invert(J) * rest;
+      else {
+        const unsigned int l = is_fixed[0] ? 1 : 0;
+        const Tensor<1, 2> along({J[0][l], J[1][l]});
+        step[l] = along * rest / along.norm_square();
+      }
+      xi += step;
+      if (step.norm() < 1e-14)
+        break;
+    }
+    const bool is_inside = xi[0] >= 0 && xi[0] <= 1 && xi[1] >= 0 && xi[1] <= 1;
+    if (!is_inside || (xi - start).norm() > 0.25)
+      xi = start; // the face is too strongly curved
+  }
 }
 
 template <int dim>
@@ -144,6 +186,26 @@ double Chart<dim>::jacobian(const SurfacePoint<dim> &point) const
     return point.tangent[0].norm();
   else
     return is_flat ? size * size : cross_product_3d(point.tangent[0], point.tangent[1]).norm();
+}
+
+Region<1> box_region(const Point<1> &lower, const Point<1> &upper)
+{
+  return {lower, upper};
+}
+
+Region<2> box_region(const Point<2> &lower, const Point<2> &upper)
+{
+  return {lower, Point<2>(upper[0], lower[1]), upper, Point<2>(lower[0], upper[1])};
+}
+
+template <int dim>
+std::vector<Region<dim>> subtract_from_all(const std::vector<Region<dim>> &parts, const Region<dim> &hole)
+{
+  std::vector<Region<dim>> left;
+  for (const auto &part : parts)
+    for (const auto &outside : subtract(part, hole))
+      left.push_back(outside);
+  return left;
 }
 
 /// The rules by the degree that they must integrate.
@@ -191,9 +253,16 @@ private:
   struct Segment
   {
     Region<dim - 1> region;
-    const NearbyFace *partner; ///< nullptr: none
+    const NearbyFace *partner; ///< or, if it is not tied, the nearest face; nullptr: there is none
     double distance;           ///< at the centroid
+    bool is_tied = true;
   };
+
+  using Boxes = RTree<std::pair<BoundingBox<dim - 1>, unsigned int>>; ///< of regions
+  static BoundingBox<dim - 1> box_of(const Region<dim - 1> &region);
+  static std::vector<unsigned int> overlapping(const Boxes &boxes, const Region<dim - 1> &region);
+  static void collect_rest(const Region<dim - 1> &region, const Boxes &boxes,
+                           const std::vector<Segment> &segments, std::vector<Region<dim - 1>> &rest);
 
   void add_face(unsigned int face, const std::vector<unsigned int> &nearby);
   bool is_near(const Chart<dim> &chart, const Region<dim - 1> &region, const NearbyFace &face,
@@ -205,7 +274,7 @@ private:
   bool is_aligned_box(const Chart<dim> &chart, const Region<dim - 1> &region,
                       const NearbyFace &partner) const;
   void add_piece(const Chart<dim> &chart, const std::vector<Point<dim - 1>> &corners,
-                 const Quadrature<dim - 1> &rule, const NearbyFace *partner);
+                 const Quadrature<dim - 1> &rule, const Segment &segment);
   Match match(const NearbyFace &partner, const typename FaceLocator<dim>::Query &query) const;
 
   const SideFaces<dim> &own;
@@ -233,9 +302,12 @@ template <int dim>
 FacePoints<dim> Segmentation<dim>::run()
 {
   std::vector<BoundingBox<dim>> boxes;
-  for (unsigned int face = 0; face < own.faces.size(); ++face)
+  std::vector<double> sizes;
+  for (unsigned int face = 0; face < own.faces.size(); ++face) {
     boxes.push_back(own.shape.box(own.nodes(face)));
-  others = locator.faces_near(boxes);
+    sizes.push_back(own.faces[face].size);
+  }
+  others = locator.faces_near(boxes, sizes);
   for (current_face = 0; current_face < own.faces.size(); ++current_face)
     add_face(current_face, others.of_box[current_face]);
   return std::move(points);
@@ -247,7 +319,7 @@ void Segmentation<dim>::add_face(const unsigned int face, const std::vector<unsi
   const Chart<dim> chart(own.shape, bilinear_own, own.nodes(face), own.faces[face].size);
   const double whole = measure(chart.window);
   std::vector<Segment> segments;
-  double covered = 0;
+  double covered = 0, largest_distance = 0;
   Region<dim - 1> corners(partner_shape.n_corners());
   for (const unsigned int i : nearby) {
     const NearbyFace &other = others.faces[i];
@@ -263,9 +335,11 @@ void Segmentation<dim>::add_face(const unsigned int face, const std::vector<unsi
         is_near(chart, segment.region, other, segment)) {
       segments.push_back(segment);
       covered += area;
+      largest_distance = std::max(largest_distance, segment.distance);
     }
   }
-  if (covered > whole * (1 + 1e-9)) {
+  // faces that touch this one do not overlap
+  if (largest_distance > 1e-9 * own.faces[face].size || covered > whole * (1 + 1e-9)) {
     keep_nearest(chart, segments);
     covered =
         std::accumulate(segments.begin(), segments.end(), 0., [](const double sum, const Segment &segment) {
@@ -299,11 +373,56 @@ bool Segmentation<dim>::is_near(const Chart<dim> &chart, const Region<dim - 1> &
 {
   const SurfacePoint<dim> middle = chart.evaluate(centroid(chart.to_integration(region)));
   const Tensor<1, dim> N = own.shape.normal(own.faces[current_face].face_no, middle);
-  const typename FaceLocator<dim>::Query query{middle.X, N / N.norm()};
+  const typename FaceLocator<dim>::Query query{middle.X, N / N.norm(), own.faces[current_face].size};
   const Match match = this->match(face, query);
   segment.partner = &face;
   segment.distance = match.distance;
   return locator.is_partner(query, match);
+}
+
+template <int dim>
+BoundingBox<dim - 1> Segmentation<dim>::box_of(const Region<dim - 1> &region)
+{
+  return BoundingBox<dim - 1>(region);
+}
+
+template <int dim>
+std::vector<unsigned int> Segmentation<dim>::overlapping(const Boxes &boxes, const Region<dim - 1> &region)
+{
+  std::vector<unsigned int> found;
+  boxes.query(boost::geometry::index::intersects(box_of(region)),
+              boost::make_function_output_iterator(
+                  [&](const auto &box_and_index) { found.push_back(box_and_index.second); }));
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// What the segments leave of a region. A region with many of them is halved first, so that the cost is not
+/// that of all pairs of parts and segments.
+template <int dim>
+void Segmentation<dim>::collect_rest(const Region<dim - 1> &region, const Boxes &boxes,
+                                     const std::vector<Segment> &segments, std::vector<Region<dim - 1>> &rest)
+{
+  const std::vector<unsigned int> found = overlapping(boxes, region);
+  const auto [lower, upper] = box_of(region).get_boundary_points();
+  unsigned int axis = 0;
+  for (unsigned int k = 1; k < dim - 1; ++k)
+    if (upper[k] - lower[k] > upper[axis] - lower[axis])
+      axis = k;
+  if (found.size() <= 32 || upper[axis] - lower[axis] < 1e-6) {
+    std::vector<Region<dim - 1>> parts = {region};
+    for (const unsigned int i : found)
+      parts = subtract_from_all(parts, segments[i].region);
+    rest.insert(rest.end(), parts.begin(), parts.end());
+    return;
+  }
+  for (const unsigned int half : {0, 1}) {
+    Point<dim - 1> from = lower, to = upper;
+    (half == 0 ? to : from)[axis] = (lower[axis] + upper[axis]) / 2;
+    const auto part = clip(region, box_region(from, to));
+    if (!part.empty())
+      collect_rest(part, boxes, segments, rest);
+  }
 }
 
 /// Where regions overlap the nearest face wins, and of equally near ones the first.
@@ -315,19 +434,17 @@ void Segmentation<dim>::keep_nearest(const Chart<dim> &chart, std::vector<Segmen
     return std::nearbyint(one.distance / quantum) < std::nearbyint(other.distance / quantum);
   });
   std::vector<Segment> result;
+  Boxes boxes;
   for (const Segment &segment : segments) {
     std::vector<Region<dim - 1>> parts = {segment.region};
-    for (const Segment &nearer : result) {
-      std::vector<Region<dim - 1>> left;
-      for (const auto &part : parts)
-        for (const auto &outside : subtract(part, nearer.region))
-          left.push_back(outside);
-      parts = left;
-    }
+    for (const unsigned int i : overlapping(boxes, segment.region))
+      parts = subtract_from_all(parts, result[i].region);
     const double least = chart.negligible * measure(segment.region);
     for (const auto &part : parts)
-      if (measure(part) > least)
+      if (measure(part) > least) {
+        boxes.insert({box_of(part), static_cast<unsigned int>(result.size())});
         result.push_back({part, segment.partner, segment.distance});
+      }
   }
   segments = result;
 }
@@ -338,21 +455,20 @@ template <int dim>
 void Segmentation<dim>::add_rest(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
                                  std::vector<Segment> &segments)
 {
-  std::vector<Region<dim - 1>> rest = {chart.window};
-  for (const Segment &segment : segments) {
-    std::vector<Region<dim - 1>> left;
-    for (const auto &part : rest)
-      for (const auto &outside : subtract(part, segment.region))
-        left.push_back(outside);
-    rest = left;
-  }
+  Boxes boxes;
+  for (unsigned int i = 0; i < segments.size(); ++i)
+    boxes.insert({box_of(segments[i].region), i});
+  std::vector<Region<dim - 1>> rest;
+  collect_rest(chart.window, boxes, segments, rest);
   const double least = chart.negligible * measure(chart.window);
   for (const auto &part : rest)
     if (measure(part) > least) {
-      Segment best{part, nullptr, std::numeric_limits<double>::infinity()};
+      Segment best{part, nullptr, std::numeric_limits<double>::infinity(), false};
       for (const unsigned int i : nearby) {
         Segment candidate = best;
-        if (is_near(chart, part, others.faces[i], candidate) && candidate.distance < best.distance)
+        candidate.is_tied = is_near(chart, part, others.faces[i], candidate);
+        if (std::make_pair(!candidate.is_tied, candidate.distance) <
+            std::make_pair(!best.is_tied, best.distance))
           best = candidate;
       }
       segments.push_back(best);
@@ -389,7 +505,7 @@ bool Segmentation<dim>::is_aligned_box(const Chart<dim> &chart, const Region<dim
 template <int dim>
 void Segmentation<dim>::integrate(const Chart<dim> &chart, const Segment &segment)
 {
-  if (segment.partner != nullptr)
+  if (segment.is_tied)
     ++points.n_segments;
   const Region<dim - 1> region = chart.to_integration(segment.region);
   if (measure(region) <= 0) // of a strongly distorted curved face
@@ -400,22 +516,22 @@ void Segmentation<dim>::integrate(const Chart<dim> &chart, const Segment &segmen
   const unsigned int mapping_degree = std::max(own.shape.degree(), partner_shape.degree());
   const unsigned int more = is_affine ? 0 : dim == 2 ? 2 * mapping_degree : 2;
   if constexpr (dim == 2)
-    add_piece(chart, region, rules.simplex(2 * degree + 1 + more), segment.partner);
-  else if (segment.partner != nullptr && is_aligned_box(chart, segment.region, *segment.partner))
-    add_piece(chart, {region[0], region[1], region[3], region[2]}, QGauss<2>(degree + 1), segment.partner);
+    add_piece(chart, region, rules.simplex(2 * degree + 1 + more), segment);
+  else if (segment.is_tied && is_aligned_box(chart, segment.region, *segment.partner))
+    add_piece(chart, {region[0], region[1], region[3], region[2]}, QGauss<2>(degree + 1), segment);
   else {
     const auto &rule = rules.simplex(2 * degree * (has_quadrilaterals ? 2 : 1) + more);
     if (region.size() == 3)
-      return add_piece(chart, region, rule, segment.partner);
+      return add_piece(chart, region, rule, segment);
     const Point<2> centre = centroid(region);
     for (unsigned int i = 0; i < region.size(); ++i)
-      add_piece(chart, {centre, region[i], region[(i + 1) % region.size()]}, rule, segment.partner);
+      add_piece(chart, {centre, region[i], region[(i + 1) % region.size()]}, rule, segment);
   }
 }
 
 template <int dim>
 void Segmentation<dim>::add_piece(const Chart<dim> &chart, const std::vector<Point<dim - 1>> &corners,
-                                  const Quadrature<dim - 1> &rule, const NearbyFace *partner)
+                                  const Quadrature<dim - 1> &rule, const Segment &segment)
 {
   // corners of a line, triangle or parallelogram
   std::array<Tensor<1, dim - 1>, dim - 1> edge;
@@ -439,9 +555,10 @@ void Segmentation<dim>::add_piece(const Chart<dim> &chart, const std::vector<Poi
     for (unsigned int k = 0; k < dim - 1; ++k)
       s += rule.point(q)[k] * edge[k];
     const SurfacePoint<dim> point = chart.evaluate(s);
-    points.add(own.shape, current_face, own.faces[current_face].face_no, point,
-               rule.weight(q) * determinant * chart.jacobian(point));
-    points.matches.push_back(partner != nullptr ? match(*partner, points.queries.back()) : Match());
+    points.add(own, current_face, point, rule.weight(q) * determinant * chart.jacobian(point));
+    points.matches.push_back(segment.partner != nullptr ? match(*segment.partner, points.queries.back())
+                                                        : Match());
+    points.matches.back().found = segment.is_tied;
   }
 }
 

@@ -79,10 +79,14 @@ void Paraview<dim>::prepare()
   }
   name_files();
   make_directory(directory + "/steps", model.communicator);
-  for (unsigned int i = 0; i < model.interfaces.size(); ++i)
-    if (const auto &pairing = model.interfaces[i]->pairing(); pairing.coverage().n_uncovered > 0)
-      UncoveredPoints<dim>(pairing).write_vtu_in_parallel(
-          directory + "/uncovered_" + blocks[model.domains.size() + i].stem + ".vtu", model.communicator);
+  for (unsigned int i = 0; i < model.interfaces.size(); ++i) {
+    const auto &pairing = model.interfaces[i]->pairing();
+    const std::string file = directory + "/uncovered_" + blocks[model.domains.size() + i].stem + ".vtu";
+    if (pairing.coverage().n_uncovered > 0)
+      UncoveredPoints<dim>(pairing).write_vtu_in_parallel(file, model.communicator);
+    else if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
+      std::remove(file.c_str()); // of an earlier run
+  }
 }
 
 template <int dim>

@@ -108,51 +108,42 @@ class GivenInflux
 {
 public:
   GivenInflux(const Domain<dim> &domain, const Ids &boundary_ids, const Field &field, const double t)
-      : domain(domain), boundary_ids(boundary_ids), field(field), t(t),
-        face_values(domain.mapping(), domain.scalar_element(),
-                    gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
-                    dealii::update_values | dealii::update_quadrature_points | dealii::update_JxW_values)
+      : domain(domain), boundary_ids(boundary_ids), field(field), t(t), open_boundary(domain)
   {
     for (const auto &condition : domain.conditions())
-      if (condition->adds_flux() && condition->field.name == field.name && condition->is_active(t))
+      if (condition->adds_flux() && condition->field.name == field.name)
         conditions.push_back(condition.get());
   }
 
   void add(const typename Domain<dim>::cell_iterator &cell, const std::vector<double> &unknowns,
            std::vector<double> &sum)
   {
+    const unsigned int n_c = field.n_components, n = domain.n_nodes();
+    std::vector<double> trace(n_c), flux(n_c);
+    dealii::FullMatrix<double> d_flux(n_c, n_c);
     for (const unsigned int face : cell->face_indices())
       if (is_on<dim>(cell, face, boundary_ids))
         for (const Condition<dim> *condition : conditions)
-          if (condition->boundary_ids.count(cell->face(face)->boundary_id()) > 0)
-            add_face(*condition, cell, face, unknowns, sum);
+          open_boundary.for_each_point(
+              cell, face, *condition, t,
+              [&](const dealii::Point<dim> &X, const std::vector<double> &shape_values, const double JxW) {
+                std::fill(trace.begin(), trace.end(), 0.);
+                std::fill(flux.begin(), flux.end(), 0.);
+                for (unsigned int c = 0; c < n_c; ++c)
+                  for (unsigned int a = 0; a < n; ++a)
+                    trace[c] += shape_values[a] * unknowns[(field.first_component + c) * n + a];
+                condition->flux(X, t, trace.data(), flux, d_flux);
+                for (unsigned int c = 0; c < n_c; ++c)
+                  sum[c] += flux[c] * JxW;
+              });
   }
 
 private:
-  void add_face(const Condition<dim> &condition, const typename Domain<dim>::cell_iterator &cell,
-                const unsigned int face, const std::vector<double> &unknowns, std::vector<double> &sum)
-  {
-    const unsigned int n_c = field.n_components, n = domain.n_nodes();
-    face_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell), face);
-    std::vector<double> trace(n_c), flux(n_c);
-    dealii::FullMatrix<double> d_flux(n_c, n_c);
-    for (const unsigned int q : face_values.quadrature_point_indices()) {
-      std::fill(trace.begin(), trace.end(), 0.);
-      std::fill(flux.begin(), flux.end(), 0.);
-      for (unsigned int c = 0; c < n_c; ++c)
-        for (unsigned int a = 0; a < n; ++a)
-          trace[c] += face_values.shape_value(a, q) * unknowns[(field.first_component + c) * n + a];
-      condition.flux(face_values.quadrature_point(q), t, trace.data(), flux, d_flux);
-      for (unsigned int c = 0; c < n_c; ++c)
-        sum[c] += flux[c] * face_values.JxW(q);
-    }
-  }
-
   const Domain<dim> &domain;
   const Ids &boundary_ids;
   const Field &field;
   const double t;
-  dealii::FEFaceValues<dim> face_values;
+  OpenBoundary<dim> open_boundary;
   std::vector<const Condition<dim> *> conditions;
 };
 

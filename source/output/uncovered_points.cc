@@ -31,8 +31,10 @@ nlohmann::ordered_json list_uncovered_points(const Pairing<dim> &pairing, const 
                                              const MPI_Comm &communicator)
 {
   std::vector<std::vector<double>> first;
-  for (const auto &point : pairing.uncovered)
+  for (const auto &point : pairing.uncovered) {
     first.emplace_back(point.X.begin_raw(), point.X.end_raw());
+    first.back().push_back(point.side);
+  }
   const auto keep_first = [&]() {
     std::sort(first.begin(), first.end());
     if (first.size() > n)
@@ -44,7 +46,13 @@ nlohmann::ordered_json list_uncovered_points(const Pairing<dim> &pairing, const 
   for (const auto &of_rank : of_ranks)
     first.insert(first.end(), of_rank.begin(), of_rank.end());
   keep_first();
-  return first;
+  auto list = nlohmann::ordered_json::array();
+  for (auto &point : first) {
+    const bool is_source = point.back() == source;
+    point.pop_back();
+    list.push_back({{"side", is_source ? "source" : "destination"}, {"point", point}});
+  }
+  return list;
 }
 
 template class UncoveredPoints<2>;

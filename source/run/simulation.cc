@@ -144,7 +144,8 @@ void Simulation<dim>::check()
     const Coverage &coverage = interface->pairing().coverage();
     n_points += coverage.n_points;
     n_segments += coverage.n_segments;
-    // weight; on each side position, normal, and values (twice over a gap) and gradients of the shape functions
+    // weight; on each side position, normal, and values (twice over a gap) and gradients of the shape
+    // functions
     unsigned int n_doubles = 1;
     for (const auto &side : interface->sides)
       n_doubles += 2 * dim + side.domain->n_nodes() * (2 + dim);

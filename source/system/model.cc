@@ -104,26 +104,41 @@ void Model<dim>::make_covers()
             domain->covers.push_back(make_cover(*interface, side, communicator));
 
   for (const auto &domain : domains)
-    for (const auto &condition : domain->conditions()) {
-      std::string covering;
-      std::map<std::pair<unsigned int, unsigned int>, double> share;
-      for (const Cover<dim> &cover : domain->covers)
-        if (cover.is_permanent && cover.fields.count(condition->field.name) > 0) {
-          covering = cover.interface;
-          for (const auto &[face, covered] : cover.faces)
-            share[face] += covered.share;
-        }
-      unsigned int n_open = 0;
-      for (const auto &[cell, face, id] : domain->boundary_faces())
-        if (cell->is_locally_owned() && condition->boundary_ids.count(id) > 0 &&
-            share[{cell->active_cell_index(), face}] < 1 - 1e-9)
-          ++n_open;
-      condition->section.check(covering.empty() || dealii::Utilities::MPI::sum(n_open, communicator) > 0,
-                               "Boundary ids",
-                               "are covered wholly by the interface " + covering +
-                                   ", which ties the same field there: the condition would act nowhere. "
-                                   "Remove the condition, or those ids from the interface.");
+    for (const auto &condition : domain->conditions())
+      check_acts_somewhere(*domain, *condition);
+}
+
+/// An error if permanent interfaces cover all of a condition's faces or, of a prescribed value, all nodes.
+template <int dim>
+void Model<dim>::check_acts_somewhere(const Domain<dim> &domain, const Condition<dim> &condition) const
+{
+  std::string covering;
+  std::map<std::pair<unsigned int, unsigned int>, double> share;
+  std::set<std::array<unsigned int, 3>> nodes;
+  for (const Cover<dim> &cover : domain.covers)
+    if (cover.is_permanent && cover.fields.count(condition.field.name) > 0) {
+      covering = cover.interface;
+      for (const auto &[face, covered] : cover.faces)
+        share[face] += covered.share;
+      nodes.insert(cover.nodes.begin(), cover.nodes.end());
     }
+  unsigned int n_open = 0;
+  for (const auto &[cell, face, id] : domain.boundary_faces())
+    if (cell->is_locally_owned() && condition.boundary_ids.count(id) > 0) {
+      if (condition.prescribed_components().empty())
+        n_open += share[{cell->active_cell_index(), face}] < 1 - 1e-9 ? 1 : 0;
+      else
+        for (unsigned int a = 0; a < domain.n_nodes(); ++a)
+          n_open += domain.scalar_element().has_support_on_face(a, face) &&
+                            nodes.count({{cell->active_cell_index(), face, a}}) == 0
+                        ? 1
+                        : 0;
+    }
+  condition.section.check(
+      covering.empty() || dealii::Utilities::MPI::sum(n_open, communicator) > 0, "Boundary ids",
+      "are covered wholly by the interface " + covering +
+          ", which ties the same field there: the condition would act nowhere. Remove the "
+          "condition, or those ids from the interface.");
 }
 
 template <int dim>
@@ -142,8 +157,11 @@ Vector Model<dim>::refine(const std::vector<std::vector<bool>> &marked, const Ve
     for (const auto dof : domains[d]->dof_handler().locally_owned_dofs())
       refined(domains[d]->first_dof + dof) = parts[d](dof);
   refined.compress(dealii::VectorOperation::insert);
-  for (auto &interface : interfaces) // what a tie has frozen belongs to points that are no more
-    interface = std::make_unique<Interface<dim>>(interface->name, interface->section, domains, toggles);
+  for (auto &interface : interfaces) { // what a tie has frozen belongs to points that are no more
+    auto renewed = std::make_unique<Interface<dim>>(interface->name, interface->section, domains, toggles);
+    renewed->keep_reach_of(*interface);
+    interface = std::move(renewed);
+  }
   pair();
   return refined;
 }

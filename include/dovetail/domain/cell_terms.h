@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include <dovetail/domain/shapes.h>
+#include <dovetail/domain/open_boundary.h>
 
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/full_matrix.h>
@@ -44,16 +44,15 @@ private:
   void add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, double t,
                           const std::vector<double> &unknowns, std::vector<double> &residual,
                           dealii::FullMatrix<double> *tangent);
-  void add_influx(const Condition<dim> &condition, const dealii::Point<dim> &X, double t, double JxW,
-                  const std::vector<double> &unknowns, std::vector<double> &residual,
-                  dealii::FullMatrix<double> *tangent);
+  void add_influx(const Condition<dim> &condition, const dealii::Point<dim> &X, double t,
+                  const std::vector<double> &shape_values, double JxW, const std::vector<double> &unknowns,
+                  std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
   void load_point(const dealii::FEValuesBase<dim> &values, unsigned int q);
 
   const Domain<dim> &domain;
   const unsigned int n, n_nodes;
   dealii::FEValues<dim> cell_values;
-  dealii::FEFaceValues<dim> face_values;
-  std::unique_ptr<ShapeEvaluator<dim>> shapes_anywhere; ///< made when a partly covered face needs it
+  OpenBoundary<dim> open_boundary;
   State<dim> state;
   Response<dim> response;
   std::vector<bool> couples; ///< whether the flux of component c depends on component d, at c * n + d

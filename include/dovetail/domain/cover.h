@@ -6,8 +6,8 @@
 #pragma once
 
 #include <deal.II/base/point.h>
-#include <deal.II/base/types.h>
 
+#include <array>
 #include <functional>
 #include <map>
 #include <set>
@@ -36,9 +36,9 @@ struct Cover
   std::function<bool(double t)> is_active;
   std::set<std::string> fields;
   Faces faces;
-  /// Nodes that no uncovered part of the boundary ends at: unknowns of their first component, relative to the
-  /// domain's first.
-  std::set<dealii::types::global_dof_index> nodes;
+  /// Of owned and ghost cells: cell, face and node of the cell, where the face is covered all around the
+  /// node.
+  std::set<std::array<unsigned int, 3>> nodes;
 };
 
 } // namespace dovetail

@@ -70,6 +70,7 @@ public:
   {
     dealii::Point<dim> X;
     dealii::Tensor<1, dim> N; ///< outward normal of the asking side
+    double face_size = 0;     ///< of the asking side
   };
 
   struct Match
@@ -108,11 +109,12 @@ public:
   };
 
   /// @p mapping_degree: the degree of @p mapping. @p search_radius: the largest distance, in units of the
-  /// partner's face size, at which a point still has a partner. Collective.
+  /// larger one of the two face sizes, at which a point still has a partner; @p least_reach: a distance at
+  /// which it has one in any case. Collective.
   FaceLocator(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
               unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids,
               double search_radius, const MPI_Comm &communicator);
-  FaceLocator(SideFaces<dim> side, double search_radius, const MPI_Comm &communicator);
+  FaceLocator(SideFaces<dim> side, double search_radius, double least_reach, const MPI_Comm &communicator);
   ~FaceLocator();
 
   const SideFaces<dim> &side() const;
@@ -126,9 +128,9 @@ public:
   /// A match per query. Collective.
   std::vector<Match> locate(const std::vector<Query> &queries) const;
 
-  /// The faces within reach of each box. Only faces that some box of this rank asks for are received.
-  /// Collective.
-  NearbyFaces faces_near(const std::vector<dealii::BoundingBox<dim>> &boxes) const;
+  /// The faces within reach of other faces with these boxes and sizes. Only faces that some box of this rank
+  /// asks for are received. Collective.
+  NearbyFaces faces_near(std::vector<dealii::BoundingBox<dim>> boxes, const std::vector<double> &sizes) const;
 
 private:
   struct Implementation;

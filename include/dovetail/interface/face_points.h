@@ -35,8 +35,7 @@ struct FacePoints
   unsigned long n_segments = 0;
 
   unsigned int size() const { return JxW.size(); }
-  void add(const FaceShape<dim> &shape, unsigned int face, unsigned int face_no,
-           const SurfacePoint<dim> &point, double JxW);
+  void add(const SideFaces<dim> &own, unsigned int face, const SurfacePoint<dim> &point, double JxW);
 };
 
 /// `mapped points`: Gauss points of the faces, exact for degree 2 n - 1, each with the closest point of the

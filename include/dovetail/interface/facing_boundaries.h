@@ -14,7 +14,8 @@
 
 namespace dovetail {
 
-/// Boundary ids of two domains of which some part faces the other within @p search_radius face sizes.
+/// Boundary ids of two domains of which some part faces the other within @p search_radius face sizes, without
+/// a third domain between them.
 struct FacingBoundaries
 {
   std::array<unsigned int, 2> domains;

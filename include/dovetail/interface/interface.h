@@ -33,7 +33,10 @@ public:
   /// Find the partners; obeys `Uncovered`. Collective.
   void pair(const MPI_Comm &communicator);
   const Pairing<dim> &pairing() const { return *geometry; }
-  double search_radius() const { return options.search_radius; }
+  /// Finds points on the faces of a side as pair() does.
+  FaceLocator<dim> make_locator(unsigned int side, const MPI_Comm &communicator) const;
+  /// What another interface has tied stays tied: for the next one on meshes that have been refined.
+  void keep_reach_of(const Interface &other);
   GapExtension gap_extension() const { return options.gap_extension; }
 
   Tie<dim> &tie() const { return *method; }
@@ -71,7 +74,8 @@ public:
 private:
   void read_fields();
   void find_components();
-  void report_uncovered() const;
+  double distance_of_sides(const MPI_Comm &communicator) const;
+  void report_uncovered(const MPI_Comm &communicator) const;
 
   typename Pairing<dim>::Options options;
   std::string uncovered; ///< error, warn or allow

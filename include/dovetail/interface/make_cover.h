@@ -9,8 +9,8 @@
 
 namespace dovetail {
 
-/// The cover of one side by the other. A node is covered if all faces of the side around it are covered where
-/// they meet it (seen from a point 1e-3 of the way to their middle). Collective; @pre the interface is
+/// The cover of one side by the other. A node of a face is covered if the face is, 1e-3 of the way from the
+/// node towards each of its corners. Collective; @pre the interface is
 /// paired.
 template <int dim>
 Cover<dim> make_cover(const Interface<dim> &interface, unsigned int side, const MPI_Comm &communicator);

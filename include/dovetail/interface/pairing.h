@@ -44,12 +44,13 @@ struct Coverage
   std::array<double, 2> covered = {{0, 0}};
   unsigned long n_points = 0;
   unsigned long n_segments = 0;
-  unsigned long n_uncovered = 0; ///< quadrature points of the integrated sides without partner
+  unsigned long n_uncovered = 0; ///< points without partner of the sides that were looked at
   double largest_gap = 0;
   double largest_angle = 0; ///< between the normals [rad]
   double nearest_miss =
       std::numeric_limits<double>::infinity(); ///< distance of the nearest uncovered point to the other side
-  bool is_complete(const unsigned int side) const { return covered[side] >= (1. - 1e-9) * area[side]; }
+  /// Up to what coordinates in mesh files, with six or seven digits, leave uncovered at the rim.
+  bool is_complete(const unsigned int side) const { return covered[side] >= (1. - 1e-5) * area[side]; }
 };
 
 /// Quadrature points of one or both sides, and for both sides of each point the cell behind it and the shape
@@ -67,7 +68,8 @@ public:
     FaceQuadrature quadrature = FaceQuadrature::segments;
     std::array<bool, 2> integrate_on = {{true, false}}; ///< sides; both: half the weight each
     unsigned int points_per_direction = 0;              ///< of mapped points; 0: automatic
-    double search_radius = 0.2;                         ///< in units of the partner's face size
+    double search_radius = 0.2;                         ///< in units of the larger face size
+    double least_reach = 0;                             ///< a gap that is tied in any case
     GapExtension gap_extension = GapExtension::symmetric;
   };
 

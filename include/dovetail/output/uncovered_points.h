@@ -32,8 +32,8 @@ private:
   std::vector<dealii::DataOutBase::Patch<0, dim>> patches;
 };
 
-/// The first @p n of them in the order of their coordinates, as lists [x, y(, z)]: the same on every number
-/// of ranks. Collective.
+/// The first @p n of them in the order of their coordinates, each as {"side", "point": [x, y(, z)]}: the same
+/// on every number of ranks. Collective.
 template <int dim>
 nlohmann::ordered_json list_uncovered_points(const Pairing<dim> &pairing, unsigned int n,
                                              const MPI_Comm &communicator);

@@ -57,6 +57,7 @@ public:
 private:
   void find_interfaces(const Section &scene) const;
   void make_covers();
+  void check_acts_somewhere(const Domain<dim> &domain, const Condition<dim> &condition) const;
   void check_constants() const;
   std::set<const Domain<dim> *> held_domains(const std::string &field, unsigned int component) const;
 };

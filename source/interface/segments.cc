@@ -460,11 +460,24 @@ void Segmentation<dim>::add_rest(const Chart<dim> &chart, const std::vector<unsi
     boxes.insert({box_of(segments[i].region), i});
   std::vector<Region<dim - 1>> rest;
   collect_rest(chart.window, boxes, segments, rest);
+  std::vector<std::pair<BoundingBox<dim>, unsigned int>> faces_with_boxes;
+  for (const unsigned int i : nearby)
+    faces_with_boxes.emplace_back(partner_shape.box(others.faces[i].nodes.data()), i);
+  const auto face_boxes = pack_rtree(faces_with_boxes);
+  std::vector<unsigned int> closest;
   const double least = chart.negligible * measure(chart.window);
   for (const auto &part : rest)
     if (measure(part) > least) {
       Segment best{part, nullptr, std::numeric_limits<double>::infinity(), false};
-      for (const unsigned int i : nearby) {
+      closest.clear();
+      face_boxes.query(
+          boost::geometry::index::nearest(chart.evaluate(centroid(chart.to_integration(part))).X, 8),
+          boost::make_function_output_iterator(
+              [&](const auto &box_and_face) { closest.push_back(box_and_face.second); }));
+      std::sort(closest.begin(), closest.end(), [&](const unsigned int i, const unsigned int j) {
+        return others.faces[i].key < others.faces[j].key;
+      });
+      for (const unsigned int i : closest) {
         Segment candidate = best;
         candidate.is_tied = is_near(chart, part, others.faces[i], candidate);
         if (std::make_pair(!candidate.is_tied, candidate.distance) <

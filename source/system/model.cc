@@ -112,12 +112,12 @@ void Model<dim>::make_covers()
 template <int dim>
 void Model<dim>::check_acts_somewhere(const Domain<dim> &domain, const Condition<dim> &condition) const
 {
-  std::string covering;
+  std::vector<std::string> covering;
   std::map<std::pair<unsigned int, unsigned int>, double> share;
   std::set<std::array<unsigned int, 3>> nodes;
   for (const Cover<dim> &cover : domain.covers)
     if (cover.is_permanent && cover.fields.count(condition.field.name) > 0) {
-      covering = cover.interface;
+      covering.push_back(cover.interface);
       for (const auto &[face, covered] : cover.faces)
         share[face] += covered.share;
       nodes.insert(cover.nodes.begin(), cover.nodes.end());
@@ -136,9 +136,11 @@ void Model<dim>::check_acts_somewhere(const Domain<dim> &domain, const Condition
     }
   condition.section.check(
       covering.empty() || dealii::Utilities::MPI::sum(n_open, communicator) > 0, "Boundary ids",
-      "are covered wholly by the interface " + covering +
-          ", which ties the same field there: the condition would act nowhere. Remove the "
-          "condition, or those ids from the interface.");
+      "are covered wholly by the " +
+          (covering.size() > 1 ? "interfaces " + comma_separated(covering) + ", which tie"
+                               : "interface " + comma_separated(covering) + ", which ties") +
+          " the same field there: the condition would act nowhere. Remove the condition, or those ids from " +
+          (covering.size() > 1 ? "the interfaces." : "the interface."));
 }
 
 template <int dim>

@@ -32,7 +32,7 @@ class Chart
 public:
   Chart(const FaceShape<dim> &shape, const FaceShape<dim> &bilinear, const Point<dim> *nodes, double size);
 
-  Region<dim - 1> window;                 ///< the face itself
+  Region<dim - 1> window;                 ///< the face itself; empty if it has no area
   std::vector<Point<dim>> nodes_of_plane; ///< of the plane face through the corners
   bool is_flat, is_affine;
   double negligible; ///< regions below this fraction of a face are rounding
@@ -73,7 +73,11 @@ Chart<dim>::Chart(const FaceShape<dim> &shape, const FaceShape<dim> &bilinear, c
     const Tensor<1, dim> N = n == 3 ? cross_product_3d(nodes[1] - nodes[0], nodes[2] - nodes[0])
                                     : cross_product_3d(shape.corner(nodes, 2) - origin,
                                                        shape.corner(nodes, 3) - shape.corner(nodes, 1));
+    if (N.norm_square() == 0) // the face has no area
+      return;
     axis[0] = shape.corner(nodes, 1) - origin;
+    if (axis[0].norm() < 1e-6 * size) // an edge of a hexahedron may have no length
+      axis[0] = shape.corner(nodes, 2) - origin;
     axis[0] -= (axis[0] * N) / N.norm_square() * N;
     axis[0] /= axis[0].norm();
     axis[1] = cross_product_3d(N / N.norm(), axis[0]);
@@ -318,6 +322,8 @@ void Segmentation<dim>::add_face(const unsigned int face, const std::vector<unsi
 {
   const Chart<dim> chart(own.shape, bilinear_own, own.nodes(face), own.faces[face].size);
   const double whole = measure(chart.window);
+  if (!(whole > 0))
+    return;
   std::vector<Segment> segments;
   double covered = 0, largest_distance = 0;
   Region<dim - 1> corners(partner_shape.n_corners());

@@ -94,13 +94,18 @@ Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Opti
   account.n_points = sum(static_cast<unsigned long>(weights.size()), communicator);
 
   // how much of a side without points is covered: all of it if its share of the partner's points says so
-  for (const unsigned int own : {source, destination})
-    if (!options.integrate_on[own] && (with_cover[own] || !account.is_complete(own))) {
+  for (const unsigned int own : {source, destination}) {
+    if (options.integrate_on[own])
+      continue;
+    if (!with_cover[own] && account.is_complete(own))
+      account.covered[own] = account.area[own];
+    else {
       const SideFaces<dim> faces = faces_of(sides[own]);
       const FaceLocator<dim> locator(faces_of(sides[1 - own]), options.search_radius, options.least_reach,
                                      communicator);
       count(find_points(sides, own, options, faces, locator), faces, own, communicator);
     }
+  }
   account.n_uncovered = sum(static_cast<unsigned long>(uncovered.size()), communicator);
 }
 

@@ -533,7 +533,7 @@ void Segmentation<dim>::integrate(const Chart<dim> &chart, const Segment &segmen
       chart.is_affine && segment.partner != nullptr && partner_shape.is_affine(segment.partner->nodes.data());
   // rational integrands converge fast with the degree; in 3D every point costs memory
   const unsigned int mapping_degree = std::max(own.shape.degree(), partner_shape.degree());
-  const unsigned int more = is_affine ? 0 : dim == 2 ? 2 * mapping_degree : 2;
+  const unsigned int more = is_affine ? 0 : dim == 2 ? 2 * mapping_degree : chart.is_flat ? 4 : 2;
   if constexpr (dim == 2)
     add_piece(chart, region, rules.simplex(2 * degree + 1 + more), segment);
   else if (segment.is_tied && is_aligned_box(chart, segment.region, *segment.partner))

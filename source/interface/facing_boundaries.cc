@@ -6,6 +6,9 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
+#include <map>
+
 namespace dovetail {
 
 namespace {
@@ -76,16 +79,19 @@ std::vector<FacingBoundaries> find_facing_boundaries(const std::vector<std::uniq
       for (unsigned int k = 0; k < domains.size(); ++k)
         if (k != i && k != j)
           third.push_back(domains[k].get());
+      std::map<dealii::types::boundary_id, SideFaces<dim>> of_other;
+      for (const auto id : other.boundary_ids())
+        of_other.emplace(id, faces_of(other, {id}));
       FacingBoundaries facing{{{i, j}}, {}};
-      for (const auto id : one.boundary_ids())
-        for (const auto other_id : other.boundary_ids()) {
-          const auto of_one = faces_of(one, {id}), of_other = faces_of(other, {other_id});
-          if (faces(of_one, of_other, third, search_radius, communicator) ||
-              faces(of_other, of_one, third, search_radius, communicator)) {
+      for (const auto id : one.boundary_ids()) {
+        const auto of_one = faces_of(one, {id});
+        for (const auto &[other_id, faces_of_id] : of_other)
+          if (faces(of_one, faces_of_id, third, search_radius, communicator) ||
+              faces(faces_of_id, of_one, third, search_radius, communicator)) {
             facing.ids[0].insert(id);
             facing.ids[1].insert(other_id);
           }
-        }
+      }
       if (!facing.ids[0].empty())
         result.push_back(facing);
     }

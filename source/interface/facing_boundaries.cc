@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/interface/face_points.h>
 #include <dovetail/interface/facing_boundaries.h>
+#include <dovetail/interface/pairing.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -12,12 +12,6 @@
 namespace dovetail {
 
 namespace {
-
-template <int dim>
-SideFaces<dim> faces_of(const Domain<dim> &domain, const std::set<dealii::types::boundary_id> &ids)
-{
-  return {domain.mesh(), domain.mapping(), domain.mapping_degree(), ids};
-}
 
 /// Whether some part of the faces of one side has a partner on the other with no third body between them.
 template <int dim>
@@ -44,7 +38,7 @@ bool faces(const SideFaces<dim> &own, const SideFaces<dim> &other,
     return false;
   std::vector<bool> is_open(gap.size(), true);
   for (const Domain<dim> *domain : third) {
-    const FaceLocator<dim> locator(faces_of(*domain, domain->boundary_ids()), search_radius, 0.,
+    const FaceLocator<dim> locator(faces_of<dim>({domain, domain->boundary_ids()}), search_radius, 0.,
                                    communicator);
     const auto matches = locator.locate(across_gap);
     for (unsigned int q = 0; q < gap.size(); ++q)
@@ -81,10 +75,10 @@ std::vector<FacingBoundaries> find_facing_boundaries(const std::vector<std::uniq
           third.push_back(domains[k].get());
       std::map<dealii::types::boundary_id, SideFaces<dim>> of_other;
       for (const auto id : other.boundary_ids())
-        of_other.emplace(id, faces_of(other, {id}));
+        of_other.emplace(id, faces_of<dim>({&other, {id}}));
       FacingBoundaries facing{{{i, j}}, {}};
       for (const auto id : one.boundary_ids()) {
-        const auto of_one = faces_of(one, {id});
+        const auto of_one = faces_of<dim>({&one, {id}});
         for (const auto &[other_id, faces_of_id] : of_other)
           if (faces(of_one, faces_of_id, third, search_radius, communicator) ||
               faces(faces_of_id, of_one, third, search_radius, communicator)) {

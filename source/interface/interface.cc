@@ -148,11 +148,7 @@ void Interface<dim>::pair(const MPI_Comm &communicator)
 template <int dim>
 FaceLocator<dim> Interface<dim>::make_locator(const unsigned int side, const MPI_Comm &communicator) const
 {
-  const Domain<dim> &domain = *sides[side].domain;
-  return {{domain.mesh(), domain.mapping(), domain.mapping_degree(), sides[side].boundary_ids},
-          options.search_radius,
-          options.least_reach,
-          communicator};
+  return {faces_of(sides[side]), options.search_radius, options.least_reach, communicator};
 }
 
 template <int dim>
@@ -166,11 +162,9 @@ template <int dim>
 double Interface<dim>::distance_of_sides(const MPI_Comm &communicator) const
 {
   const Domain<dim> &one = *sides[source].domain, &other = *sides[destination].domain;
-  const SideFaces<dim> faces(one.mesh(), one.mapping(), one.mapping_degree(), sides[source].boundary_ids);
+  const SideFaces<dim> faces = faces_of(sides[source]);
   const double reach = one.centre().distance(other.centre()) + one.typical_length() + other.typical_length();
-  const FaceLocator<dim> locator(
-      {other.mesh(), other.mapping(), other.mapping_degree(), sides[destination].boundary_ids}, 0, reach,
-      communicator);
+  const FaceLocator<dim> locator(faces_of(sides[destination]), 0, reach, communicator);
   constexpr unsigned int n_points = 100;
   std::vector<typename FaceLocator<dim>::Query> queries;
   for (unsigned int i = 0; i < faces.faces.size(); i += 1 + faces.faces.size() / n_points) {

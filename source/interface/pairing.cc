@@ -15,15 +15,7 @@ namespace dovetail {
 namespace {
 
 using dealii::Utilities::MPI::max;
-using dealii::Utilities::MPI::min;
 using dealii::Utilities::MPI::sum;
-
-template <int dim>
-SideFaces<dim> faces_of(const InterfaceSide<dim> &side)
-{
-  const Domain<dim> &domain = *side.domain;
-  return {domain.mesh(), domain.mapping(), domain.mapping_degree(), side.boundary_ids};
-}
 
 /// Area of the faces of this rank.
 template <int dim>
@@ -73,6 +65,13 @@ PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &
 }
 
 } // namespace
+
+template <int dim>
+SideFaces<dim> faces_of(const InterfaceSide<dim> &side)
+{
+  const Domain<dim> &domain = *side.domain;
+  return {domain.mesh(), domain.mapping(), domain.mapping_degree(), side.boundary_ids};
+}
 
 template <int dim>
 Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
@@ -131,17 +130,15 @@ template <int dim>
 void Pairing<dim>::count(const FacePoints<dim> &points, const SideFaces<dim> &faces, const unsigned int own,
                          const MPI_Comm &communicator)
 {
-  double open = 0, miss = std::numeric_limits<double>::infinity();
+  double open = 0;
   for (unsigned int q = 0; q < points.size(); ++q) {
     const auto &match = points.matches[q];
     if (!match.found) {
       open += points.JxW[q];
-      miss = std::min(miss, match.distance);
       uncovered.push_back({own, points.queries[q].X, match.distance, match.angle});
     }
   }
   account.covered[own] = account.area[own] - sum(open, communicator);
-  account.nearest_miss = std::min(account.nearest_miss, min(miss, communicator));
 
   for (unsigned int q = 0, end; q < points.size(); q = end) {
     typename Cover<dim>::Face face;
@@ -250,6 +247,8 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
     }
 }
 
+template SideFaces<2> faces_of(const InterfaceSide<2> &);
+template SideFaces<3> faces_of(const InterfaceSide<3> &);
 template class Pairing<2>;
 template class Pairing<3>;
 

@@ -28,6 +28,10 @@ struct InterfaceSide
   std::set<dealii::types::boundary_id> boundary_ids;
 };
 
+/// The faces of a side that this rank owns.
+template <int dim>
+SideFaces<dim> faces_of(const InterfaceSide<dim> &side);
+
 /// What a jump does with the gap between facing points: the partner's field is extended affinely to the
 /// quadrature point, B(X') + grad B(X').(X - X'), for solution and test functions, for the solution only, or
 /// not at all.
@@ -47,8 +51,6 @@ struct Coverage
   unsigned long n_uncovered = 0; ///< points without partner of the sides that were looked at
   double largest_gap = 0;
   double largest_angle = 0; ///< between the normals [rad]
-  double nearest_miss =
-      std::numeric_limits<double>::infinity(); ///< distance of the nearest uncovered point to the other side
   /// Up to what coordinates in mesh files, with six or seven digits, leave uncovered at the rim.
   bool is_complete(const unsigned int side) const { return covered[side] >= (1. - 1e-5) * area[side]; }
 };

@@ -20,9 +20,10 @@
 //       set Theta       = 1
 //     end
 
-#include <dovetail/interface/interface.h>
+#include <dovetail/interface/trace_eigenvalue.h>
 
 #include <deal.II/base/symmetric_tensor.h>
+#include <deal.II/base/utilities.h>
 
 #include <cmath>
 
@@ -31,7 +32,8 @@ namespace dovetail {
 namespace {
 
 /// Which of the two sides' fluxes enter {A}, and how much.
-enum class Weights { volume, equal, source, destination };
+enum class Weights { eigenvalue, volume, equal, source, destination };
+enum class PenaltyRule { eigenvalue, volume, value };
 
 template <int dim>
 class Nitsche : public Tie<dim>
@@ -43,8 +45,8 @@ public:
   bool adds_terms() const override { return true; }
   bool is_symmetric() const override { return theta == 1. && !own_sides; }
   bool is_balanced() const override { return !own_sides; }
-  void begin_step(const Interface<dim> &interface, double t,
-                  const typename Tie<dim>::GroupUnknowns &unknowns) override;
+  void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+                  const MPI_Comm &communicator) override;
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent) override;
@@ -64,7 +66,7 @@ private:
   void reserve(const Interface<dim> &interface);
   double stiffness(const Interface<dim> &interface, const TiedField &field, unsigned int side,
                    const dealii::Tensor<1, dim> &N) const;
-  Parameters choose_parameters(const Interface<dim> &interface, const TiedField &field,
+  Parameters choose_parameters(const Interface<dim> &interface, unsigned int field_index,
                                const typename Pairing<dim>::Group &group, unsigned int q, double t);
   bool evaluate_sides(const Interface<dim> &interface, unsigned int q, double t,
                       const std::vector<double> &unknowns, bool with_derivatives);
@@ -84,11 +86,16 @@ private:
   std::array<bool, 2> sides_of_integration;
   bool own_sides;
   const Weights weights;
-  const bool penalty_by_volume;
+  const PenaltyRule penalty_rule;
   const double multiplier;
   const Expression value;
 
-  std::vector<Parameters> parameters; ///< at field * n_points + point
+  std::vector<Parameters> parameters;        ///< at field * n_points + point
+  std::vector<double> first_gamma;           ///< of the first step, likewise
+  static constexpr double least_share = 0.1; ///< of it that a softened material keeps
+  bool has_begun = false;
+  /// By field and side, of the cells behind the points; empty if neither weights nor penalty need them.
+  std::vector<std::array<std::vector<double>, 2>> lambda;
   typename Tie<dim>::Penalty range;
 
   // at the current point: states and responses of the two sides, the jump, and the derivative of the mean
@@ -100,23 +107,38 @@ private:
   std::vector<double> variation_of; ///< delta{A}_c for the test function i, likewise
 };
 
+/// 1 with a given penalty.
+double read_multiplier(const Section &section, const PenaltyRule rule)
+{
+  if (rule == PenaltyRule::value && !section.documenting())
+    return 1;
+  const std::string text = section.read<std::string>(
+      "Multiplier", "automatic",
+      "a or c: multiplies the penalty; automatic: 2 for eigenvalue, 1 for volume [-]");
+  if (text == "automatic" || section.documenting())
+    return rule == PenaltyRule::eigenvalue ? 2 : 1;
+  section.check(Patterns::Double(0).match(text), "Multiplier",
+                "is '" + text + "', but must be automatic or a number that is not negative.");
+  return dealii::Utilities::string_to_double(text);
+}
+
 template <int dim>
 Nitsche<dim>::Nitsche(const Section &section)
     : theta(section.read<double>("Theta", 1.,
                                  "1 symmetric, 0 nonsymmetric, -1 skew-symmetric; any number [-]")),
-      weights(static_cast<Weights>(section.choose(
-          "Weights", {"volume", "equal", "source", "destination"}, 0,
-          "Weights of the two fluxes in their mean: by cell volume over stiffness, one half each, or "
-          "one side only [-]"))),
-      penalty_by_volume(
-          section.choose("Penalty", {"volume", "value"}, 0,
-                         "volume: c (G1+G2)/(V1/k1+V2/k2) with face areas G, cell volumes V and "
-                         "stiffnesses k (times p^2 for degree p); value: given [-]") == 0),
-      multiplier(penalty_by_volume || section.documenting()
-                     ? section.read<double>("Multiplier", 1., "c: multiplies the penalty `volume` [-]",
-                                            Patterns::Double(0))
-                     : 1.),
-      value(penalty_by_volume && !section.documenting()
+      weights(static_cast<Weights>(
+          section.choose("Weights", {"eigenvalue", "volume", "equal", "source", "destination"}, 0,
+                         "Weights of the two fluxes in their mean: by the trace eigenvalues of the cells, by "
+                         "cell volume over "
+                         "stiffness, one half each, or one side only [-]"))),
+      penalty_rule(static_cast<PenaltyRule>(section.choose(
+          "Penalty", {"eigenvalue", "volume", "value"}, 0,
+          "eigenvalue: a L1 L2/(L1+L2) with the trace eigenvalues L of the cells, coercive for a > "
+          "(1+Theta)^2/4; volume: c (G1+G2)/(V1/k1+V2/k2) with face areas G, cell volumes V and stiffnesses "
+          "k "
+          "(times p^2 for degree p); value: given [-]"))),
+      multiplier(read_multiplier(section, penalty_rule)),
+      value(penalty_rule != PenaltyRule::value && !section.documenting()
                 ? Expression()
                 : section.require_expression("Value", {1},
                                              "The penalty gamma, with Penalty = value [Pa/m or W/(m^2 K)]"))
@@ -161,10 +183,11 @@ double Nitsche<dim>::stiffness(const Interface<dim> &interface, const TiedField 
 
 template <int dim>
 typename Nitsche<dim>::Parameters Nitsche<dim>::choose_parameters(const Interface<dim> &interface,
-                                                                  const TiedField &field,
+                                                                  const unsigned int field_index,
                                                                   const typename Pairing<dim>::Group &group,
                                                                   const unsigned int q, const double t)
 {
+  const TiedField &field = interface.fields[field_index];
   // V_i / (p_i^2 k_i): for a scalar the inverse of the trace constant is V_i / (p_i^2 k_i G_i)
   std::array<double, 2> compliance, area, trace_constant;
   for (const unsigned int side : {source, destination}) {
@@ -174,12 +197,18 @@ typename Nitsche<dim>::Parameters Nitsche<dim>::choose_parameters(const Interfac
     compliance[side] = cell.cell_measure / (p * p * k);
     area[side] = cell.face_measure;
     const double constant = field.n_components == 1 ? p * p : (p + 1) * (p + 1);
-    trace_constant[side] = constant * k * cell.face_measure / cell.cell_measure;
+    trace_constant[side] = lambda.empty() ? constant * k * cell.face_measure / cell.cell_measure
+                                          : lambda[field_index][side][group.cells[side]];
   }
+  const double sum_of_constants = trace_constant[source] + trace_constant[destination];
   const double sum = compliance[source] + compliance[destination];
 
   Parameters chosen;
   switch (weights) {
+  case Weights::eigenvalue: // a face that is hardly touched has no eigenvalue
+    for (const unsigned int side : {source, destination})
+      chosen.weight[side] = sum_of_constants > 0 ? trace_constant[1 - side] / sum_of_constants : 0.5;
+    break;
   case Weights::volume:
     chosen.weight = {{compliance[source] / sum, compliance[destination] / sum}};
     break;
@@ -193,8 +222,19 @@ typename Nitsche<dim>::Parameters Nitsche<dim>::choose_parameters(const Interfac
     chosen.weight = {{0, 1}};
     break;
   }
-  chosen.gamma = penalty_by_volume ? multiplier * (area[source] + area[destination]) / sum
-                                   : value.value(interface.pairing().X(source, q), t);
+  switch (penalty_rule) {
+  case PenaltyRule::eigenvalue:
+    chosen.gamma = sum_of_constants > 0
+                       ? multiplier * trace_constant[source] * trace_constant[destination] / sum_of_constants
+                       : 0;
+    break;
+  case PenaltyRule::volume:
+    chosen.gamma = multiplier * (area[source] + area[destination]) / sum;
+    break;
+  case PenaltyRule::value:
+    chosen.gamma = value.value(interface.pairing().X(source, q), t);
+    break;
+  }
 
   const double bound =
       (1 + theta) * (1 + theta) / 4 *
@@ -209,19 +249,28 @@ typename Nitsche<dim>::Parameters Nitsche<dim>::choose_parameters(const Interfac
 
 template <int dim>
 void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
-                              const typename Tie<dim>::GroupUnknowns &group_unknowns)
+                              const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
 {
   const Pairing<dim> &pairing = interface.pairing();
-  const bool is_constant = interface.is_linear() && (penalty_by_volume || !value.depends_on_time());
-  if (is_constant && parameters.size() == pairing.n_points() * interface.fields.size())
+  const bool is_constant =
+      interface.is_linear() && (penalty_rule != PenaltyRule::value || !value.depends_on_time());
+  if (is_constant && has_begun)
     return;
+  has_begun = true;
   reserve(interface);
+  if (weights == Weights::eigenvalue || penalty_rule == PenaltyRule::eigenvalue) {
+    lambda.resize(interface.fields.size());
+    for (unsigned int f = 0; f < interface.fields.size(); ++f)
+      lambda[f] = trace_eigenvalues(interface, interface.fields[f], t, values_of, communicator);
+  }
   const std::vector<Parameters> old = parameters;
   parameters.resize(pairing.n_points() * interface.fields.size());
   range = {};
+  std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;
   for (const auto &group : pairing.groups) {
-    group_unknowns(group, unknowns);
+    interface.group_dofs(group, dofs);
+    values_of(dofs, unknowns);
     for (unsigned int q = group.begin; q < group.end; ++q) {
       bool is_defined = true;
       for (const unsigned int side : {source, destination}) {
@@ -233,14 +282,19 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
       }
       for (unsigned int f = 0; f < interface.fields.size(); ++f) {
         const unsigned int i = f * pairing.n_points() + q;
-        const Parameters chosen = choose_parameters(interface, interface.fields[f], group, q, t);
+        const Parameters chosen = choose_parameters(interface, f, group, q, t);
         // a tangent that has lost its positivity says nothing about the stiffness: keep the last good one
         const bool is_good = is_defined && chosen.gamma >= 0 && std::isfinite(chosen.gamma) &&
                              chosen.weight[source] >= 0 && chosen.weight[destination] >= 0;
         parameters[i] = is_good || old.empty() ? chosen : old[i];
+        if (!first_gamma.empty() && penalty_rule != PenaltyRule::value)
+          parameters[i].gamma = std::max(parameters[i].gamma, least_share * first_gamma[i]);
       }
     }
   }
+  if (first_gamma.empty())
+    for (const Parameters &of_point : parameters)
+      first_gamma.push_back(of_point.gamma);
 }
 
 /// {A} - gamma [B]: what the source gets from the destination.

@@ -38,7 +38,7 @@ double area_of(const SideFaces<dim> &side)
 /// A match for each point at its own face, so that own and partner's shapes are fetched alike.
 template <int dim>
 PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &points,
-                              const SideFaces<dim> &faces)
+                              const SideFaces<dim> &faces, const unsigned int this_rank)
 {
   const unsigned int n = domain.n_nodes();
   PartnerShapes<dim> result;
@@ -55,6 +55,8 @@ PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &
       domain.cell_dofs(domain.dof_cell(face.cell), behind.dofs);
       behind.cell_measure = shapes.cell_measure(face.cell);
       behind.face_measure = shapes.face_measure(face.cell, face.face_no);
+      behind.rank = this_rank;
+      behind.face = current;
       result.cells.push_back(std::move(behind));
     }
     result.cell_of_point.push_back(result.cells.size() - 1);
@@ -173,7 +175,8 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
   const FacePoints<dim> face_points = find_points(sides, own, options, faces, locator);
   search_seconds += timer.wall_time();
   std::array<PartnerShapes<dim>, 2> shapes;
-  shapes[own] = own_shapes(*sides[own].domain, face_points, faces);
+  shapes[own] = own_shapes(*sides[own].domain, face_points, faces,
+                           dealii::Utilities::MPI::this_mpi_process(communicator));
   shapes[partner] = fetch_shapes(*sides[partner].domain, locator, face_points.matches, communicator);
   count(face_points, faces, own, communicator);
 

@@ -68,8 +68,8 @@ std::vector<double> answer(const std::vector<double> &question, const Domain<dim
 }
 
 template <int dim>
-void unpack(const std::vector<double> &numbers, const std::vector<Request<dim>> &requests,
-            const Domain<dim> &domain, PartnerShapes<dim> &result)
+void unpack(const unsigned int rank, const std::vector<double> &numbers,
+            const std::vector<Request<dim>> &requests, const Domain<dim> &domain, PartnerShapes<dim> &result)
 {
   const unsigned int n_nodes = domain.n_nodes();
   auto next = numbers.begin();
@@ -79,6 +79,8 @@ void unpack(const std::vector<double> &numbers, const std::vector<Request<dim>> 
     next += domain.dofs_per_cell();
     cell.cell_measure = *next++;
     cell.face_measure = *next++;
+    cell.rank = rank;
+    cell.face = request.face;
     for (const unsigned int point : request.points) {
       result.cell_of_point[point] = result.cells.size();
       std::copy(next, next + n_nodes, result.values.begin() + point * n_nodes);
@@ -119,7 +121,7 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
   ShapeEvaluator<dim> shapes(partner);
   const unsigned int this_rank = dealii::Utilities::MPI::this_mpi_process(communicator);
   if (const auto own = requests.find(this_rank); own != requests.end()) {
-    unpack(answer(pack(own->second), partner, locator, shapes), own->second, partner, result);
+    unpack(this_rank, answer(pack(own->second), partner, locator, shapes), own->second, partner, result);
     requests.erase(own);
   }
   if (dealii::Utilities::MPI::n_mpi_processes(communicator) == 1)
@@ -131,7 +133,7 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
   for (const auto &[rank, question] : dealii::Utilities::MPI::some_to_some(communicator, questions))
     answers[rank] = answer(question, partner, locator, shapes);
   for (const auto &[rank, numbers] : dealii::Utilities::MPI::some_to_some(communicator, answers))
-    unpack(numbers, requests.at(rank), partner, result);
+    unpack(rank, numbers, requests.at(rank), partner, result);
   return result;
 }
 

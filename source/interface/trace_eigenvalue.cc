@@ -23,12 +23,11 @@ using dealii::Tensor;
 
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
-
 /// M of the cells behind the points of this rank.
 template <int dim>
-std::array<std::vector<FullMatrix<double>>, 2>
-surface_terms(const Interface<dim> &interface, const TiedField &field, const double t,
-              const typename Tie<dim>::Unknowns &unknowns)
+std::array<std::vector<FullMatrix<double>>, 2> surface_terms(const Interface<dim> &interface,
+                                                             const TiedField &field, const double t,
+                                                             const typename Tie<dim>::Unknowns &unknowns)
 {
   const Pairing<dim> &pairing = interface.pairing();
   std::array<std::vector<FullMatrix<double>>, 2> M;
@@ -106,8 +105,8 @@ CellEnergy<dim>::CellEnergy(const Domain<dim> &domain, const Field &field, const
     : K(field.n_components * domain.n_nodes(), field.n_components * domain.n_nodes()), domain(domain),
       field(field), values(domain.mapping(), domain.scalar_element(),
                            gauss_rule<dim>(domain.scalar_element().reference_cell(), domain.degree + 1),
-                           dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
-                               dealii::update_JxW_values),
+                           dealii::update_values | dealii::update_gradients |
+                               dealii::update_quadrature_points | dealii::update_JxW_values),
       at_nodes(domain.mapping(), domain.scalar_element(), domain.scalar_element().get_unit_support_points(),
                dealii::update_quadrature_points),
       state(domain.n_components()), response(domain.n_components())
@@ -177,14 +176,18 @@ void CellEnergy<dim>::make_kernel(const std::vector<double> &unknowns)
 
 /// How many interfaces other than this one tie the field on faces of a cell.
 template <int dim>
-unsigned int n_other_interfaces(const InterfaceSide<dim> &side,
+unsigned int n_other_interfaces(const InterfaceSide<dim> &side, const std::string &field,
                                 const typename dealii::Triangulation<dim>::active_cell_iterator &cell)
 {
   unsigned int n = 0;
-  for (const auto &ids : side.ids_of_others) {
+  const auto others = side.ids_of_others.find(field);
+  if (others == side.ids_of_others.end())
+    return 0;
+  for (const auto &ids : others->second) {
     bool has_face = false;
     for (const unsigned int face : cell->face_indices())
-      has_face = has_face || (cell->face(face)->at_boundary() && ids.count(cell->face(face)->boundary_id()) > 0);
+      has_face =
+          has_face || (cell->face(face)->at_boundary() && ids.count(cell->face(face)->boundary_id()) > 0);
     n += has_face ? 1 : 0;
   }
   return n;
@@ -230,7 +233,7 @@ solve_cells(const Interface<dim> &interface, const unsigned int side, const Tied
     domain.cell_dofs(domain.dof_cell(cell), dofs);
     unknowns(dofs, of_cell);
     lambda[index] = energy.reinit(domain.dof_cell(cell), of_cell)
-                        ? (1 + n_other_interfaces(of_side, cell)) *
+                        ? (1 + n_other_interfaces(of_side, field.name, cell)) *
                               largest_eigenvalue(M[index], energy.K, energy.kernel)
                         : undefined;
   }
@@ -294,10 +297,9 @@ double largest_eigenvalue(const FullMatrix<double> &M, const FullMatrix<double> 
 }
 
 template <int dim>
-std::array<std::vector<double>, 2> trace_eigenvalues(const Interface<dim> &interface, const TiedField &field,
-                                                     const double t,
-                                                     const typename Tie<dim>::Unknowns &unknowns,
-                                                     const MPI_Comm &communicator)
+std::array<std::vector<double>, 2>
+trace_eigenvalues(const Interface<dim> &interface, const TiedField &field, const double t,
+                  const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
 {
   const Pairing<dim> &pairing = interface.pairing();
   const auto M = surface_terms(interface, field, t, unknowns);

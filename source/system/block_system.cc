@@ -191,15 +191,15 @@ void BlockSystem<dim>::begin_step(const double t, const Vector &x)
     return;
   dealii::Timer timer;
   ghosted_scratch = x;
-  std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &interface : model.interfaces)
     if (interface->is_active(t) && interface->tie().adds_terms())
       interface->tie().begin_step(
-          *interface, t, [&](const typename Pairing<dim>::Group &group, std::vector<double> &unknowns) {
-            interface->group_dofs(group, dofs);
-            unknowns.resize(dofs.size());
-            ghosted_scratch.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-          });
+          *interface, t,
+          [&](const std::vector<dealii::types::global_dof_index> &dofs, std::vector<double> &values) {
+            values.resize(dofs.size());
+            ghosted_scratch.extract_subvector_to(dofs.begin(), dofs.end(), values.begin());
+          },
+          model.communicator);
   tie_seconds += timer.wall_time();
 }
 

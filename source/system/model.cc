@@ -47,8 +47,24 @@ Model<dim>::Model(const Section &scene, const MPI_Comm &communicator)
 
   if (scene.documenting())
     return;
+  tell_other_interfaces();
   check_constants();
   numbering = std::make_unique<Numbering>(domains, communicator);
+}
+
+/// Tell each side of each interface what others tie of its domain.
+template <int dim>
+void Model<dim>::tell_other_interfaces()
+{
+  for (const auto &interface : interfaces)
+    for (InterfaceSide<dim> &side : interface->sides) {
+      side.ids_of_others.clear();
+      for (const auto &other : interfaces)
+        for (const InterfaceSide<dim> &of_other : other->sides)
+          if (&of_other != &side && of_other.domain == side.domain)
+            for (const TiedField &field : other->fields)
+              side.ids_of_others[field.name].push_back(of_other.boundary_ids);
+    }
 }
 
 template <int dim>
@@ -164,6 +180,7 @@ Vector Model<dim>::refine(const std::vector<std::vector<bool>> &marked, const Ve
     renewed->keep_reach_of(*interface);
     interface = std::move(renewed);
   }
+  tell_other_interfaces();
   pair();
   return refined;
 }

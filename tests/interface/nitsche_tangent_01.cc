@@ -87,9 +87,14 @@ Errors check(const Laws &laws, const Choice &choice, const unsigned int degree, 
     x[i] = model.numbering->blocks()[model.numbering->block_of(i)].field == "temperature"
                ? 3 + noise(i)
                : laws.size * noise(i);
-  tie.begin_step(interface, 1., [&](const auto &group, std::vector<double> &unknowns) {
-    unknowns = of_group(interface, group, x);
-  });
+  tie.begin_step(
+      interface, 1.,
+      [&](const std::vector<dealii::types::global_dof_index> &dofs, std::vector<double> &values) {
+        values.clear();
+        for (const auto dof : dofs)
+          values.push_back(x[dof]);
+      },
+      MPI_COMM_WORLD);
 
   Errors errors;
   const auto &groups = interface.pairing().groups;

@@ -13,6 +13,7 @@
 
 #include <array>
 #include <limits>
+#include <map>
 #include <set>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct InterfaceSide
 {
   const Domain<dim> *domain = nullptr;
   std::set<dealii::types::boundary_id> boundary_ids;
+  /// For each field, what every other interface ties of the same domain.
+  std::map<std::string, std::vector<std::set<dealii::types::boundary_id>>> ids_of_others;
 };
 
 /// The faces of a side that this rank owns.

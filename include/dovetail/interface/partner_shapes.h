@@ -17,8 +17,10 @@ namespace dovetail {
 struct CellBehind
 {
   std::vector<dealii::types::global_dof_index> dofs;
-  double cell_measure = 0; ///< Omega
-  double face_measure = 0; ///< Gamma
+  double cell_measure = 0;                                   ///< Omega
+  double face_measure = 0;                                   ///< Gamma
+  unsigned int rank = dealii::numbers::invalid_unsigned_int; ///< that owns the cell
+  unsigned int face = dealii::numbers::invalid_unsigned_int; ///< of the side, as in SideFaces::faces there
 };
 
 /// For each match the cell behind it and the shape functions there, flat: point i has its values and

@@ -53,12 +53,12 @@ public:
 
   virtual bool adds_terms() const { return false; }
 
-  /// Before the first iteration of a step: freeze penalty and weights at the last good state. @p
-  /// unknowns(group, u) fills the unknowns of a group.
-  using GroupUnknowns =
-      std::function<void(const typename Pairing<dim>::Group &group, std::vector<double> &unknowns)>;
-  virtual void begin_step(const Interface<dim> & /*interface*/, double /*t*/,
-                          const GroupUnknowns & /*unknowns*/)
+  /// Gives the values of unknowns of cells that this rank owns or of groups of its points.
+  using Unknowns = std::function<void(const std::vector<dealii::types::global_dof_index> &dofs,
+                                      std::vector<double> &values)>;
+  /// Before the first iteration of a step: freeze penalty and weights at the last good state. Collective.
+  virtual void begin_step(const Interface<dim> & /*interface*/, double /*t*/, const Unknowns & /*unknowns*/,
+                          const MPI_Comm & /*communicator*/)
   {
   }
 

@@ -4,6 +4,7 @@
 // The kernel z_k of K is lifted by K + tau sum z_k z_k^T, z_k orthonormal: M vanishes on it, so no other
 // eigenvalue changes, and K becomes positive for LAPACK's symmetric generalised solver.
 
+#include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/interface/trace_eigenvalue.h>
 

@@ -11,6 +11,7 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/lapack_full_matrix.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -95,7 +96,7 @@ private:
   void make_kernel(const std::vector<double> &unknowns);
 
   const Domain<dim> &domain;
-  const Field field;
+  const Field &field;
   dealii::FEValues<dim> values, at_nodes;
   State<dim> state;
   Response<dim> response;
@@ -160,20 +161,65 @@ void CellEnergy<dim>::make_kernel(const std::vector<double> &unknowns)
   }
   if (n_c == 1)
     return;
-  // rotations of the current position in the planes of two axes
+  // rotations in the planes of two axes, of the position where the law sees the body
+  const bool is_linear = domain.material.is_linear(&field - domain.fields().data());
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int d = 0; d < c; ++d) {
       kernel.emplace_back(n_c * n_nodes, 0.);
       for (unsigned int a = 0; a < n_nodes; ++a) {
         const auto position = [&](const unsigned int e) {
           return at_nodes.quadrature_point(a)[e] - at_nodes.quadrature_point(0)[e] +
-                 unknowns[(field.first_component + e) * n_nodes + a];
+                 (is_linear ? 0. : unknowns[(field.first_component + e) * n_nodes + a]);
         };
         kernel.back()[c * n_nodes + a] = -position(d);
         kernel.back()[d * n_nodes + a] = position(c);
       }
     }
 }
+
+/// The largest eigenvalues of cells, most of which have the same matrices up to a factor: a solved problem is
+/// kept and compared with.
+class Eigenvalues
+{
+public:
+  double largest(const FullMatrix<double> &M, const FullMatrix<double> &K,
+                 const std::vector<std::vector<double>> &kernel)
+  {
+    const double trace_M = M.trace(), trace_K = K.trace();
+    const auto found = std::find_if(solved.begin(), solved.end(), [&](const Solved &other) {
+      return is_multiple(M, trace_M, other.M) && is_multiple(K, trace_K, other.K);
+    });
+    if (found != solved.end())
+      return found->lambda * trace_M / trace_K;
+    const double lambda = largest_eigenvalue(M, K, kernel);
+    if (solved.size() < most && std::isfinite(lambda) && trace_M > 0) {
+      solved.push_back({M, K, lambda * trace_K / trace_M});
+      solved.back().M /= trace_M;
+      solved.back().K /= trace_K;
+    }
+    return lambda;
+  }
+
+private:
+  struct Solved
+  {
+    FullMatrix<double> M, K; ///< of trace one
+    double lambda;
+  };
+
+  static bool is_multiple(const FullMatrix<double> &matrix, const double trace,
+                          const FullMatrix<double> &of_trace_one)
+  {
+    for (unsigned int i = 0; i < matrix.m(); ++i)
+      for (unsigned int j = 0; j <= i; ++j)
+        if (!(std::abs(matrix(i, j) - trace * of_trace_one(i, j)) <= 1e-12 * trace))
+          return false;
+    return true;
+  }
+
+  static constexpr unsigned int most = 8;
+  std::vector<Solved> solved;
+};
 
 /// How many interfaces other than this one tie the field on faces of a cell.
 template <int dim>
@@ -227,6 +273,7 @@ solve_cells(const Interface<dim> &interface, const unsigned int side, const Tied
     }
 
   CellEnergy<dim> energy(domain, field, t);
+  Eigenvalues eigenvalues;
   std::map<unsigned int, double> lambda;
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> of_cell;
@@ -235,7 +282,7 @@ solve_cells(const Interface<dim> &interface, const unsigned int side, const Tied
     unknowns(dofs, of_cell);
     lambda[index] = energy.reinit(domain.dof_cell(cell), of_cell)
                         ? (1 + n_other_interfaces(of_side, field.name, cell)) *
-                              largest_eigenvalue(M[index], energy.K, energy.kernel)
+                              eigenvalues.largest(M[index], energy.K, energy.kernel)
                         : undefined;
   }
 
@@ -245,6 +292,21 @@ solve_cells(const Interface<dim> &interface, const unsigned int side, const Tied
       answers[rank].push_back(
           lambda.at(cell_of_face[static_cast<unsigned int>(packed[begin])]->active_cell_index()));
   return answers;
+}
+
+/// By the factors of Cholesky, which replace the lower triangle.
+bool is_positive_definite(FullMatrix<double> &L)
+{
+  for (unsigned int j = 0; j < L.m(); ++j)
+    for (unsigned int i = j; i < L.m(); ++i) {
+      double sum = L(i, j);
+      for (unsigned int k = 0; k < j; ++k)
+        sum -= L(i, k) * L(j, k);
+      if (i == j && !(sum > 0))
+        return false;
+      L(i, j) = i == j ? std::sqrt(sum) : sum / L(j, j);
+    }
+  return true;
 }
 
 } // namespace
@@ -277,20 +339,19 @@ double largest_eigenvalue(const FullMatrix<double> &M, const FullMatrix<double> 
     }
 
   dealii::LAPACKFullMatrix<double> A(n), B(n);
+  FullMatrix<double> L(n, n);
   for (unsigned int i = 0; i < n; ++i)
     for (unsigned int j = 0; j <= i; ++j) {
       double lifted = K(i, j);
       for (const auto &mode : z)
         lifted += trace * mode[i] * mode[j];
       A(i, j) = A(j, i) = M(i, j);
-      B(i, j) = B(j, i) = lifted;
+      B(i, j) = B(j, i) = L(i, j) = lifted;
     }
-  std::vector<dealii::Vector<double>> no_vectors;
-  try {
-    A.compute_generalized_eigenvalues_symmetric(B, no_vectors);
-  } catch (const dealii::ExceptionBase &) { // K is not positive
+  if (!is_positive_definite(L))
     return undefined;
-  }
+  std::vector<dealii::Vector<double>> no_vectors;
+  A.compute_generalized_eigenvalues_symmetric(B, no_vectors);
   double largest = 0;
   for (unsigned int i = 0; i < n; ++i)
     largest = std::max(largest, A.eigenvalue(i).real());

@@ -277,13 +277,22 @@ void Domain<dim>::cell_dofs(const cell_iterator &cell,
 }
 
 template <int dim>
+dealii::AffineConstraints<double> Domain<dim>::hanging_nodes() const
+{
+  auto hanging = make_affine_constraints(dofs.locally_owned_dofs(),
+                                         dealii::DoFTools::extract_locally_relevant_dofs(dofs));
+  if (triangulation->has_hanging_nodes())
+    dealii::DoFTools::make_hanging_node_constraints(dofs, hanging);
+  hanging.close();
+  return hanging;
+}
+
+template <int dim>
 void Domain<dim>::add_hanging_nodes(ConstraintLines &lines) const
 {
   if (!triangulation->has_hanging_nodes())
     return;
-  auto hanging = make_affine_constraints(dofs.locally_owned_dofs(),
-                                         dealii::DoFTools::extract_locally_relevant_dofs(dofs));
-  dealii::DoFTools::make_hanging_node_constraints(dofs, hanging);
+  const auto hanging = hanging_nodes();
   for (const auto &line : hanging.get_lines())
     if (dofs.locally_owned_dofs().is_element(line.index))
       for (const auto &[master, weight] : line.entries)

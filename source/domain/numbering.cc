@@ -32,7 +32,7 @@ Numbering::Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, c
       std::vector<dealii::types::global_dof_index> first_of_rank = {0};
       for (const auto count : dealii::Utilities::MPI::all_gather(communicator, part.n_elements()))
         first_of_rank.push_back(first_of_rank.back() + count);
-      all_blocks.push_back({domain.name, domain.fields()[f].name, d, f, n_dofs + begin,
+      all_blocks.push_back({domain.name, domain.fields()[f].name, false, d, f, n_dofs + begin,
                             n_dofs + begin + sizes[f], part, first_of_rank});
       begin += sizes[f];
     }
@@ -49,6 +49,31 @@ Numbering::Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, c
   }
   owned.compress();
   relevant.compress();
+}
+
+dealii::types::global_dof_index Numbering::add_multipliers(const std::string &interface,
+                                                           const std::string &field,
+                                                           const dealii::types::global_dof_index n_own,
+                                                           const MPI_Comm &communicator)
+{
+  std::vector<dealii::types::global_dof_index> first_of_rank = {0};
+  for (const auto count : dealii::Utilities::MPI::all_gather(communicator, n_own))
+    first_of_rank.push_back(first_of_rank.back() + count);
+  const auto begin = owned.size(), n = first_of_rank.back();
+  const auto first = first_of_rank[dealii::Utilities::MPI::this_mpi_process(communicator)];
+  if (n == 0)
+    return begin;
+  dealii::IndexSet of_block(n);
+  of_block.add_range(first, first + n_own);
+  all_blocks.push_back({interface, field, true, 0, 0, begin, begin + n, of_block, first_of_rank});
+  for (dealii::IndexSet *set : {&owned, &relevant}) {
+    dealii::IndexSet larger(begin + n);
+    larger.add_indices(*set);
+    larger.add_indices(of_block, begin);
+    larger.compress();
+    *set = larger;
+  }
+  return begin + first;
 }
 
 unsigned int Numbering::block_of(const dealii::types::global_dof_index dof) const

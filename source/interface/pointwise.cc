@@ -21,6 +21,7 @@
 #include <deal.II/dofs/dof_tools.h>
 
 #include <cmath>
+#include <sstream>
 
 namespace dovetail {
 
@@ -33,8 +34,10 @@ public:
   explicit Pointwise(const Section &) {}
 
   std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
-  void add_constraints(const Interface<dim> &interface, ConstraintLines &lines,
+  bool is_strong() const override { return true; }
+  void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                        const MPI_Comm &communicator) override;
+  std::vector<std::string> notes() const override;
 
 private:
   /// A support point of the destination and its unknowns, one per component of the domain.
@@ -44,7 +47,35 @@ private:
     std::vector<dealii::types::global_dof_index> dofs;
   };
   static std::vector<Node> nodes_of(const InterfaceSide<dim> &side);
+
+  double ratio_of_sizes = 1; ///< mean face size of the destination over that of the source
 };
+
+template <int dim>
+double mean_face_size(const InterfaceSide<dim> &side, const MPI_Comm &communicator)
+{
+  std::array<double, 2> sums = {{0, 0}}; // of sizes, of faces
+  for (const auto &face : faces_of(side).faces) {
+    sums[0] += face.size;
+    sums[1] += 1;
+  }
+  return dealii::Utilities::MPI::sum(sums[0], communicator) /
+         dealii::Utilities::MPI::sum(sums[1], communicator);
+}
+
+template <int dim>
+std::vector<std::string> Pointwise<dim>::notes() const
+{
+  if (ratio_of_sizes < 1.1)
+    return {};
+  std::ostringstream sentence;
+  sentence.precision(2);
+  sentence
+      << "the destination's faces are " << ratio_of_sizes
+      << " times as large as the source's: swap Source and Destination, the pointwise tie is better with the "
+         "finer side as destination";
+  return {sentence.str()};
+}
 
 /// The support points on the side whose unknowns this rank owns.
 template <int dim>
@@ -85,9 +116,11 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
 }
 
 template <int dim>
-void Pointwise<dim>::add_constraints(const Interface<dim> &interface, ConstraintLines &lines,
+void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                                      const MPI_Comm &communicator)
 {
+  ratio_of_sizes = mean_face_size(interface.sides[destination], communicator) /
+                   mean_face_size(interface.sides[source], communicator);
   const InterfaceSide<dim> &from = interface.sides[source];
   const FaceLocator<dim> locator = interface.make_locator(source, communicator);
   const std::vector<Node> nodes = nodes_of(interface.sides[destination]);
@@ -107,8 +140,8 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, Constraint
     for (const auto &field : interface.fields)
       for (unsigned int c = 0; c < field.n_components; ++c) {
         const auto dof = nodes[i].dofs[field.first_component[destination] + c];
-        ++(lines.count(dof) > 0 ? n_prescribed : n_followers);
-        if (lines.count(dof) > 0)
+        ++(constraints.has(dof) ? n_prescribed : n_followers);
+        if (constraints.has(dof))
           continue;
         ConstraintLine line;
         for (unsigned int a = 0; a < n; ++a) {
@@ -118,7 +151,7 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, Constraint
           if (std::abs(weight) > 1e-14)
             line.entries.emplace_back(masters[(field.first_component[source] + c) * n + a], weight);
         }
-        lines.emplace(dof, std::move(line));
+        constraints.lines.emplace(dof, std::move(line));
       }
   }
   n_followers = dealii::Utilities::MPI::sum(n_followers, communicator);

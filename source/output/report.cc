@@ -56,6 +56,7 @@ Report::Report(const std::string &directory, const MPI_Comm &communicator)
     content[key] = nlohmann::ordered_json::array();
   content["seconds"] = nlohmann::ordered_json::object();
   content["peak memory MiB"] = 0;
+  content["notes"] = nlohmann::ordered_json::array();
   content["left out"] = nlohmann::ordered_json::array();
 }
 
@@ -72,6 +73,15 @@ void Report::add_step(const double time, const std::vector<double> &residuals,
                               {"newton iterations", linear_iterations.size()},
                               {"residuals", residuals},
                               {"linear iterations", linear_iterations}});
+}
+
+bool Report::add_note(const std::string &sentence)
+{
+  for (const auto &known : content["notes"])
+    if (known == sentence)
+      return false;
+  content["notes"].push_back(sentence);
+  return true;
 }
 
 void Report::leave_out(const std::string &sentence)

@@ -124,7 +124,7 @@ std::vector<SolveGroup> Simulation<dim>::solve_groups() const
     const auto &blocks = model.numbering->blocks();
     for (unsigned int b = 0; b < blocks.size(); ++b)
       if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end())
-        group.blocks.push_back(b);
+        (blocks[b].is_of_multipliers ? group.multiplier_blocks : group.blocks).push_back(b);
     groups.push_back(std::move(group));
   }
   return groups;
@@ -197,6 +197,9 @@ void Simulation<dim>::set_up(const double t)
   const Phases::Scope scope(phases, "setup");
   linear_solver.forget_matrix();
   system->set_up(t);
+  for (const std::string &sentence : system->notes())
+    if (report->add_note(sentence))
+      log.line("  note: " + sentence);
 }
 
 template <int dim>
@@ -281,6 +284,7 @@ bool Simulation<dim>::run()
     const bool is_last = next >= steps.end_time * (1 - 1e-12);
     log.step_begins(n_done + 1, steps.n_steps, is_last ? steps.end_time : next);
     if (advance(is_last ? steps.end_time : next)) {
+      system->find_multipliers(solution);
       t = is_last ? steps.end_time : next;
       ++n_done;
       log.step_ends();
@@ -330,6 +334,7 @@ bool Simulation<dim>::run_cycles(const double t)
       return false;
     }
     n_newton_iterations = result.linear_iterations.size();
+    system->find_multipliers(solution);
     write_output(t, 0, true);
     measure(t);
   }

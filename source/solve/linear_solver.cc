@@ -36,6 +36,87 @@ struct Operator
   }
 };
 
+/// The multipliers' part of [A B^T; B 0]. They are scaled so that the diagonal of the Schur complement
+/// B diag(A)^-1 B^T becomes the mean diagonal entry of A: then all unknowns, and all residuals, have one
+/// unit. Each rank's unknowns of the bodies come first.
+class Saddle
+{
+public:
+  Saddle(const Epetra_CrsMatrix &matrix, const unsigned int n_of_bodies)
+      : matrix(matrix), n_of_bodies(n_of_bodies), n_own(matrix.NumMyRows()), schur(n_own, 1.),
+        scale(n_own, 1.)
+  {
+    Epetra_Vector diagonal(matrix.RowMap()), of_columns(matrix.ColMap());
+    matrix.ExtractDiagonalCopy(diagonal);
+    if (matrix.Importer() != nullptr)
+      of_columns.Import(diagonal, *matrix.Importer(), Insert);
+    else
+      of_columns = diagonal;
+    std::array<double, 2> own = {{0, static_cast<double>(n_of_bodies)}}, all;
+    for (unsigned int i = 0; i < n_of_bodies; ++i)
+      own[0] += std::abs(diagonal[i]);
+    matrix.Comm().SumAll(own.data(), all.data(), 2);
+    const double mean = all[0] / all[1];
+    for (unsigned int i = n_of_bodies; i < n_own; ++i) {
+      int n = 0, *columns = nullptr;
+      double *values = nullptr;
+      matrix.ExtractMyRowView(i, n, values, columns);
+      double sum = 0;
+      for (int k = 0; k < n; ++k)
+        if (of_columns[columns[k]] > 0)
+          sum += values[k] * values[k] / of_columns[columns[k]];
+      is_alone.push_back(diagonal[i] != 0);
+      scale[i] = is_alone.back() || !(sum > 0) ? 1 : std::sqrt(mean / sum);
+      schur[i] = is_alone.back() || !(sum > 0) ? -1 : mean;
+    }
+  }
+
+  void scale_multipliers(SingleVector &x) const
+  {
+    double *values = x.trilinos_vector()[0];
+    for (unsigned int i = n_of_bodies; i < n_own; ++i)
+      values[i] *= scale[i];
+  }
+
+  void vmult(SingleVector &destination, const SingleVector &source) const
+  {
+    SingleVector scaled(source);
+    scale_multipliers(scaled);
+    matrix.Multiply(false, scaled.trilinos_vector(), destination.trilinos_vector());
+    scale_multipliers(destination);
+  }
+
+  const Epetra_CrsMatrix &matrix;
+  const unsigned int n_of_bodies, n_own;
+  std::vector<double> schur; ///< of the scaled multipliers; -1 where the multiplier is alone: x = b
+
+private:
+  std::vector<double> scale;
+  std::vector<bool> is_alone;
+};
+
+/// z = [A 0; B -S]^-1 r
+struct SaddlePreconditioner
+{
+  const Saddle &saddle;
+  const dealii::TrilinosWrappers::PreconditionAMG &multigrid;
+  SingleVector template_of_bodies;
+
+  void vmult(SingleVector &z, const SingleVector &r) const
+  {
+    SingleVector of_bodies(template_of_bodies), solved(template_of_bodies), product(r);
+    const double *residual = r.trilinos_vector()[0];
+    std::copy(residual, residual + saddle.n_of_bodies, of_bodies.trilinos_vector()[0]);
+    multigrid.vmult(solved, of_bodies);
+    z = 0;
+    double *result = z.trilinos_vector()[0];
+    std::copy(solved.trilinos_vector()[0], solved.trilinos_vector()[0] + saddle.n_of_bodies, result);
+    saddle.vmult(product, z);
+    for (unsigned int i = saddle.n_of_bodies; i < saddle.n_own; ++i)
+      result[i] = -(residual[i] - product.trilinos_vector()[0][i]) / saddle.schur[i];
+  }
+};
+
 } // namespace
 
 /// One group with its merged matrix and what was built from it.
@@ -44,6 +125,8 @@ struct LinearSolver::Group : SolveGroup
   explicit Group(SolveGroup group) : SolveGroup(std::move(group)) {}
 
   std::unique_ptr<MergedMatrix> merged;
+  std::unique_ptr<MergedMatrix> of_bodies; ///< without the multipliers, if there are any
+  std::unique_ptr<Saddle> saddle;
   std::unique_ptr<Epetra_MultiVector> modes; ///< ML refers to them
   std::unique_ptr<dealii::TrilinosWrappers::PreconditionAMG> multigrid;
   std::unique_ptr<Epetra_LinearProblem> problem;
@@ -52,6 +135,10 @@ struct LinearSolver::Group : SolveGroup
   bool is_decided = false;
   bool iteration_failed = false;
 
+  bool has_multipliers() const { return !multiplier_blocks.empty(); }
+  /// What multigrid is built from.
+  const MergedMatrix &bodies() const { return has_multipliers() ? *of_bodies : *merged; }
+  void take(const Matrix &matrix);
   void decide(unsigned int type);
   double contrast(const Matrix &matrix) const;
   void make_modes(const Matrix &matrix);
@@ -63,9 +150,21 @@ struct LinearSolver::Group : SolveGroup
   void forget_values()
   {
     multigrid.reset();
+    saddle.reset();
     direct.reset();
   }
 };
+
+void LinearSolver::Group::take(const Matrix &matrix)
+{
+  forget_values();
+  if (!merged) {
+    std::vector<unsigned int> all = blocks;
+    all.insert(all.end(), multiplier_blocks.begin(), multiplier_blocks.end());
+    merged = std::make_unique<MergedMatrix>(matrix, all);
+  }
+  merged->copy_values(matrix);
+}
 
 /// Factorisation wins while the fill is small: measured on two cores, 3D elasticity up to some 6 000
 /// unknowns, 2D up to some 60 000.
@@ -107,18 +206,24 @@ void LinearSolver::Group::make_modes(const Matrix &matrix)
   const unsigned int n_of_block = near_null_space(blocks[0], true).size();
   const bool is_shared =
       blocks.size() * n_of_block > largest_number || contrast(matrix) <= largest_shared_contrast;
-  modes = std::make_unique<Epetra_MultiVector>(merged->matrix().OperatorDomainMap(),
+  modes = std::make_unique<Epetra_MultiVector>(bodies().matrix().OperatorDomainMap(),
                                                is_shared ? n_of_block : blocks.size() * n_of_block);
   for (unsigned int i = 0; i < blocks.size(); ++i) {
     const auto of_block = near_null_space(blocks[i], is_shared);
     for (unsigned int mode = 0; mode < of_block.size(); ++mode)
       std::copy(of_block[mode].begin(), of_block[mode].end(),
-                (*modes)[is_shared ? mode : i * n_of_block + mode] + merged->first_local_of(i));
+                (*modes)[is_shared ? mode : i * n_of_block + mode] + bodies().first_local_of(i));
   }
 }
 
 void LinearSolver::Group::make_multigrid(const Matrix &matrix)
 {
+  if (has_multipliers()) {
+    if (!of_bodies)
+      of_bodies = std::make_unique<MergedMatrix>(matrix, blocks);
+    of_bodies->copy_values(matrix);
+    saddle = std::make_unique<Saddle>(merged->matrix(), of_bodies->n_local());
+  }
   if (!modes)
     make_modes(matrix);
   dealii::TrilinosWrappers::PreconditionAMG::AdditionalData data;
@@ -128,13 +233,13 @@ void LinearSolver::Group::make_multigrid(const Matrix &matrix)
   data.smoother_type = is_symmetric ? "Chebyshev" : "ILU";
   Teuchos::ParameterList list;
   std::unique_ptr<Epetra_MultiVector> unused;
-  data.set_parameters(list, unused, merged->matrix());
+  data.set_parameters(list, unused, bodies().matrix());
   list.set("null space: type", "pre-computed");
   list.set("null space: dimension", modes->NumVectors());
   list.set("null space: vectors", modes->Values());
   list.set("aggregation: threshold", 0.0); // a positive one drops the couplings of a stiff with a soft body
   multigrid = std::make_unique<dealii::TrilinosWrappers::PreconditionAMG>();
-  multigrid->initialize(merged->matrix(), list);
+  multigrid->initialize(bodies().matrix(), list);
 }
 
 unsigned int LinearSolver::Group::iterate_once(SingleVector &x, const SingleVector &b,
@@ -143,13 +248,15 @@ unsigned int LinearSolver::Group::iterate_once(SingleVector &x, const SingleVect
   const unsigned int maximum_iterations = 500;
   dealii::SolverControl control(maximum_iterations, tolerance, false, false);
   const Operator K = {merged->matrix()};
-  if (is_symmetric)
+  // right preconditioning: the true residual is the one that is checked
+  const dealii::SolverGMRES<SingleVector>::AdditionalData data(102, true);
+  if (has_multipliers())
+    dealii::SolverGMRES<SingleVector>(control, data)
+        .solve(*saddle, x, b, SaddlePreconditioner{*saddle, *multigrid, of_bodies->vector()});
+  else if (is_symmetric)
     dealii::SolverCG<SingleVector>(control).solve(K, x, b, *multigrid);
-  else {
-    // right preconditioning: the true residual is the one that is checked
-    const dealii::SolverGMRES<SingleVector>::AdditionalData data(102, true);
+  else
     dealii::SolverGMRES<SingleVector>(control, data).solve(K, x, b, *multigrid);
-  }
   return control.last_step();
 }
 
@@ -158,20 +265,28 @@ unsigned int LinearSolver::Group::iterate_once(SingleVector &x, const SingleVect
 std::optional<unsigned int> LinearSolver::Group::iterate(const Matrix &matrix, SingleVector &x,
                                                          const SingleVector &b, const double tolerance)
 {
-  const double goal = tolerance * b.l2_norm();
-  const Operator K = {merged->matrix()};
+  const auto multiply = [this](SingleVector &product, const SingleVector &y) {
+    if (saddle)
+      saddle->vmult(product, y);
+    else
+      Operator{merged->matrix()}.vmult(product, y);
+  };
   unsigned int n_iterations = 0;
   try {
     if (!multigrid)
       make_multigrid(matrix);
     SingleVector residual(b), correction(b);
-    double norm = b.l2_norm();
+    if (saddle)
+      saddle->scale_multipliers(residual);
+    const SingleVector given(residual);
+    const double goal = tolerance * given.l2_norm();
+    double norm = given.l2_norm();
     for (unsigned int pass = 0; pass < 3 && norm > goal; ++pass) {
       correction = 0;
       n_iterations += iterate_once(correction, residual, goal);
       x += correction;
-      K.vmult(residual, x);
-      residual.sadd(-1., 1., b);
+      multiply(residual, x);
+      residual.sadd(-1., 1., given);
       const double new_norm = residual.l2_norm();
       if (!std::isfinite(new_norm))
         return {};
@@ -180,8 +295,10 @@ std::optional<unsigned int> LinearSolver::Group::iterate(const Matrix &matrix, S
       if (is_done)
         break;
     }
-    if (norm > std::max(1e-4 * b.l2_norm(), 2 * goal))
+    if (norm > std::max(1e-4 * given.l2_norm(), 2 * goal))
       return {};
+    if (saddle)
+      saddle->scale_multipliers(x);
   } catch (const std::exception &) // no convergence, or no preconditioner
   {
     return {};
@@ -240,10 +357,7 @@ void LinearSolver::set_matrix(const Matrix &new_matrix)
 {
   matrix = &new_matrix;
   for (auto &group : groups) {
-    group->forget_values();
-    if (!group->merged)
-      group->merged = std::make_unique<MergedMatrix>(new_matrix, group->blocks);
-    group->merged->copy_values(new_matrix);
+    group->take(new_matrix);
     group->decide(type);
   }
 }
@@ -255,6 +369,7 @@ void LinearSolver::forget_matrix()
     group->problem.reset();
     group->modes.reset();
     group->merged.reset();
+    group->of_bodies.reset();
     group->is_decided = group->iteration_failed;
   }
 }
@@ -306,7 +421,9 @@ std::vector<std::string> LinearSolver::description() const
     lines.push_back(group->name + ": " +
                     (group->is_direct
                          ? (group->iteration_failed ? "MUMPS, after the iteration failed" : "MUMPS")
-                         : std::string(group->is_symmetric ? "CG" : "GMRES") + " with multigrid"));
+                         : std::string(group->is_symmetric && !group->has_multipliers() ? "CG" : "GMRES") +
+                               " with multigrid" +
+                               (group->has_multipliers() ? " and Schur complement" : "")));
   return lines;
 }
 

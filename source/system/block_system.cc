@@ -16,13 +16,32 @@
 
 namespace dovetail {
 
+namespace {
+
+/// As no field of a domain is called.
+std::string name_of_multipliers(const std::string &interface, const std::string &field)
+{
+  return interface + " : " + field;
+}
+
+} // namespace
+
 template <int dim>
-BlockSystem<dim>::BlockSystem(Model<dim> &model) : model(model)
+BlockSystem<dim>::BlockSystem(Model<dim> &model) : scatters_on(&update_constraints), model(model)
 {
   for (const auto &group : model.field_groups())
     fields.insert(fields.end(), group.begin(), group.end());
-  for (const Block &block : model.numbering->blocks())
-    field_of_block.push_back(std::find(fields.begin(), fields.end(), block.field) - fields.begin());
+  for (const Block &block : model.numbering->blocks()) {
+    if (block.is_of_multipliers)
+      fields.push_back(name_of_multipliers(block.name, block.field));
+    field_of_block.push_back(
+        std::find(fields.begin(), fields.end(), block.is_of_multipliers ? fields.back() : block.field) -
+        fields.begin());
+  }
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    is_of_multipliers.push_back(false);
+  for (unsigned int b = 0; b < field_of_block.size(); ++b)
+    is_of_multipliers[field_of_block[b]] = model.numbering->blocks()[b].is_of_multipliers;
   for (const auto &domain : model.domains)
     cell_terms.push_back(std::make_unique<CellTerms<dim>>(*domain));
 }
@@ -49,24 +68,26 @@ template <int dim>
 void BlockSystem<dim>::set_up(const double t)
 {
   toggles_of_set_up = active_toggles(t);
-  make_relevant_set();
-
   tie_lines.clear();
+  hanging_lines.clear();
   if (!model.interfaces.empty()) {
-    ConstraintLines lines;
-    for (const auto &domain : model.domains)
-      domain->add_constraints(t, lines);
-    const ConstraintLines given = lines;
+    TieConstraints all;
+    for (const auto &domain : model.domains) {
+      domain->add_constraints(t, all.lines);
+      domain->add_hanging_nodes(hanging_lines);
+    }
+    const ConstraintLines given = all.lines;
     dealii::Timer timer;
     for (const auto &interface : model.interfaces)
       if (interface->is_active(t))
-        interface->tie().add_constraints(*interface, lines, model.communicator);
-    for (const auto &[dof, line] : lines)
+        interface->tie().add_constraints(*interface, all, model.communicator);
+    for (const auto &[dof, line] : all.lines)
       if (given.count(dof) == 0)
         tie_lines.emplace(dof, line);
     tie_seconds += timer.wall_time();
   }
 
+  make_relevant_set(t);
   make_constraints(t);
   make_sparsity(t);
   right_hand_side = owned_vector();
@@ -74,7 +95,7 @@ void BlockSystem<dim>::set_up(const double t)
 }
 
 template <int dim>
-void BlockSystem<dim>::make_relevant_set()
+void BlockSystem<dim>::make_relevant_set(const double t)
 {
   relevant = model.numbering->relevant;
   std::vector<dealii::types::global_dof_index> dofs, all;
@@ -83,6 +104,12 @@ void BlockSystem<dim>::make_relevant_set()
       interface->group_dofs(group, dofs);
       all.insert(all.end(), dofs.begin(), dofs.end());
     }
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t))
+      for (unsigned int i = 0; i < interface->tie().n_terms(); ++i) {
+        const auto &of_term = interface->tie().term_dofs(i);
+        all.insert(all.end(), of_term.begin(), of_term.end());
+      }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   relevant.add_indices(all.begin(), all.end());
@@ -98,7 +125,8 @@ void BlockSystem<dim>::make_constraints(const double t)
     domain->add_constraints(t, lines);
   lines.insert(tie_lines.begin(), tie_lines.end());
   constraints.clear();
-  constraints = close_constraints(lines, *model.numbering, relevant, model.communicator);
+  freed.clear();
+  constraints = close_constraints(lines, *model.numbering, relevant, model.communicator, &freed);
   update_constraints.clear();
   update_constraints.copy_from(constraints);
   relevant.add_indices(constraints.get_local_lines()); // those that lines refer to, too
@@ -160,6 +188,14 @@ void BlockSystem<dim>::make_sparsity(const double t)
           constraints.add_entries_local_to_global(dofs, pattern, false, couples);
       }
     }
+  for (const auto &interface : model.interfaces) {
+    const Tie<dim> &tie = interface->tie();
+    if (interface->is_active(t))
+      for (unsigned int i = 0; i < tie.n_terms(); ++i)
+        constraints.add_entries_local_to_global(tie.term_dofs(i), pattern, false);
+    else
+      for_each_multiplier(*interface, [&](const auto dof) { pattern.add(dof, dof); });
+  }
   if (!model.interfaces.empty())
     tie_seconds += timer.wall_time();
 
@@ -192,7 +228,7 @@ void BlockSystem<dim>::begin_step(const double t, const Vector &x)
   dealii::Timer timer;
   ghosted_scratch = x;
   for (const auto &interface : model.interfaces)
-    if (interface->is_active(t) && interface->tie().adds_terms())
+    if (interface->is_active(t))
       interface->tie().begin_step(
           *interface, t,
           [&](const std::vector<dealii::types::global_dof_index> &dofs, std::vector<double> &values) {
@@ -237,9 +273,11 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
     is_defined = assemble_domain(d, ghosted_scratch, with_tangent) && is_defined;
   if (!model.interfaces.empty()) {
     dealii::Timer timer;
-    for (const auto &interface : model.interfaces)
+    for (const auto &interface : model.interfaces) {
       if (interface->is_active(time) && interface->tie().adds_terms())
         is_defined = assemble_interface(*interface, ghosted_scratch, with_tangent) && is_defined;
+      assemble_multipliers(*interface, ghosted_scratch, with_tangent);
+    }
     tie_seconds += timer.wall_time();
   }
 
@@ -262,9 +300,9 @@ void BlockSystem<dim>::scatter(const std::vector<double> &residual,
   for (unsigned int i = 0; i < residual.size(); ++i)
     local_rhs[i] = -residual[i];
   if (with_tangent)
-    update_constraints.distribute_local_to_global(local_matrix, local_rhs, dofs, matrix, right_hand_side);
+    scatters_on->distribute_local_to_global(local_matrix, local_rhs, dofs, matrix, right_hand_side);
   else
-    update_constraints.distribute_local_to_global(local_rhs, dofs, right_hand_side);
+    scatters_on->distribute_local_to_global(local_rhs, dofs, right_hand_side);
 }
 
 template <int dim>
@@ -322,6 +360,117 @@ bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vecto
 }
 
 template <int dim>
+void BlockSystem<dim>::assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted,
+                                            const bool with_tangent)
+{
+  const Tie<dim> &tie = interface.tie();
+  std::vector<double> unknowns, residual;
+  if (!interface.is_active(time)) { // they are zero
+    local_matrix.reinit(1, 1);
+    local_matrix(0, 0) = 1;
+    for_each_multiplier(interface, [&](const auto dof) { scatter({ghosted(dof)}, {dof}, with_tangent); });
+    return;
+  }
+  for (unsigned int i = 0; i < tie.n_terms(); ++i) {
+    const auto &dofs = tie.term_dofs(i);
+    unknowns.resize(dofs.size());
+    ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+    residual.assign(dofs.size(), 0.);
+    local_matrix.reinit(dofs.size(), dofs.size());
+    tie.assemble_term(i, unknowns, residual, with_tangent ? &local_matrix : nullptr);
+    // the size of what cancels in the multiplier's equation
+    const unsigned int f = field_of_block[model.numbering->block_of(dofs.back())];
+    double magnitude_of_row = 0;
+    if (dofs.size() > 1)
+      magnitude_of_row = tie.magnitude_of_term(i, unknowns);
+    local_scale[f] += magnitude_of_row * magnitude_of_row;
+    scatter(residual, dofs, with_tangent);
+  }
+}
+
+/// Calls @p visit with every multiplier of an interface that this rank owns.
+template <int dim>
+template <typename Visit>
+void BlockSystem<dim>::for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const
+{
+  for (const TiedField &field : interface.fields)
+    for (unsigned int i = 0; i < interface.tie().n_multipliers(interface, field); ++i)
+      visit(field.first_multiplier + i);
+}
+
+template <int dim>
+bool BlockSystem<dim>::has_multipliers() const
+{
+  return std::any_of(model.interfaces.begin(), model.interfaces.end(), [this](const auto &interface) {
+    return interface->is_active(time) && interface->tie().has_multipliers();
+  });
+}
+
+/// What acts on each unknown: the residual, and what those that follow it pass on.
+template <int dim>
+Vector BlockSystem<dim>::forces(const Vector &x)
+{
+  const dealii::AffineConstraints<double> none = [this]() {
+    auto empty = make_affine_constraints(model.numbering->owned, relevant);
+    empty.close();
+    return empty;
+  }();
+  scatters_on = &none;
+  assemble(x, false);
+  scatters_on = &update_constraints;
+  Vector residual = owned_vector();
+  residual.equ(-1., right_hand_side);
+
+  Vector total = residual, passed_on = owned_vector(), previous = owned_vector();
+  const unsigned int longest_chain = 100;
+  for (unsigned int link = 0; link < longest_chain; ++link) {
+    passed_on = 0;
+    for (const ConstraintLines *lines : {&hanging_lines, &tie_lines})
+      for (const auto &[dof, line] : *lines)
+        if (freed.count(dof) == 0) {
+          const double force = total(dof);
+          for (const auto &[master, weight] : line.entries)
+            passed_on(master) += weight * force;
+        }
+    passed_on.compress(dealii::VectorOperation::add);
+    previous = total;
+    total = residual;
+    total += passed_on;
+    previous -= total;
+    if (previous.linfty_norm() == 0)
+      break;
+  }
+  return total;
+}
+
+template <int dim>
+void BlockSystem<dim>::find_multipliers(const Vector &x)
+{
+  if (!has_multipliers())
+    return;
+  const Vector force = forces(x);
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(time) && interface->tie().has_multipliers())
+      interface->tie().find_multipliers(
+          *interface, [&](const auto dof) { return x(dof); }, [&](const auto dof) { return force(dof); },
+          model.communicator);
+}
+
+template <int dim>
+std::vector<std::string> BlockSystem<dim>::notes() const
+{
+  std::vector<std::string> sentences;
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(time))
+      for (const std::string &sentence : interface->tie().notes())
+        sentences.push_back(interface->name + ": " + sentence);
+  if (const auto n = dealii::Utilities::MPI::sum(freed.size(), model.communicator); n > 0)
+    sentences.push_back("constraints of interfaces that meet led back to themselves and were dropped at " +
+                        std::to_string(n) + (n == 1 ? " unknown" : " unknowns"));
+  return sentences;
+}
+
+template <int dim>
 void BlockSystem<dim>::reset_norms()
 {
   largest.assign(fields.size(), 0.);
@@ -351,7 +500,7 @@ double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
   for (unsigned int f = 0; f < fields.size(); ++f) {
     if (!std::isfinite(norms[f]))
       return std::numeric_limits<double>::quiet_NaN();
-    largest[f] = std::max(largest[f], norms[f]);
+    largest[f] = std::max(largest[f], is_of_multipliers[f] ? std::sqrt(scale[f]) : norms[f]);
     // terms that cancel leave rounding: those of a cell among cells, and within a cell those of K x
     const double noise = std::max(1e-13 * std::sqrt(scale[f]), 1e-15 * std::sqrt(magnitude[f]));
     if (norms[f] > std::max(noise, absolute_tolerance))

@@ -58,34 +58,79 @@ ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_
   return lines;
 }
 
-/// Whether following the entries of @p lines leads back to where one started: then they have no solution.
-bool has_cycle(const ConstraintLines &lines)
+/// Erase lines until following the entries of the others never leads back to where one started. Unknowns that
+/// reach each other (Tarjan 1972) lose the line with the largest index, as often as needed; since all lines
+/// that can be reached are there, each rank decides alike.
+/// @return the unknowns whose lines were erased
+std::set<Index> break_cycles(ConstraintLines &lines)
 {
-  enum State { open, active, done };
-  std::map<Index, State> state;
-  for (const auto &start : lines) {
-    if (state[start.first] == done)
-      continue;
-    std::vector<std::pair<Index, std::size_t>> path = {{start.first, 0}}; // unknown, next entry
-    state[start.first] = active;
-    while (!path.empty()) {
-      auto &[dof, next] = path.back();
-      const auto &entries = lines.at(dof).entries;
-      if (next == entries.size()) {
-        state[dof] = done;
+  std::set<Index> erased;
+  for (bool has_cycle = true; has_cycle;) {
+    has_cycle = false;
+    struct Visit
+    {
+      unsigned int number, lowest;
+      bool is_open;
+    };
+    std::map<Index, Visit> visits;
+    std::vector<Index> open;
+    std::vector<Index> largest_of_cycles;
+    unsigned int n_visits = 0;
+    for (const auto &start : lines) {
+      if (visits.count(start.first) > 0)
+        continue;
+      std::vector<std::pair<Index, std::size_t>> path; // unknown, next entry
+      const auto enter = [&](const Index dof) {
+        visits[dof] = {n_visits, n_visits, true};
+        ++n_visits;
+        open.push_back(dof);
+        path.emplace_back(dof, 0);
+      };
+      enter(start.first);
+      while (!path.empty()) {
+        auto &[dof, next] = path.back();
+        const auto &entries = lines.at(dof).entries;
+        if (next < entries.size()) {
+          const Index other = entries[next++].first;
+          if (lines.count(other) == 0)
+            continue;
+          Visit &visit = visits[dof];
+          if (const auto known = visits.find(other); known == visits.end())
+            enter(other);
+          else if (known->second.is_open)
+            visit.lowest = std::min(visit.lowest, known->second.number);
+          if (other == dof) // follows itself
+            largest_of_cycles.push_back(dof);
+          continue;
+        }
+        const Index done = dof;
+        const Visit visit = visits[done];
         path.pop_back();
-        continue;
+        if (!path.empty()) {
+          Visit &parent = visits[path.back().first];
+          parent.lowest = std::min(parent.lowest, visit.lowest);
+        }
+        if (visit.lowest == visit.number) {
+          Index largest = done;
+          unsigned int n_members = 0;
+          for (Index member = dealii::numbers::invalid_dof_index; member != done; ++n_members) {
+            member = open.back();
+            open.pop_back();
+            visits[member].is_open = false;
+            largest = std::max(largest, member);
+          }
+          if (n_members > 1)
+            largest_of_cycles.push_back(largest);
+        }
       }
-      const Index other = entries[next++].first;
-      if (lines.count(other) == 0 || state[other] == done)
-        continue;
-      if (state[other] == active)
-        return true;
-      state[other] = active;
-      path.emplace_back(other, 0);
+    }
+    for (const Index dof : largest_of_cycles) {
+      has_cycle = true;
+      lines.erase(dof);
+      erased.insert(dof);
     }
   }
-  return false;
+  return erased;
 }
 
 } // namespace
@@ -93,7 +138,7 @@ bool has_cycle(const ConstraintLines &lines)
 dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned_lines,
                                                     const Numbering &numbering,
                                                     const dealii::IndexSet &needed,
-                                                    const MPI_Comm &communicator)
+                                                    const MPI_Comm &communicator, std::set<Index> *freed)
 {
   ConstraintLines lines = owned_lines;
   dealii::IndexSet known = numbering.owned;
@@ -121,10 +166,11 @@ dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned
       }
     }
 
-  if (dealii::Utilities::MPI::max(has_cycle(lines) ? 1 : 0, communicator) > 0)
-    throw UserError(
-        "Pointwise interfaces follow each other in a circle where they meet. Swap Source and Destination of "
-        "one of them, or tie one by Type = Nitsche.");
+  const std::set<Index> erased = break_cycles(lines);
+  if (freed != nullptr)
+    for (const Index dof : erased)
+      if (numbering.owned.is_element(dof))
+        freed->insert(dof);
   auto constraints = make_affine_constraints(numbering.owned, known);
   for (const auto &[dof, line] : lines) {
     constraints.add_line(dof);

@@ -49,7 +49,17 @@ Model<dim>::Model(const Section &scene, const MPI_Comm &communicator)
     return;
   tell_other_interfaces();
   check_constants();
+  number();
+}
+
+template <int dim>
+void Model<dim>::number()
+{
   numbering = std::make_unique<Numbering>(domains, communicator);
+  for (const auto &interface : interfaces)
+    for (TiedField &field : interface->fields)
+      field.first_multiplier = numbering->add_multipliers(
+          interface->name, field.name, interface->tie().n_multipliers(*interface, field), communicator);
 }
 
 /// Tell each side of each interface what others tie of its domain.
@@ -59,11 +69,15 @@ void Model<dim>::tell_other_interfaces()
   for (const auto &interface : interfaces)
     for (InterfaceSide<dim> &side : interface->sides) {
       side.ids_of_others.clear();
+      side.strong_ids_of_others.clear();
       for (const auto &other : interfaces)
         for (const InterfaceSide<dim> &of_other : other->sides)
           if (&of_other != &side && of_other.domain == side.domain)
-            for (const TiedField &field : other->fields)
+            for (const TiedField &field : other->fields) {
               side.ids_of_others[field.name].push_back(of_other.boundary_ids);
+              if (other->tie().is_strong())
+                side.strong_ids_of_others[field.name].push_back(of_other.boundary_ids);
+            }
     }
 }
 
@@ -169,18 +183,18 @@ Vector Model<dim>::refine(const std::vector<std::vector<bool>> &marked, const Ve
     if (domains[d]->can_refine())
       parts[d] = domains[d]->refine(marked[d], parts[d]);
 
-  numbering = std::make_unique<Numbering>(domains, communicator);
-  Vector refined(numbering->split(numbering->owned), communicator);
-  for (unsigned int d = 0; d < domains.size(); ++d)
-    for (const auto dof : domains[d]->dof_handler().locally_owned_dofs())
-      refined(domains[d]->first_dof + dof) = parts[d](dof);
-  refined.compress(dealii::VectorOperation::insert);
   for (auto &interface : interfaces) { // what a tie has frozen belongs to points that are no more
     auto renewed = std::make_unique<Interface<dim>>(interface->name, interface->section, domains, toggles);
     renewed->keep_reach_of(*interface);
     interface = std::move(renewed);
   }
   tell_other_interfaces();
+  number();
+  Vector refined(numbering->split(numbering->owned), communicator); // multipliers begin at zero
+  for (unsigned int d = 0; d < domains.size(); ++d)
+    for (const auto dof : domains[d]->dof_handler().locally_owned_dofs())
+      refined(domains[d]->first_dof + dof) = parts[d](dof);
+  refined.compress(dealii::VectorOperation::insert);
   pair();
   return refined;
 }

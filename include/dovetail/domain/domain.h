@@ -14,6 +14,7 @@
 #include <deal.II/dofs/dof_handler.h>
 #include <deal.II/fe/fe_system.h>
 #include <deal.II/fe/mapping.h>
+#include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/trilinos_vector.h>
 
 #include <map>
@@ -102,7 +103,11 @@ public:
   void check_boundary_id(dealii::types::boundary_id id, const Section &asking,
                          const std::string &entry) const;
 
-  /// Hanging nodes and prescribed values at time @p t, in global unknowns, for those that this rank owns.
+  /// Of all relevant unknowns, in the numbering of the DoFHandler; closed.
+  dealii::AffineConstraints<double> hanging_nodes() const;
+  /// In global unknowns, for those that this rank owns.
+  void add_hanging_nodes(ConstraintLines &lines) const;
+  /// Hanging nodes and prescribed values at time @p t, likewise.
   void add_constraints(double t, ConstraintLines &lines) const;
 
   bool can_refine() const; ///< cells of its mesh can be divided one by one
@@ -125,7 +130,6 @@ private:
   void choose_element();
   void measure_box(const MPI_Comm &communicator);
   void distribute_dofs();
-  void add_hanging_nodes(ConstraintLines &lines) const;
 
   std::unique_ptr<Mesh<dim>> triangulation;
   std::unique_ptr<dealii::Mapping<dim>> cell_mapping;

@@ -15,26 +15,32 @@
 
 namespace dovetail {
 
-/// One block of unknowns: a field of a domain. Its global indices are begin … end-1; each rank owns one
-/// contiguous range of them.
+/// One block of unknowns: a field of a domain, or the multipliers of an interface for a field. Its global
+/// indices are begin … end-1; each rank owns one contiguous range of them.
 struct Block
 {
-  std::string domain;
+  std::string name; ///< of the domain or interface
   std::string field;
-  unsigned int domain_index;
-  unsigned int field_index; ///< among the fields of the domain
+  bool is_of_multipliers;
+  unsigned int domain_index; ///< if it is of a domain
+  unsigned int field_index;  ///< among the fields of the domain
   dealii::types::global_dof_index begin, end;
   dealii::IndexSet owned;                                     ///< by this rank, relative to begin
   std::vector<dealii::types::global_dof_index> first_of_rank; ///< relative to begin, n_ranks + 1 entries
 };
 
-/// Order: [ u_left T_left | u_right | … ], domains as in the scene, fields as in the material. Sets first_dof
-/// of the domains.
+/// Order: [ u_left T_left | u_right | lambda_seam … ], domains and interfaces as in the scene, fields as in
+/// the material. Sets first_dof of the domains.
 class Numbering
 {
 public:
   template <int dim>
   Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, const MPI_Comm &communicator);
+
+  /// A block after all others, of which this rank owns @p n_own. Collective. @return its first own index
+  dealii::types::global_dof_index add_multipliers(const std::string &interface, const std::string &field,
+                                                  dealii::types::global_dof_index n_own,
+                                                  const MPI_Comm &communicator);
 
   const std::vector<Block> &blocks() const { return all_blocks; }
   dealii::types::global_dof_index n_dofs() const { return owned.size(); }

@@ -29,6 +29,8 @@ struct InterfaceSide
   std::set<dealii::types::boundary_id> boundary_ids;
   /// For each field, what every other interface ties of the same domain.
   std::map<std::string, std::vector<std::set<dealii::types::boundary_id>>> ids_of_others;
+  /// Those of them that take or multiply unknowns.
+  std::map<std::string, std::vector<std::set<dealii::types::boundary_id>>> strong_ids_of_others;
 };
 
 /// The faces of a side that this rank owns.

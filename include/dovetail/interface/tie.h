@@ -15,6 +15,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,25 @@ struct TiedField
   unsigned int n_components;
   std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
   std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
+  /// Global index of the first multiplier of this rank, if the tie has any; set by the numbering.
+  dealii::types::global_dof_index first_multiplier = dealii::numbers::invalid_dof_index;
+};
+
+/// What is known of single unknowns that this rank owns, while the ties of a scene add to it one after the
+/// other.
+struct TieConstraints
+{
+  ConstraintLines lines;                                ///< hanging nodes, prescribed values, ties
+  std::set<dealii::types::global_dof_index> multiplied; ///< have an equation of a multiplier
+  bool has(const dealii::types::global_dof_index dof) const
+  {
+    return lines.count(dof) > 0 || multiplied.count(dof) > 0;
+  }
 };
 
 /// How an interface is tied. A plugin overrides only what it needs: constraints between the unknowns of the
-/// two sides, or terms at the points of the pairing. It may assume that a group's unknowns are those of
-/// Interface::group_dofs, in that order. Copy nitsche.cc or pointwise.cc.
+/// two sides, terms at the points of the pairing, or multipliers of its own. It may assume that a group's
+/// unknowns are those of Interface::group_dofs, in that order. Copy nitsche.cc or pointwise.cc.
 template <int dim>
 class Tie
 {
@@ -44,11 +59,38 @@ public:
   /// The sides on whose faces the points of the pairing lie.
   virtual std::array<bool, 2> integrates_on() const = 0;
 
-  /// Lines for destination unknowns that this rank owns. Collective. Keep what is already in @p lines:
-  /// hanging nodes and prescribed values win.
-  virtual void add_constraints(const Interface<dim> & /*interface*/, ConstraintLines & /*lines*/,
+  /// Lines for destination unknowns that this rank owns. Collective. Keep what is already there: hanging
+  /// nodes and prescribed values win, and ties that come first in the scene.
+  virtual void add_constraints(const Interface<dim> & /*interface*/, TieConstraints & /*constraints*/,
                                const MPI_Comm & /*communicator*/)
   {
+  }
+  /// Whether it takes destination unknowns for itself, by constraints or by multipliers.
+  virtual bool is_strong() const { return false; }
+
+  /// Unknowns of its own for a field that this rank owns; numbered from TiedField::first_multiplier on.
+  virtual unsigned int n_multipliers(const Interface<dim> & /*interface*/, const TiedField & /*field*/) const
+  {
+    return 0;
+  }
+  /// Terms with multipliers, this rank's, known after add_constraints; the last unknown of each is the
+  /// multiplier. Residual and tangent come in as zero.
+  virtual unsigned int n_terms() const { return 0; }
+  virtual const std::vector<dealii::types::global_dof_index> &term_dofs(unsigned int /*term*/) const
+  {
+    Assert(false, dealii::ExcNotImplemented());
+    static const std::vector<dealii::types::global_dof_index> none;
+    return none;
+  }
+  virtual void assemble_term(unsigned int /*term*/, const std::vector<double> & /*unknowns*/,
+                             std::vector<double> & /*residual*/,
+                             dealii::FullMatrix<double> * /*tangent*/) const
+  {
+  }
+  /// The size of what cancels in the equation of the multiplier.
+  virtual double magnitude_of_term(unsigned int /*term*/, const std::vector<double> & /*unknowns*/) const
+  {
+    return 0;
   }
 
   virtual bool adds_terms() const { return false; }
@@ -71,7 +113,22 @@ public:
     return true;
   }
 
+  /// Values at unknowns that this rank owns, by global index.
+  using Owned = std::function<double(dealii::types::global_dof_index dof)>;
+  virtual bool has_multipliers() const { return false; }
+  /// For output, at a solution: multipliers that are no unknowns follow from the forces that constraints
+  /// transmit. @p force: the residual at an unknown without the line that this tie gave it. Collective.
+  virtual void find_multipliers(const Interface<dim> & /*interface*/, const Owned & /*solution*/,
+                                const Owned & /*force*/, const MPI_Comm & /*communicator*/)
+  {
+  }
+
+  /// What a user should know about this tie, if anything; after add_constraints, the same on all ranks.
+  virtual std::vector<std::string> notes() const { return {}; }
+
   virtual bool is_symmetric() const { return true; } ///< if the laws are
+  /// Whether the integral of numerical_flux is what each side gets, exactly.
+  virtual bool has_flux() const { return adds_terms() || has_multipliers(); }
   /// Whether both sides get the same flux at every point; else each gets that of the points on its own faces.
   virtual bool is_balanced() const { return true; }
 

@@ -28,6 +28,7 @@ public:
   /// One solve with Newton's method.
   void add_step(double time, const std::vector<double> &residuals,
                 const std::vector<unsigned int> &linear_iterations);
+  bool add_note(const std::string &sentence);  ///< what the user should know; @return whether it is new
   void leave_out(const std::string &sentence); ///< "what: why", what this run did not do
 
   /// Write `<Directory>/report.json`; numbers that are not finite become null. "peak memory MiB" is the sum

@@ -23,7 +23,9 @@ struct SolveGroup
 {
   std::string name; ///< for messages
   std::vector<unsigned int> blocks;
-  bool is_symmetric = true; ///< and positive definite
+  /// Of multipliers: they have no block of their own on the diagonal, [A B^T; B 0] with A regular.
+  std::vector<unsigned int> multiplier_blocks;
+  bool is_symmetric = true; ///< and, but for multipliers, positive definite
   unsigned int dim = 3;
   unsigned int degree = 1;
   /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks
@@ -33,7 +35,9 @@ struct SolveGroup
 
 /// Solves K dx = b for a matrix that is lower block triangular over the groups (a field does not depend on
 /// those after it), group after group, each merged into one matrix: by MUMPS, or by CG (symmetric) or GMRES
-/// with ML's smoothed aggregation and the near-null space of the blocks.
+/// with ML's smoothed aggregation and the near-null space of the blocks. With multipliers GMRES has the block
+/// triangular preconditioner [A 0; B -S], A by multigrid and the Schur complement S by the diagonal of
+/// B diag(A)^-1 B^T.
 class LinearSolver
 {
 public:

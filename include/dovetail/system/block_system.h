@@ -53,6 +53,11 @@ public:
   /// Complete @p dx by the constrained unknowns.
   void distribute(Vector &dx) const;
 
+  /// Before output: the multipliers of the ties at a solution. Collective.
+  void find_multipliers(const Vector &x);
+  /// What the ties did that a user should know; after set_up, the same on all ranks.
+  std::vector<std::string> notes() const;
+
   Vector owned_vector() const;
   Vector ghosted_vector() const;
 
@@ -64,22 +69,31 @@ public:
 private:
   using SparseMatrix = dealii::TrilinosWrappers::BlockSparseMatrix;
 
-  void make_relevant_set();
+  void make_relevant_set(double t);
   void make_constraints(double t);
   void make_sparsity(double t);
   void move_constraints_from(const Vector &ghosted);
   bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);
   bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
+  void assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
+  template <typename Visit>
+  void for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const;
+  bool has_multipliers() const;
+  Vector forces(const Vector &x);
   void scatter(const std::vector<double> &residual, const std::vector<dealii::types::global_dof_index> &dofs,
                bool with_tangent);
+  const dealii::AffineConstraints<double> *scatters_on; ///< the constraints that scatter obeys
   std::vector<bool> active_toggles(double t) const;
 
   Model<dim> &model;
   double time = 0;
-  std::vector<std::string> fields; ///< of the norms
+  std::vector<std::string> fields; ///< of the norms; multipliers have one of their own for each interface
   std::vector<unsigned int> field_of_block;
-  dealii::IndexSet relevant; ///< relevant unknowns of the domains and those behind interface points
-  ConstraintLines tie_lines; ///< of owned unknowns
+  std::vector<bool> is_of_multipliers; ///< by field
+  dealii::IndexSet relevant;           ///< relevant unknowns of the domains and those behind interface points
+  ConstraintLines tie_lines;           ///< of owned unknowns
+  ConstraintLines hanging_lines;       ///< likewise, if there are interfaces
+  std::set<dealii::types::global_dof_index> freed;      ///< of tie_lines, where they would have no solution
   dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx
   bool constraints_move = false;

@@ -57,6 +57,7 @@ public:
 private:
   void find_interfaces(const Section &scene) const;
   void tell_other_interfaces();
+  void number();
   void make_covers();
   void check_acts_somewhere(const Domain<dim> &domain, const Condition<dim> &condition) const;
   void check_constants() const;

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Continuity in the mean: the jump is orthogonal to a space of multipliers lambda = sum_j lambda_j psi_j on
+// the destination (Bernardi, Maday & Patera 1994; Wohlmuth 2000), which are the influx into the source:
+//
+//     R(delta) = int_Gamma  - lambda.delta[B] - mu.[B]  dGamma      [B] = B_src - map(B_dst)
+//
+// dual: each equation int psi_j [B] = 0 holds one destination unknown and becomes its constraint, so that the
+// system has no further unknowns and stays symmetric and positive definite. lambda_j is what the constraint
+// transmits divided by int psi_j phi_j.
+//
+// standard: the lambda_j are unknowns. With g_j = int psi_j (B_dst - B_src) the terms are those of the
+// augmented Lagrangian
+//
+//     sum_j  lambda_j g_j + 1/2 w_j g_j^2,     w_j = gamma_j / int psi_j,
+//
+// with gamma the penalty of Nitsche's method (trace_eigenvalue.h), averaged over the function. g_j vanishes
+// at the solution, so w_j does not change it; but it makes the block of the domains positive definite and the
+// Schur complement of the multipliers spectrally equivalent to 1/w_j (Benzi, Golub & Liesen 2005), whatever
+// the mesh size and the contrast, on which the preconditioner relies.
+//
+//     subsection Interface seam
+//       set Type             = mortar
+//       set Source           = left : 1
+//       set Destination      = right : 0
+//       set Multiplier space = dual
+//     end
+
+#include <dovetail/interface/multiplier_space.h>
+#include <dovetail/interface/trace_eigenvalue.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <cmath>
+
+namespace dovetail {
+
+namespace {
+
+template <int dim>
+class Mortar : public Tie<dim>
+{
+public:
+  using Index = dealii::types::global_dof_index;
+
+  explicit Mortar(const Section &section);
+
+  std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
+  bool is_strong() const override { return true; }
+  bool has_multipliers() const override { return true; }
+  void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
+                       const MPI_Comm &communicator) override;
+  void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+                  const MPI_Comm &communicator) override;
+
+  unsigned int n_multipliers(const Interface<dim> &interface, const TiedField &field) const override;
+  unsigned int n_terms() const override { return terms.size(); }
+  const std::vector<Index> &term_dofs(const unsigned int term) const override { return terms[term].dofs; }
+  void assemble_term(unsigned int term, const std::vector<double> &unknowns, std::vector<double> &residual,
+                     dealii::FullMatrix<double> *tangent) const override;
+
+  double magnitude_of_term(unsigned int term, const std::vector<double> &unknowns) const override;
+
+  void find_multipliers(const Interface<dim> &interface, const typename Tie<dim>::Owned &solution,
+                        const typename Tie<dim>::Owned &force, const MPI_Comm &communicator) override;
+  void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
+                      const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
+                      std::vector<double> &result) const override;
+  std::vector<std::string> notes() const override;
+
+private:
+  /// A multiplier with its unknowns, or alone and zero.
+  struct Term
+  {
+    std::vector<Index> dofs;
+    std::vector<double> weights; ///< of all but the last
+    double augmentation = 0;     ///< w_j
+    Index node = 0;              ///< the destination unknown it belongs to
+  };
+
+  std::vector<Index> owned_nodes(const Interface<dim> &interface, const TiedField &field) const;
+  void add_lines(const Interface<dim> &interface, ConstraintLines &lines) const;
+  void make_terms(const Interface<dim> &interface, std::set<Index> &multiplied);
+  std::vector<std::vector<double>> penalties(const Interface<dim> &interface, double t,
+                                             const typename Tie<dim>::Unknowns &unknowns,
+                                             const MPI_Comm &communicator) const;
+
+  const bool is_dual;
+  std::unique_ptr<MultiplierSpace<dim>> space;
+  std::vector<Term> terms;
+  bool has_begun = false;
+};
+
+template <int dim>
+Mortar<dim>::Mortar(const Section &section)
+    : is_dual(section.choose(
+                  "Multiplier space", {"dual", "standard"}, 0,
+                  "dual: biorthogonal to the destination's shape functions, condensed into constraints; "
+                  "standard: the destination's traces, with unknowns of their own [-]") == 0)
+{
+}
+
+/// The unknowns of a field on the destination's faces that this rank owns.
+template <int dim>
+std::vector<dealii::types::global_dof_index> Mortar<dim>::owned_nodes(const Interface<dim> &interface,
+                                                                      const TiedField &field) const
+{
+  const InterfaceSide<dim> &side = interface.sides[destination];
+  const Domain<dim> &domain = *side.domain;
+  const dealii::IndexSet &owned = domain.dof_handler().locally_owned_dofs();
+  std::set<Index> nodes;
+  std::vector<Index> dofs;
+  for (const auto &[cell, face, id] : domain.boundary_faces())
+    if (side.boundary_ids.count(id) > 0) {
+      domain.cell_dofs(domain.dof_cell(cell), dofs);
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        for (unsigned int a = 0; a < domain.n_nodes(); ++a)
+          if (const Index dof = dofs[(field.first_component[destination] + c) * domain.n_nodes() + a];
+              domain.scalar_element().has_support_on_face(a, face) &&
+              owned.is_element(dof - domain.first_dof))
+            nodes.insert(dof);
+    }
+  return {nodes.begin(), nodes.end()};
+}
+
+template <int dim>
+unsigned int Mortar<dim>::n_multipliers(const Interface<dim> &interface, const TiedField &field) const
+{
+  return is_dual ? 0 : owned_nodes(interface, field).size();
+}
+
+template <int dim>
+void Mortar<dim>::add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
+                                  const MPI_Comm &communicator)
+{
+  const Domain<dim> &domain = *interface.sides[destination].domain;
+  interface.section.check(!is_dual || dim == 2 || domain.degree == 1 || !domain.has_simplices(),
+                          "Multiplier space",
+                          "cannot be dual on tetrahedra of degree 2: the shape functions of the corners have "
+                          "the integral zero over a "
+                          "face, so no biorthogonal function exists. Set Multiplier space = standard, swap "
+                          "Source and Destination, or "
+                          "use Type = Nitsche.");
+  space = std::make_unique<MultiplierSpace<dim>>(interface, is_dual);
+  space->make(constraints, communicator);
+  interface.section.check(
+      space->n_rows > 0, "Destination",
+      "has unknowns that are prescribed already, all of them, by a boundary condition or by another "
+      "interface: no multiplier is left. Swap Source and Destination, or use Type = Nitsche.");
+  has_begun = false;
+  if (is_dual)
+    add_lines(interface, constraints.lines);
+  else
+    make_terms(interface, constraints.multiplied);
+}
+
+template <int dim>
+void Mortar<dim>::add_lines(const Interface<dim> &, ConstraintLines &lines) const
+{
+  for (const auto &[dof, row] : space->rows) {
+    ConstraintLine &line = lines[dof];
+    for (const auto &[other, weight] : row.weights)
+      if (other != dof)
+        line.entries.emplace_back(other, -weight / row.diagonal);
+  }
+}
+
+template <int dim>
+void Mortar<dim>::make_terms(const Interface<dim> &interface, std::set<Index> &multiplied)
+{
+  terms.clear();
+  for (const TiedField &field : interface.fields) {
+    Index multiplier = field.first_multiplier;
+    for (const Index node : owned_nodes(interface, field)) {
+      Term term;
+      term.node = node;
+      if (const auto row = space->rows.find(node); row != space->rows.end()) {
+        multiplied.insert(node);
+        for (const auto &[dof, weight] : row->second.weights) {
+          term.dofs.push_back(dof);
+          term.weights.push_back(weight);
+        }
+      }
+      term.dofs.push_back(multiplier++);
+      terms.push_back(std::move(term));
+    }
+  }
+}
+
+/// The penalty of Nitsche's method with a = 1, per field and point.
+template <int dim>
+std::vector<std::vector<double>> Mortar<dim>::penalties(const Interface<dim> &interface, const double t,
+                                                        const typename Tie<dim>::Unknowns &unknowns,
+                                                        const MPI_Comm &communicator) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  std::vector<std::vector<double>> gamma;
+  for (const TiedField &field : interface.fields) {
+    const auto lambda = trace_eigenvalues(interface, field, t, unknowns, communicator);
+    gamma.emplace_back(pairing.n_points());
+    for (const auto &group : pairing.groups) {
+      const double one = lambda[source][group.cells[source]],
+                   other = lambda[destination][group.cells[destination]];
+      for (unsigned int q = group.begin; q < group.end; ++q)
+        gamma.back()[q] = one + other > 0 ? one * other / (one + other) : 0;
+    }
+  }
+  return gamma;
+}
+
+template <int dim>
+void Mortar<dim>::begin_step(const Interface<dim> &interface, const double t,
+                             const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
+{
+  if (is_dual || (has_begun && interface.is_linear()))
+    return;
+  const auto gamma = space->average(penalties(interface, t, unknowns, communicator), communicator);
+  for (Term &term : terms)
+    if (term.dofs.size() > 1) {
+      const double w = gamma.at(term.node) / space->rows.at(term.node).integral;
+      if (w >= 0 && std::isfinite(w)) // else the tangent has lost its positivity: keep the last one
+        term.augmentation = w;
+    }
+  has_begun = true;
+}
+
+template <int dim>
+void Mortar<dim>::assemble_term(const unsigned int i, const std::vector<double> &unknowns,
+                                std::vector<double> &residual, dealii::FullMatrix<double> *tangent) const
+{
+  const Term &term = terms[i];
+  const unsigned int n = term.weights.size();
+  if (n == 0) { // no function: the multiplier is zero
+    residual[0] = unknowns[0];
+    if (tangent != nullptr)
+      (*tangent)(0, 0) = 1;
+    return;
+  }
+  double g = 0;
+  for (unsigned int k = 0; k < n; ++k)
+    g += term.weights[k] * unknowns[k];
+  for (unsigned int k = 0; k < n; ++k)
+    residual[k] = term.weights[k] * (unknowns[n] + term.augmentation * g);
+  residual[n] = g;
+  if (tangent == nullptr)
+    return;
+  for (unsigned int k = 0; k < n; ++k) {
+    for (unsigned int l = 0; l < n; ++l)
+      (*tangent)(k, l) = term.augmentation * term.weights[k] * term.weights[l];
+    (*tangent)(k, n) = (*tangent)(n, k) = term.weights[k];
+  }
+}
+
+template <int dim>
+double Mortar<dim>::magnitude_of_term(const unsigned int i, const std::vector<double> &unknowns) const
+{
+  double sum = 0;
+  for (unsigned int k = 0; k < terms[i].weights.size(); ++k)
+    sum += std::abs(terms[i].weights[k] * unknowns[k]);
+  return sum;
+}
+
+template <int dim>
+void Mortar<dim>::find_multipliers(const Interface<dim> &, const typename Tie<dim>::Owned &solution,
+                                   const typename Tie<dim>::Owned &force, const MPI_Comm &communicator)
+{
+  std::map<Index, double> lambda;
+  if (is_dual)
+    for (const auto &[dof, row] : space->rows)
+      lambda[dof] = -force(dof) / row.diagonal;
+  else
+    for (const Term &term : terms)
+      lambda[term.node] = solution(term.dofs.back());
+  space->set_coefficients(lambda, communicator);
+}
+
+template <int dim>
+void Mortar<dim>::numerical_flux(const Interface<dim> &interface, const TiedField &field,
+                                 const unsigned int q, const std::array<std::vector<double>, 2> &flux,
+                                 const std::vector<double> &jump, std::vector<double> &result) const
+{
+  if (!space || !space->has_coefficients()) // the tie has not been active yet
+    return Tie<dim>::numerical_flux(interface, field, q, flux, jump, result);
+  for (unsigned int c = 0; c < result.size(); ++c)
+    result[c] = space->value(&field - interface.fields.data(), c, q);
+}
+
+template <int dim>
+std::vector<std::string> Mortar<dim>::notes() const
+{
+  std::vector<std::string> sentences;
+  if (space && space->n_taken > 0)
+    sentences.push_back("no multipliers at " + std::to_string(space->n_taken) +
+                        " unknowns that are prescribed or belong to another interface too");
+  if (space && space->n_hardly_covered > 0)
+    sentences.push_back("no multipliers at " + std::to_string(space->n_hardly_covered) +
+                        " unknowns of faces that are hardly covered");
+  return sentences;
+}
+
+const bool registered =
+    add_tie<Mortar>("mortar", "The jump is orthogonal to multipliers on the destination.");
+
+} // namespace
+
+} // namespace dovetail

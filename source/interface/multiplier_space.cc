@@ -1,0 +1,588 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/quadrature.h>
+#include <dovetail/interface/multiplier_space.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/mpi_compute_index_owner_internal.h>
+#include <deal.II/fe/fe_values.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dovetail {
+
+namespace {
+
+using Index = dealii::types::global_dof_index;
+using dealii::FullMatrix;
+
+/// A node keeps its function if this share of the integral of phi_j^2 is covered: on the last face of a flat
+/// interface that means about a third of the face.
+constexpr double least_share = 0.02;
+/// Faces of which less is covered are not tied: their mass matrix is singular to rounding.
+constexpr double least_cover = 1e-8;
+
+/// Numbers for each rank, sent if there are several.
+using OfRanks = std::map<unsigned int, std::vector<double>>;
+
+OfRanks send(const OfRanks &numbers, const MPI_Comm &communicator)
+{
+  return dealii::Utilities::MPI::n_mpi_processes(communicator) > 1
+             ? dealii::Utilities::MPI::some_to_some(communicator, numbers)
+             : numbers;
+}
+
+/// The solution of least norm of c Q = q for the row vector c, or an empty one if there is none.
+std::vector<double> least_norm(const FullMatrix<double> &Q, const std::vector<double> &q)
+{
+  const unsigned int n = Q.m(), m = Q.n();
+  FullMatrix<double> gram(m, m);
+  Q.Tmmult(gram, Q);
+  // Cholesky's factors with a test for rank
+  double largest = 0;
+  for (unsigned int i = 0; i < m; ++i)
+    largest = std::max(largest, gram(i, i));
+  std::vector<double> x = q;
+  for (unsigned int j = 0; j < m; ++j)
+    for (unsigned int i = j; i < m; ++i) {
+      double sum = gram(i, j);
+      for (unsigned int k = 0; k < j; ++k)
+        sum -= gram(i, k) * gram(j, k);
+      if (i == j && !(sum > 1e-10 * largest))
+        return {};
+      gram(i, j) = i == j ? std::sqrt(sum) : sum / gram(j, j);
+    }
+  for (unsigned int i = 0; i < m; ++i) {
+    for (unsigned int k = 0; k < i; ++k)
+      x[i] -= gram(i, k) * x[k];
+    x[i] /= gram(i, i);
+  }
+  for (unsigned int i = m; i-- > 0;) {
+    for (unsigned int k = i + 1; k < m; ++k)
+      x[i] -= gram(k, i) * x[k];
+    x[i] /= gram(i, i);
+  }
+  std::vector<double> c(n, 0.);
+  for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int k = 0; k < m; ++k)
+      c[i] += Q(i, k) * x[k];
+  return c;
+}
+
+} // namespace
+
+template <int dim>
+void MultiplierSpace<dim>::find_faces()
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const InterfaceSide<dim> &side = interface.sides[destination];
+  const Domain<dim> &domain = *side.domain;
+  const auto &element = domain.scalar_element();
+  const SideFaces<dim> side_faces = faces_of(side);
+  hanging = domain.hanging_nodes();
+  faces.clear();
+  face_of_point.assign(pairing.n_points(), dealii::numbers::invalid_unsigned_int);
+  std::map<unsigned int, unsigned int> face_of_cell;
+  for (unsigned int g = 0; g < pairing.groups.size(); ++g) {
+    const auto &group = pairing.groups[g];
+    const unsigned int cell = group.cells[destination];
+    const auto [entry, is_new] = face_of_cell.emplace(cell, faces.size());
+    if (is_new) {
+      Face face;
+      face.cell = cell;
+      face.number = side_faces.faces[pairing.cells[destination][cell].face].face_no;
+      for (unsigned int a = 0; a < domain.n_nodes(); ++a)
+        if (element.has_support_on_face(a, face.number))
+          face.nodes.push_back(a);
+      face.mass.reinit(face.nodes.size(), face.nodes.size());
+      faces.push_back(std::move(face));
+    }
+    Face &face = faces[entry->second];
+    face.groups.push_back(g);
+    for (unsigned int q = group.begin; q < group.end; ++q) {
+      face_of_point[q] = entry->second;
+      const double *phi = pairing.values(destination, q);
+      for (unsigned int i = 0; i < face.nodes.size(); ++i)
+        for (unsigned int j = 0; j < face.nodes.size(); ++j)
+          face.mass(i, j) += pairing.weight(q) * phi[face.nodes[i]] * phi[face.nodes[j]];
+    }
+  }
+  const auto is_tiny = [&](const Face &face) {
+    double area = 0;
+    for (unsigned int i = 0; i < face.mass.m(); ++i)
+      for (unsigned int j = 0; j < face.mass.m(); ++j)
+        area += face.mass(i, j);
+    return area < least_cover * pairing.cells[destination][face.cell].face_measure;
+  };
+  for (unsigned int f = 0; f < faces.size(); ++f)
+    if (is_tiny(faces[f]))
+      faces[f].groups.clear();
+  for (Face &face : faces)
+    find_components(face, pairing.cells[destination][face.cell].dofs);
+}
+
+template <int dim>
+void MultiplierSpace<dim>::find_components(Face &face, const std::vector<Index> &cell_dofs) const
+{
+  const Domain<dim> &domain = *interface.sides[destination].domain;
+  const unsigned int n = face.nodes.size();
+  for (const TiedField &field : interface.fields)
+    for (unsigned int c = 0; c < field.n_components; ++c) {
+      Component component;
+      std::vector<std::map<Index, double>> of_node(n);
+      for (unsigned int a = 0; a < n; ++a) {
+        const Index dof =
+            cell_dofs[(field.first_component[destination] + c) * domain.n_nodes() + face.nodes[a]];
+        if (hanging.is_constrained(dof - domain.first_dof)) {
+          for (const auto &[master, weight] : *hanging.get_constraint_entries(dof - domain.first_dof))
+            of_node[a][domain.first_dof + master] += weight;
+        } else
+          of_node[a][dof] = 1;
+      }
+      std::map<Index, unsigned int> column;
+      for (const auto &entries : of_node)
+        for (const auto &entry : entries)
+          if (std::abs(entry.second) > 1e-14)
+            column.emplace(entry.first, 0);
+      for (auto &[dof, position] : column) {
+        position = component.dofs.size();
+        component.dofs.push_back(dof);
+      }
+      component.C.reinit(n, column.size());
+      for (unsigned int a = 0; a < n; ++a)
+        for (const auto &[dof, weight] : of_node[a])
+          if (const auto found = column.find(dof); found != column.end())
+            component.C(a, found->second) = weight;
+      face.components.push_back(std::move(component));
+    }
+}
+
+template <int dim>
+void MultiplierSpace<dim>::add_full_masses(std::map<Index, Shares> &shares) const
+{
+  const InterfaceSide<dim> &side = interface.sides[destination];
+  const Domain<dim> &domain = *side.domain;
+  dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
+                                   gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
+                                   dealii::update_values | dealii::update_JxW_values);
+  std::vector<Index> dofs;
+  for (const auto &of_side : faces_of(side).faces) {
+    values.reinit(of_side.cell, of_side.face_no);
+    domain.cell_dofs(domain.dof_cell(of_side.cell), dofs);
+    Face face;
+    for (unsigned int a = 0; a < domain.n_nodes(); ++a)
+      if (domain.scalar_element().has_support_on_face(a, of_side.face_no))
+        face.nodes.push_back(a);
+    find_components(face, dofs);
+    for (const Component &component : face.components)
+      for (unsigned int i = 0; i < component.dofs.size(); ++i)
+        for (const unsigned int q : values.quadrature_point_indices()) {
+          double phi = 0;
+          for (unsigned int a = 0; a < face.nodes.size(); ++a)
+            phi += component.C(a, i) * values.shape_value(face.nodes[a], q);
+          shares[component.dofs[i]].full += values.JxW(q) * phi * phi;
+        }
+  }
+}
+
+/// Unknowns of the destination's nodes that also lie on a boundary which another interface takes or
+/// multiplies.
+template <int dim>
+std::set<Index> MultiplierSpace<dim>::cross_points() const
+{
+  const InterfaceSide<dim> &side = interface.sides[destination];
+  const Domain<dim> &domain = *side.domain;
+  std::set<Index> found;
+  std::vector<Index> dofs;
+  for (const TiedField &field : interface.fields) {
+    const auto others = side.strong_ids_of_others.find(field.name);
+    if (others == side.strong_ids_of_others.end())
+      continue;
+    for (const auto &[cell, face, id] : domain.boundary_faces())
+      if (side.boundary_ids.count(id) == 0 &&
+          std::any_of(others->second.begin(), others->second.end(),
+                      [id = id](const auto &ids) { return ids.count(id) > 0; })) {
+        domain.cell_dofs(domain.dof_cell(cell), dofs);
+        for (unsigned int c = 0; c < field.n_components; ++c)
+          for (unsigned int a = 0; a < domain.n_nodes(); ++a)
+            if (domain.scalar_element().has_support_on_face(a, face))
+              found.insert(dofs[(field.first_component[destination] + c) * domain.n_nodes() + a]);
+      }
+  }
+  return found;
+}
+
+template <int dim>
+std::map<Index, unsigned int> MultiplierSpace<dim>::owners(const std::set<Index> &dofs,
+                                                           const MPI_Comm &communicator) const
+{
+  const Domain<dim> &domain = *interface.sides[destination].domain;
+  const auto &owned = domain.dof_handler().locally_owned_dofs();
+  dealii::IndexSet asked(owned.size());
+  for (const Index dof : dofs)
+    asked.add_index(dof - domain.first_dof);
+  asked.compress();
+  std::map<Index, unsigned int> result;
+  const auto ranks = dealii::Utilities::MPI::compute_index_owner(owned, asked, communicator);
+  unsigned int i = 0;
+  for (const Index dof : dofs)
+    result[dof] = ranks[i++];
+  return result;
+}
+
+/// Which unknowns on this rank's faces have a function of their own. Their owners decide.
+template <int dim>
+std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constraints,
+                                                   const MPI_Comm &communicator)
+{
+  std::map<Index, Shares> shares;
+  for (const Face &face : faces)
+    if (!face.groups.empty())
+      for (const Component &component : face.components)
+        for (unsigned int i = 0; i < component.dofs.size(); ++i)
+          for (unsigned int a = 0; a < face.nodes.size(); ++a)
+            for (unsigned int b = 0; b < face.nodes.size(); ++b)
+              shares[component.dofs[i]].covered += component.C(a, i) * face.mass(a, b) * component.C(b, i);
+  add_full_masses(shares);
+
+  std::set<Index> all;
+  for (const auto &of_dof : shares)
+    all.insert(of_dof.first);
+  owner_of = owners(all, communicator);
+  OfRanks questions;
+  for (const auto &[dof, share] : shares) {
+    auto &numbers = questions[owner_of.at(dof)];
+    numbers.insert(numbers.end(), {static_cast<double>(dof), share.covered, share.full});
+  }
+  const OfRanks asked = send(questions, communicator);
+  std::map<Index, Shares> sums;
+  for (const auto &[rank, numbers] : asked)
+    for (unsigned int i = 0; i < numbers.size(); i += 3) {
+      Shares &sum = sums[static_cast<Index>(numbers[i])];
+      sum.covered += numbers[i + 1];
+      sum.full += numbers[i + 2];
+    }
+  const std::set<Index> crossing = cross_points();
+  std::map<Index, bool> keeps;
+  std::array<unsigned long, 3> counts = {{0, 0, 0}};
+  for (const auto &[dof, sum] : sums) {
+    const bool is_taken = constraints.has(dof) || crossing.count(dof) > 0;
+    const bool is_touched = sum.covered > 0;
+    keeps[dof] = !is_taken && sum.covered >= least_share * sum.full;
+    counts[0] += keeps[dof] ? 1 : 0;
+    counts[1] += is_touched && is_taken ? 1 : 0;
+    counts[2] += is_touched && !is_taken && !keeps[dof] ? 1 : 0;
+  }
+  n_rows = dealii::Utilities::MPI::sum(counts[0], communicator);
+  n_taken = dealii::Utilities::MPI::sum(counts[1], communicator);
+  n_hardly_covered = dealii::Utilities::MPI::sum(counts[2], communicator);
+
+  OfRanks answers;
+  for (const auto &[rank, numbers] : asked)
+    for (unsigned int i = 0; i < numbers.size(); i += 3)
+      answers[rank].push_back(keeps.at(static_cast<Index>(numbers[i])) ? 1 : 0);
+  answers = send(answers, communicator);
+  std::map<Index, bool> result;
+  for (const auto &[rank, numbers] : questions)
+    for (unsigned int i = 0; i < numbers.size(); i += 3)
+      result[static_cast<Index>(numbers[i])] = answers.at(rank)[i / 3] != 0;
+  return result;
+}
+
+/// The values at the face's nodes of a basis of the polynomials of a degree on the reference face.
+template <int dim>
+FullMatrix<double> MultiplierSpace<dim>::polynomials(const Face &face, const unsigned int degree) const
+{
+  const auto &element = interface.sides[destination].domain->scalar_element();
+  const bool is_simplex = element.reference_cell().is_simplex();
+  const FaceShape<dim> shape(element.reference_cell(), 1);
+  // coordinates on the face from its middle: the directions to two corners
+  const auto origin = shape.position_in_cell(face.number, shape.corner(0));
+  std::array<dealii::Tensor<1, dim>, dim - 1> axis;
+  for (unsigned int d = 0; d < dim - 1; ++d)
+    axis[d] = shape.position_in_cell(face.number, shape.corner(d + 1)) - origin;
+  std::vector<std::array<double, 2>> coordinates;
+  for (const unsigned int node : face.nodes) {
+    const dealii::Tensor<1, dim> r = element.unit_support_point(node) - origin;
+    std::array<double, 2> x = {{0, 0}};
+    if (dim == 2)
+      x[0] = r * axis[0] / axis[0].norm_square();
+    else { // the axes of a triangle are not orthogonal
+      const double aa = axis[0].norm_square(), bb = axis[dim - 2].norm_square(), ab = axis[0] * axis[dim - 2];
+      const double ra = r * axis[0], rb = r * axis[dim - 2], determinant = aa * bb - ab * ab;
+      x = {{(ra * bb - rb * ab) / determinant, (rb * aa - ra * ab) / determinant}};
+    }
+    coordinates.push_back(x);
+  }
+  std::vector<std::array<unsigned int, 2>> exponents;
+  for (unsigned int j = 0; j <= (dim == 3 ? degree : 0); ++j)
+    for (unsigned int i = 0; i + (is_simplex ? j : 0) <= degree; ++i)
+      exponents.push_back({{i, j}});
+  FullMatrix<double> values(face.nodes.size(), exponents.size());
+  for (unsigned int a = 0; a < face.nodes.size(); ++a)
+    for (unsigned int k = 0; k < exponents.size(); ++k)
+      values(a, k) = std::pow(2 * coordinates[a][0] - 1, exponents[k][0]) *
+                     std::pow(2 * coordinates[a][1] - 1, exponents[k][1]);
+  return values;
+}
+
+template <int dim>
+void MultiplierSpace<dim>::make_functions(Face &face) const
+{
+  const unsigned int n = face.nodes.size(), p = interface.sides[destination].domain->degree;
+  for (Component &component : face.components) {
+    const unsigned int m = component.dofs.size();
+    component.psi.reinit(m, m);
+    if (std::none_of(component.has_function.begin(), component.has_function.end(), [](bool b) { return b; }))
+      continue;
+    FullMatrix<double> MC(n, m), M(m, m), inverse_C(m, n), G(m, m);
+    face.mass.mmult(MC, component.C);
+    component.C.Tmmult(M, MC);
+    // the coefficients of all functions, modified ones still missing
+    G = dealii::IdentityMatrix(m);
+    if (is_dual) {
+      FullMatrix<double> inverse(m, m);
+      inverse.invert(M);
+      for (unsigned int i = 0; i < m; ++i) {
+        double integral = 0; // the sum of all phi is 1
+        for (unsigned int j = 0; j < m; ++j)
+          integral += M(i, j);
+        for (unsigned int l = 0; l < m; ++l)
+          G(i, l) = integral * inverse(i, l);
+      }
+    }
+    component.psi = G;
+    std::vector<unsigned int> kept;
+    for (unsigned int i = 0; i < m; ++i)
+      if (component.has_function[i])
+        kept.push_back(i);
+    if (kept.size() < m) {
+      Assert(m == n, dealii::ExcInternalError());
+      inverse_C.invert(component.C);
+      for (unsigned int i = 0; i < m; ++i)
+        if (!component.has_function[i]) {
+          std::vector<double> c;
+          for (unsigned int degree = p; c.empty() && degree-- > 0;) {
+            const FullMatrix<double> at_nodes = polynomials(face, degree);
+            FullMatrix<double> coefficients(m, at_nodes.n()), of_kept(kept.size(), at_nodes.n());
+            inverse_C.mmult(coefficients, at_nodes);
+            std::vector<double> wanted(at_nodes.n());
+            for (unsigned int k = 0; k < at_nodes.n(); ++k) {
+              wanted[k] = coefficients(i, k);
+              for (unsigned int j = 0; j < kept.size(); ++j)
+                of_kept(j, k) = coefficients(kept[j], k);
+            }
+            c = least_norm(of_kept, wanted);
+          }
+          for (unsigned int j = 0; j < kept.size(); ++j) {
+            for (unsigned int l = 0; l < m; ++l)
+              component.psi(kept[j], l) += c[j] * G(i, l);
+            component.extrapolation.emplace_back(i, kept[j], c[j]);
+          }
+          for (unsigned int l = 0; l < m; ++l)
+            component.psi(i, l) = 0;
+        }
+    }
+    component.mass.reinit(m, m); // int psi_i phi_j
+    component.psi.mmult(component.mass, M);
+    if (is_dual) // what biorthogonality makes zero
+      for (const unsigned int i : kept)
+        for (const unsigned int j : kept)
+          if (i != j)
+            component.mass(i, j) = 0;
+  }
+}
+
+template <int dim>
+void MultiplierSpace<dim>::add_rows(const Face &face, std::map<Index, Row> &to) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const Domain<dim> &from = *interface.sides[source].domain;
+  const unsigned int n = face.nodes.size(), n_source = from.n_nodes();
+  for (const Component &component : face.components)
+    for (unsigned int j = 0; j < component.dofs.size(); ++j)
+      if (component.has_function[j]) {
+        Row &row = to[component.dofs[j]];
+        for (unsigned int i = 0; i < component.dofs.size(); ++i)
+          if (component.mass(j, i) != 0) {
+            row.weights[component.dofs[i]] += component.mass(j, i);
+            row.integral += component.mass(j, i);
+          }
+        row.diagonal += component.mass(j, j);
+      }
+
+  std::vector<double> moment;
+  for (const unsigned int g : face.groups) {
+    const auto &group = pairing.groups[g];
+    const auto &source_dofs = pairing.cells[source][group.cells[source]].dofs;
+    unsigned int position = 0;
+    for (const TiedField &field : interface.fields)
+      for (unsigned int c = 0; c < field.n_components; ++c, ++position) {
+        const Component &component = face.components[position];
+        for (unsigned int j = 0; j < component.dofs.size(); ++j)
+          if (component.has_function[j]) {
+            std::vector<double> psi(n, 0.); // at the face's nodes
+            for (unsigned int a = 0; a < n; ++a)
+              for (unsigned int l = 0; l < component.dofs.size(); ++l)
+                psi[a] += component.C(a, l) * component.psi(j, l);
+            moment.assign(n_source, 0.);
+            for (unsigned int q = group.begin; q < group.end; ++q) {
+              double value = 0;
+              for (unsigned int a = 0; a < n; ++a)
+                value += psi[a] * pairing.values(destination, q)[face.nodes[a]];
+              for (unsigned int k = 0; k < n_source; ++k)
+                moment[k] += pairing.weight(q) * value * pairing.trial(source, q)[k];
+            }
+            Row &row = to[component.dofs[j]];
+            for (unsigned int k = 0; k < n_source; ++k)
+              if (moment[k] != 0)
+                row.weights[source_dofs[(field.first_component[source] + c) * n_source + k]] -= moment[k];
+          }
+      }
+  }
+}
+
+template <int dim>
+void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Comm &communicator)
+{
+  rows.clear();
+  are_set = false;
+  find_faces();
+  const auto keeps = decide(constraints, communicator);
+  std::map<Index, Row> mine;
+  for (Face &face : faces) {
+    for (Component &component : face.components)
+      for (const Index dof : component.dofs)
+        component.has_function.push_back(!face.groups.empty() && keeps.at(dof));
+    make_functions(face);
+    add_rows(face, mine);
+  }
+
+  OfRanks numbers;
+  for (const auto &[dof, row] : mine) {
+    auto &of_rank = numbers[owner_of.at(dof)];
+    of_rank.insert(of_rank.end(), {static_cast<double>(dof), row.diagonal, row.integral,
+                                   static_cast<double>(row.weights.size())});
+    for (const auto &[other, weight] : row.weights)
+      of_rank.insert(of_rank.end(), {static_cast<double>(other), weight});
+  }
+  for (const auto &[rank, of_rank] : send(numbers, communicator))
+    for (auto next = of_rank.begin(); next != of_rank.end();) {
+      Row &row = rows[static_cast<Index>(*next++)];
+      row.diagonal += *next++;
+      row.integral += *next++;
+      for (unsigned int n = *next++; n > 0; --n) {
+        const Index other = static_cast<Index>(*next++);
+        row.weights[other] += *next++;
+      }
+    }
+  for (auto &[dof, row] : rows) { // what cancels between the points of a face
+    double largest = 0;
+    for (const auto &entry : row.weights)
+      largest = std::max(largest, std::abs(entry.second));
+    for (auto entry = row.weights.begin(); entry != row.weights.end();)
+      entry = std::abs(entry->second) <= 1e-14 * largest ? row.weights.erase(entry) : std::next(entry);
+  }
+}
+
+template <int dim>
+std::map<Index, double> MultiplierSpace<dim>::average(const std::vector<std::vector<double>> &value,
+                                                      const MPI_Comm &communicator) const
+{
+  std::map<Index, std::array<double, 2>> sums;
+  for (const Face &face : faces) {
+    unsigned int position = 0;
+    for (unsigned int f = 0; f < interface.fields.size(); ++f)
+      for (unsigned int c = 0; c < interface.fields[f].n_components; ++c, ++position) {
+        const Component &component = face.components[position];
+        for (unsigned int j = 0; j < component.dofs.size(); ++j)
+          if (component.has_function[j])
+            for (const unsigned int g : face.groups)
+              for (unsigned int q = interface.pairing().groups[g].begin;
+                   q < interface.pairing().groups[g].end; ++q) {
+                double phi = 0;
+                for (unsigned int a = 0; a < face.nodes.size(); ++a)
+                  phi += component.C(a, j) * interface.pairing().values(destination, q)[face.nodes[a]];
+                auto &sum = sums[component.dofs[j]];
+                sum[0] += interface.pairing().weight(q) * phi * phi * value[f][q];
+                sum[1] += interface.pairing().weight(q) * phi * phi;
+              }
+      }
+  }
+  OfRanks numbers;
+  for (const auto &[dof, sum] : sums) {
+    auto &of_rank = numbers[owner_of.at(dof)];
+    of_rank.insert(of_rank.end(), {static_cast<double>(dof), sum[0], sum[1]});
+  }
+  std::map<Index, std::array<double, 2>> totals;
+  for (const auto &[rank, of_rank] : send(numbers, communicator))
+    for (unsigned int i = 0; i < of_rank.size(); i += 3) {
+      auto &total = totals[static_cast<Index>(of_rank[i])];
+      total[0] += of_rank[i + 1];
+      total[1] += of_rank[i + 2];
+    }
+  std::map<Index, double> result;
+  for (const auto &[dof, total] : totals)
+    result[dof] = total[0] / total[1];
+  return result;
+}
+
+template <int dim>
+void MultiplierSpace<dim>::set_coefficients(const std::map<Index, double> &of_rows,
+                                            const MPI_Comm &communicator)
+{
+  std::map<unsigned int, std::vector<Index>> asked;
+  std::set<Index> wanted;
+  for (const Face &face : faces)
+    for (const Component &component : face.components)
+      for (unsigned int j = 0; j < component.dofs.size(); ++j)
+        if (component.has_function[j] && wanted.insert(component.dofs[j]).second)
+          asked[owner_of.at(component.dofs[j])].push_back(component.dofs[j]);
+  OfRanks questions, answers;
+  for (const auto &[rank, dofs] : asked)
+    questions[rank].assign(dofs.begin(), dofs.end());
+  for (const auto &[rank, dofs] : send(questions, communicator))
+    for (const double dof : dofs)
+      answers[rank].push_back(of_rows.at(static_cast<Index>(dof)));
+  std::map<Index, double> known;
+  for (const auto &[rank, values] : send(answers, communicator))
+    for (unsigned int i = 0; i < values.size(); ++i)
+      known[asked.at(rank)[i]] = values[i];
+
+  for (Face &face : faces)
+    for (Component &component : face.components) {
+      std::vector<double> of_function(component.dofs.size(), 0.);
+      for (unsigned int j = 0; j < component.dofs.size(); ++j)
+        if (component.has_function[j])
+          of_function[j] = known.at(component.dofs[j]);
+      for (const auto &[i, j, c] : component.extrapolation)
+        of_function[i] += c * of_function[j];
+      component.nodal.assign(face.nodes.size(), 0.);
+      for (unsigned int a = 0; a < face.nodes.size(); ++a)
+        for (unsigned int j = 0; j < component.dofs.size(); ++j)
+          component.nodal[a] += component.C(a, j) * of_function[j];
+    }
+  are_set = true;
+}
+
+template <int dim>
+double MultiplierSpace<dim>::value(const unsigned int field, const unsigned int component,
+                                   const unsigned int q) const
+{
+  unsigned int position = component;
+  for (unsigned int f = 0; f < field; ++f)
+    position += interface.fields[f].n_components;
+  const Face &face = faces[face_of_point[q]];
+  const double *phi = interface.pairing().values(destination, q);
+  double sum = 0;
+  for (unsigned int a = 0; a < face.nodes.size(); ++a)
+    sum += face.components[position].nodal[a] * phi[face.nodes[a]];
+  return sum;
+}
+
+template class MultiplierSpace<2>;
+template class MultiplierSpace<3>;
+
+} // namespace dovetail

@@ -34,40 +34,43 @@ OfRanks send(const OfRanks &numbers, const MPI_Comm &communicator)
              : numbers;
 }
 
-/// The solution of least norm of c Q = q for the row vector c, or an empty one if there is none.
-std::vector<double> least_norm(const FullMatrix<double> &Q, const std::vector<double> &q)
+/// The row vector c with c Q = q that minimises sum_i c_i^2 / w_i, for as many columns as it can be right:
+/// those that depend on columns before them are left out.
+std::vector<double> extrapolate(const FullMatrix<double> &Q, const std::vector<double> &q,
+                                const std::vector<double> &w)
 {
-  const unsigned int n = Q.m(), m = Q.n();
-  FullMatrix<double> gram(m, m);
-  Q.Tmmult(gram, Q);
-  // Cholesky's factors with a test for rank
-  double largest = 0;
-  for (unsigned int i = 0; i < m; ++i)
-    largest = std::max(largest, gram(i, i));
-  std::vector<double> x = q;
-  for (unsigned int j = 0; j < m; ++j)
-    for (unsigned int i = j; i < m; ++i) {
-      double sum = gram(i, j);
-      for (unsigned int k = 0; k < j; ++k)
-        sum -= gram(i, k) * gram(j, k);
-      if (i == j && !(sum > 1e-10 * largest))
-        return {};
-      gram(i, j) = i == j ? std::sqrt(sum) : sum / gram(j, j);
+  const unsigned int n = Q.m();
+  // Gram and Schmidt in the scalar product with the weights w
+  std::vector<std::vector<double>> basis;
+  std::vector<double> wanted, c(n, 0.);
+  for (unsigned int k = 0; k < Q.n(); ++k) {
+    std::vector<double> column(n);
+    double rest = q[k], before = 0, after = 0;
+    for (unsigned int i = 0; i < n; ++i) {
+      column[i] = Q(i, k);
+      before += w[i] * column[i] * column[i];
     }
-  for (unsigned int i = 0; i < m; ++i) {
-    for (unsigned int k = 0; k < i; ++k)
-      x[i] -= gram(i, k) * x[k];
-    x[i] /= gram(i, i);
+    for (unsigned int pass = 0; pass < 2; ++pass)
+      for (unsigned int l = 0; l < basis.size(); ++l) {
+        double product = 0;
+        for (unsigned int i = 0; i < n; ++i)
+          product += w[i] * column[i] * basis[l][i];
+        for (unsigned int i = 0; i < n; ++i)
+          column[i] -= product * basis[l][i];
+        rest -= product * wanted[l];
+      }
+    for (unsigned int i = 0; i < n; ++i)
+      after += w[i] * column[i] * column[i];
+    if (!(after > 1e-10 * before))
+      continue;
+    for (double &value : column)
+      value /= std::sqrt(after);
+    basis.push_back(column);
+    wanted.push_back(rest / std::sqrt(after));
   }
-  for (unsigned int i = m; i-- > 0;) {
-    for (unsigned int k = i + 1; k < m; ++k)
-      x[i] -= gram(k, i) * x[k];
-    x[i] /= gram(i, i);
-  }
-  std::vector<double> c(n, 0.);
-  for (unsigned int i = 0; i < n; ++i)
-    for (unsigned int k = 0; k < m; ++k)
-      c[i] += Q(i, k) * x[k];
+  for (unsigned int l = 0; l < basis.size(); ++l)
+    for (unsigned int i = 0; i < n; ++i)
+      c[i] += w[i] * basis[l][i] * wanted[l];
   return c;
 }
 
@@ -291,40 +294,51 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
   return result;
 }
 
-/// The values at the face's nodes of a basis of the polynomials of a degree on the reference face.
+/// Of the face's nodes, from -1 to 1 along the edges.
 template <int dim>
-FullMatrix<double> MultiplierSpace<dim>::polynomials(const Face &face, const unsigned int degree) const
+FullMatrix<double> MultiplierSpace<dim>::node_coordinates(const Face &face) const
 {
   const auto &element = interface.sides[destination].domain->scalar_element();
-  const bool is_simplex = element.reference_cell().is_simplex();
   const FaceShape<dim> shape(element.reference_cell(), 1);
-  // coordinates on the face from its middle: the directions to two corners
   const auto origin = shape.position_in_cell(face.number, shape.corner(0));
   std::array<dealii::Tensor<1, dim>, dim - 1> axis;
   for (unsigned int d = 0; d < dim - 1; ++d)
-    axis[d] = shape.position_in_cell(face.number, shape.corner(d + 1)) - origin;
-  std::vector<std::array<double, 2>> coordinates;
-  for (const unsigned int node : face.nodes) {
-    const dealii::Tensor<1, dim> r = element.unit_support_point(node) - origin;
-    std::array<double, 2> x = {{0, 0}};
-    if (dim == 2)
-      x[0] = r * axis[0] / axis[0].norm_square();
-    else { // the axes of a triangle are not orthogonal
-      const double aa = axis[0].norm_square(), bb = axis[dim - 2].norm_square(), ab = axis[0] * axis[dim - 2];
-      const double ra = r * axis[0], rb = r * axis[dim - 2], determinant = aa * bb - ab * ab;
-      x = {{(ra * bb - rb * ab) / determinant, (rb * aa - ra * ab) / determinant}};
+    axis[d] = shape.position_in_cell(face.number, shape.corner(d == 0 ? 1 : shape.n_corners() - 1)) - origin;
+  FullMatrix<double> metric(dim - 1, dim - 1); // the axes of a triangle are not orthogonal
+  for (unsigned int d = 0; d < dim - 1; ++d)
+    for (unsigned int e = 0; e < dim - 1; ++e)
+      metric(d, e) = axis[d] * axis[e];
+  metric.gauss_jordan();
+  FullMatrix<double> coordinates(face.nodes.size(), dim - 1);
+  for (unsigned int a = 0; a < face.nodes.size(); ++a)
+    for (unsigned int d = 0; d < dim - 1; ++d) {
+      coordinates(a, d) = -1;
+      for (unsigned int e = 0; e < dim - 1; ++e)
+        coordinates(a, d) +=
+            2 * metric(d, e) * (axis[e] * (element.unit_support_point(face.nodes[a]) - origin));
     }
-    coordinates.push_back(x);
-  }
+  return coordinates;
+}
+
+/// The values at the face's nodes of a basis of the polynomials of a degree on the reference face, low
+/// degrees first.
+template <int dim>
+FullMatrix<double> MultiplierSpace<dim>::polynomials(const Face &face, const unsigned int degree) const
+{
+  const bool is_simplex = interface.sides[destination].domain->has_simplices();
+  const FullMatrix<double> coordinates = node_coordinates(face);
   std::vector<std::array<unsigned int, 2>> exponents;
-  for (unsigned int j = 0; j <= (dim == 3 ? degree : 0); ++j)
-    for (unsigned int i = 0; i + (is_simplex ? j : 0) <= degree; ++i)
-      exponents.push_back({{i, j}});
+  for (unsigned int sum = 0; sum <= (is_simplex || dim == 2 ? 1 : 2) * degree; ++sum)
+    for (unsigned int j = 0; j <= (dim == 2 ? 0 : std::min(sum, degree)); ++j)
+      if (sum - j <= degree)
+        exponents.push_back({{sum - j, j}});
   FullMatrix<double> values(face.nodes.size(), exponents.size());
   for (unsigned int a = 0; a < face.nodes.size(); ++a)
-    for (unsigned int k = 0; k < exponents.size(); ++k)
-      values(a, k) = std::pow(2 * coordinates[a][0] - 1, exponents[k][0]) *
-                     std::pow(2 * coordinates[a][1] - 1, exponents[k][1]);
+    for (unsigned int k = 0; k < exponents.size(); ++k) {
+      values(a, k) = 1;
+      for (unsigned int d = 0; d < dim - 1; ++d)
+        values(a, k) *= std::pow(coordinates(a, d), exponents[k][d]);
+    }
   return values;
 }
 
@@ -361,21 +375,26 @@ void MultiplierSpace<dim>::make_functions(Face &face) const
     if (kept.size() < m) {
       Assert(m == n, dealii::ExcInternalError());
       inverse_C.invert(component.C);
+      const FullMatrix<double> at_nodes = polynomials(face, p - 1);
+      FullMatrix<double> coefficients(m, at_nodes.n()), of_kept(kept.size(), at_nodes.n()),
+          coordinates(m, dim - 1);
+      inverse_C.mmult(coefficients, at_nodes);
+      inverse_C.mmult(coordinates, node_coordinates(face));
+      for (unsigned int j = 0; j < kept.size(); ++j)
+        for (unsigned int k = 0; k < at_nodes.n(); ++k)
+          of_kept(j, k) = coefficients(kept[j], k);
+      std::vector<double> wanted(at_nodes.n()), weights(kept.size());
       for (unsigned int i = 0; i < m; ++i)
         if (!component.has_function[i]) {
-          std::vector<double> c;
-          for (unsigned int degree = p; c.empty() && degree-- > 0;) {
-            const FullMatrix<double> at_nodes = polynomials(face, degree);
-            FullMatrix<double> coefficients(m, at_nodes.n()), of_kept(kept.size(), at_nodes.n());
-            inverse_C.mmult(coefficients, at_nodes);
-            std::vector<double> wanted(at_nodes.n());
-            for (unsigned int k = 0; k < at_nodes.n(); ++k) {
-              wanted[k] = coefficients(i, k);
-              for (unsigned int j = 0; j < kept.size(); ++j)
-                of_kept(j, k) = coefficients(kept[j], k);
-            }
-            c = least_norm(of_kept, wanted);
+          for (unsigned int k = 0; k < at_nodes.n(); ++k)
+            wanted[k] = coefficients(i, k);
+          for (unsigned int j = 0; j < kept.size(); ++j) {
+            double square = 0;
+            for (unsigned int d = 0; d < dim - 1; ++d)
+              square += std::pow(coordinates(i, d) - coordinates(kept[j], d), 2);
+            weights[j] = 1 / (square * square); // near nodes take over
           }
+          const std::vector<double> c = extrapolate(of_kept, wanted, weights);
           for (unsigned int j = 0; j < kept.size(); ++j) {
             for (unsigned int l = 0; l < m; ++l)
               component.psi(kept[j], l) += c[j] * G(i, l);

@@ -326,6 +326,8 @@ bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
     Teuchos::ParameterList list;
     list.set("OutputLevel", 0);
     list.set("PrintTiming", false);
+    if (has_multipliers()) // pivots off the diagonal need more space than the analysis foresees, in per cent
+      list.sublist("mumps").set("ICNTL(14)", 200);
     direct->SetParameters(list);
     if (failed_somewhere(direct->SymbolicFactorization()) ||
         failed_somewhere(direct->NumericFactorization())) {

@@ -500,11 +500,12 @@ double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
   for (unsigned int f = 0; f < fields.size(); ++f) {
     if (!std::isfinite(norms[f]))
       return std::numeric_limits<double>::quiet_NaN();
+    // an equation of multipliers is right when the jump is small compared with the traces
     largest[f] = std::max(largest[f], is_of_multipliers[f] ? std::sqrt(scale[f]) : norms[f]);
     // terms that cancel leave rounding: those of a cell among cells, and within a cell those of K x
     const double noise = std::max(1e-13 * std::sqrt(scale[f]), 1e-15 * std::sqrt(magnitude[f]));
     if (norms[f] > std::max(noise, absolute_tolerance))
-      relative = std::max(relative, norms[f] / largest[f]);
+      relative = std::max(relative, largest[f] > 0 ? norms[f] / largest[f] : 1.);
   }
   return relative;
 }
@@ -515,11 +516,12 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx)
   Vector difference = owned_vector();
   matrix.vmult(difference, dx);
   difference.sadd(-1., 1., right_hand_side);
-  const std::vector<double> norms = norms_by_field(difference, field_of_block, fields.size());
+  const std::vector<double> norms = norms_by_field(difference, field_of_block, fields.size()),
+                            given = norms_by_field(right_hand_side, field_of_block, fields.size());
   double relative = 0;
   for (unsigned int f = 0; f < fields.size(); ++f)
-    if (largest[f] > 0)
-      relative = std::max(relative, norms[f] / largest[f]);
+    if (const double reference = std::max(largest[f], given[f]); reference > 0)
+      relative = std::max(relative, norms[f] / reference);
   return relative;
 }
 

@@ -100,6 +100,7 @@ private:
   void add_full_masses(std::map<Index, Shares> &shares) const;
   std::set<Index> cross_points() const;
   void make_functions(Face &face) const;
+  dealii::FullMatrix<double> node_coordinates(const Face &face) const;
   dealii::FullMatrix<double> polynomials(const Face &face, unsigned int degree) const;
   void add_rows(const Face &face, std::map<Index, Row> &to) const;
   std::map<Index, unsigned int> owners(const std::set<Index> &dofs, const MPI_Comm &communicator) const;

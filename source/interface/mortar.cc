@@ -13,7 +13,7 @@
 // standard: the lambda_j are unknowns. With g_j = int psi_j (B_dst - B_src) the terms are those of the
 // augmented Lagrangian
 //
-//     sum_j  lambda_j g_j + 1/2 w_j g_j^2,     w_j = gamma_j / int psi_j,
+//     sum_j  lambda_j g_j + 1/2 w_j g_j^2,     w_j = gamma_j / int psi_j phi_j,
 //
 // with gamma the penalty of Nitsche's method (trace_eigenvalue.h), averaged over the function. g_j vanishes
 // at the solution, so w_j does not change it; but it makes the block of the domains positive definite and the
@@ -218,7 +218,7 @@ void Mortar<dim>::begin_step(const Interface<dim> &interface, const double t,
   const auto gamma = space->average(penalties(interface, t, unknowns, communicator), communicator);
   for (Term &term : terms)
     if (term.dofs.size() > 1) {
-      const double w = gamma.at(term.node) / space->rows.at(term.node).integral;
+      const double w = gamma.at(term.node) / space->rows.at(term.node).diagonal;
       if (w >= 0 && std::isfinite(w)) // else the tangent has lost its positivity: keep the last one
         term.augmentation = w;
     }

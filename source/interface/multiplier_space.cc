@@ -427,7 +427,6 @@ void MultiplierSpace<dim>::add_rows(const Face &face, std::map<Index, Row> &to) 
         for (unsigned int i = 0; i < component.dofs.size(); ++i)
           if (component.mass(j, i) != 0) {
             row.weights[component.dofs[i]] += component.mass(j, i);
-            row.integral += component.mass(j, i);
           }
         row.diagonal += component.mass(j, j);
       }
@@ -482,8 +481,8 @@ void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Com
   OfRanks numbers;
   for (const auto &[dof, row] : mine) {
     auto &of_rank = numbers[owner_of.at(dof)];
-    of_rank.insert(of_rank.end(), {static_cast<double>(dof), row.diagonal, row.integral,
-                                   static_cast<double>(row.weights.size())});
+    of_rank.insert(of_rank.end(),
+                   {static_cast<double>(dof), row.diagonal, static_cast<double>(row.weights.size())});
     for (const auto &[other, weight] : row.weights)
       of_rank.insert(of_rank.end(), {static_cast<double>(other), weight});
   }
@@ -491,7 +490,6 @@ void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Com
     for (auto next = of_rank.begin(); next != of_rank.end();) {
       Row &row = rows[static_cast<Index>(*next++)];
       row.diagonal += *next++;
-      row.integral += *next++;
       for (unsigned int n = *next++; n > 0; --n) {
         const Index other = static_cast<Index>(*next++);
         row.weights[other] += *next++;

@@ -42,7 +42,6 @@ public:
   {
     std::map<Index, double> weights;
     double diagonal = 0; ///< of the unknown that the row belongs to
-    double integral = 0; ///< of psi_j
   };
 
   MultiplierSpace(const Interface<dim> &interface, bool is_dual) : interface(interface), is_dual(is_dual) {}

@@ -160,8 +160,8 @@ void Interface<dim>::check_against(const Interface &other, const std::string &wh
       for (const TiedField &field : fields)
         for (const TiedField &of_other : other.fields)
           section.check(field.name != of_other.name, "Fields",
-                        "have " + field.name + ", which the interface " + other.name +
-                            " ties on the same boundaries: " + when +
+                        "include " + field.name + ", which the interface " + other.name +
+                            " ties on the same boundaries, too, and " + when +
                             ". Give the two different Fields or boundary ids, or toggles that alternate.");
 }
 

@@ -48,9 +48,19 @@ double distance_square(const BoundingBox<dim> &box, const Point<dim> &X)
 template <int dim>
 SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
                           const unsigned int mapping_degree, const std::set<types::boundary_id> &boundary_ids)
+    : SideFaces(triangulation, mapping, mapping_degree,
+                [&](const auto &, const types::boundary_id id) { return boundary_ids.count(id) > 0; })
+{
+}
+
+template <int dim>
+SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
+                          const unsigned int mapping_degree, const Selection &selection,
+                          const Tensor<1, dim> &shift)
     : shape(triangulation.all_reference_cells_are_hyper_cube() ? ReferenceCells::get_hypercube<dim>()
                                                                : ReferenceCells::get_simplex<dim>(),
-            mapping_degree)
+            mapping_degree),
+      shift(shift)
 {
   std::vector<std::unique_ptr<FEValues<dim>>> support_points(
       GeometryInfo<dim>::faces_per_cell); // a simplex has fewer faces
@@ -59,13 +69,14 @@ SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping
     if (!cell->is_locally_owned() || !cell->at_boundary())
       continue;
     for (const unsigned int f : cell->face_indices())
-      if (cell->face(f)->at_boundary() && boundary_ids.count(cell->face(f)->boundary_id()) > 0) {
+      if (cell->face(f)->at_boundary() && selection(cell, cell->face(f)->boundary_id())) {
         if (!support_points[f])
           support_points[f] = std::make_unique<FEValues<dim>>(
               mapping, fe, Quadrature<dim>(shape.nodes_in_cell(f)), update_quadrature_points);
         support_points[f]->reinit(cell);
         const auto &points = support_points[f]->get_quadrature_points();
-        all_nodes.insert(all_nodes.end(), points.begin(), points.end());
+        for (const Point<dim> &point : points)
+          all_nodes.push_back(point + shift);
         faces.push_back({cell, f, shape.diameter(points.data())});
         const CellId::binary_type id = cell->id().template to_binary<dim>();
         keys.push_back({{id[0], id[1], id[2], id[3], f}});

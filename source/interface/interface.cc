@@ -11,6 +11,36 @@ namespace dovetail {
 
 namespace {
 
+std::vector<unsigned int> read_material_ids(const Section &section, const std::string &entry)
+{
+  return section.read<std::vector<unsigned int>>(
+      entry + " material ids", {},
+      "Of the " + std::string(entry == "Source" ? "source" : "destination") +
+          ", only the faces of cells that have one of these material ids in the mesh; all if empty [-]");
+}
+
+/// An error if no face with the boundary ids of a side belongs to a cell with one of its material ids.
+template <int dim>
+void check_material_ids(const InterfaceSide<dim> &side, const Section &section, const std::string &entry)
+{
+  if (side.material_ids.empty())
+    return;
+  std::set<unsigned int> of_rank, present;
+  for (const auto &[cell, face, id] : side.domain->boundary_faces())
+    if (cell->is_locally_owned() && side.boundary_ids.count(id) > 0)
+      of_rank.insert(cell->material_id());
+  for (const auto &ids : dealii::Utilities::MPI::all_gather(
+           side.domain->mesh().get_communicator(), std::vector<unsigned int>(of_rank.begin(), of_rank.end())))
+    present.insert(ids.begin(), ids.end());
+  std::vector<std::string> known;
+  for (const unsigned int id : present)
+    known.push_back(std::to_string(id));
+  for (const unsigned int id : side.material_ids)
+    section.check(present.count(id) > 0, entry + " material ids",
+                  "has " + std::to_string(id) + ", but the cells behind these faces of " + side.domain->name +
+                      " have the material ids " + comma_separated(known) + " only.");
+}
+
 template <int dim>
 InterfaceSide<dim> find_side(const Section &section, const std::string &entry,
                              const std::vector<std::unique_ptr<Domain<dim>>> &domains)
@@ -22,7 +52,13 @@ InterfaceSide<dim> find_side(const Section &section, const std::string &entry,
     if (domain->name == reference.domain) {
       for (const unsigned int id : reference.ids)
         domain->check_boundary_id(id, section, entry);
-      return {domain.get(), {reference.ids.begin(), reference.ids.end()}};
+      InterfaceSide<dim> side;
+      side.domain = domain.get();
+      side.boundary_ids = {reference.ids.begin(), reference.ids.end()};
+      const auto ids = read_material_ids(section, entry);
+      side.material_ids = {ids.begin(), ids.end()};
+      check_material_ids(side, section, entry);
+      return side;
     }
     names.push_back(domain->name);
   }
@@ -76,20 +112,57 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
   const std::vector<std::string> answers = {"error", "warn", "allow"};
   uncovered = answers[section.choose("Uncovered", answers, 0,
                                      "What to do if both sides have parts that face nothing [-]")];
+  const auto shift = section.read_point(
+      "Shift", {},
+      "The source is moved by this before partners are sought: X + Shift of the source faces X of the "
+      "destination, for instance in periodic bodies; solution, laws and expressions stay where they are [m]");
+  for (unsigned int d = 0; d < dim; ++d)
+    sides[source].shift[d] = shift[d];
   if (section.documenting()) {
+    for (const std::string entry : {"Source", "Destination"})
+      read_material_ids(section, entry);
     section.read<std::vector<std::string>>("Fields", {},
                                            "The fields that are tied; all that both domains have [-]");
     return;
   }
-  for (const auto id : sides[source].boundary_ids)
-    section.check(sides[source].domain != sides[destination].domain ||
-                      sides[destination].boundary_ids.count(id) == 0,
-                  "Destination",
-                  "and Source both have the boundary id " + std::to_string(id) + " of the domain " +
-                      sides[source].domain->name + ": a boundary cannot be tied to itself.");
+  check_not_to_itself();
   options.integrate_on = method->integrates_on();
   read_fields();
   find_components();
+}
+
+/// No face may be on both sides.
+template <int dim>
+void Interface<dim>::check_not_to_itself() const
+{
+  if (!sides[source].overlaps(sides[destination]))
+    return;
+  constexpr unsigned int none = dealii::numbers::invalid_unsigned_int;
+  unsigned int shared = none;
+  for (const auto &[cell, face, id] : sides[source].domain->boundary_faces())
+    if (cell->is_locally_owned() && sides[source].belongs(cell, id) && sides[destination].belongs(cell, id))
+      shared = std::min<unsigned int>(shared, id);
+  shared = dealii::Utilities::MPI::min(shared, sides[source].domain->mesh().get_communicator());
+  section.check(shared == none, "Destination",
+                "and Source both have the boundary id " + std::to_string(shared) + " of the domain " +
+                    sides[source].domain->name + ": a boundary cannot be tied to itself.");
+}
+
+template <int dim>
+void Interface<dim>::check_against(const Interface &other, const std::string &when) const
+{
+  const auto difference = [](const Interface &interface) {
+    return interface.sides[source].shift - interface.sides[destination].shift;
+  };
+  for (const unsigned int first : {source, destination})
+    if (sides[source].overlaps(other.sides[first]) && sides[destination].overlaps(other.sides[1 - first]) &&
+        difference(*this) == (first == source ? 1. : -1.) * difference(other))
+      for (const TiedField &field : fields)
+        for (const TiedField &of_other : other.fields)
+          section.check(field.name != of_other.name, "Fields",
+                        "include " + field.name + ", which the interface " + other.name +
+                            " ties on the same boundaries, too, and " + when +
+                            ". Give the two different Fields or boundary ids, or toggles that alternate.");
 }
 
 template <int dim>
@@ -163,7 +236,8 @@ double Interface<dim>::distance_of_sides(const MPI_Comm &communicator) const
 {
   const Domain<dim> &one = *sides[source].domain, &other = *sides[destination].domain;
   const SideFaces<dim> faces = faces_of(sides[source]);
-  const double reach = one.centre().distance(other.centre()) + one.typical_length() + other.typical_length();
+  const double reach = one.centre().distance(other.centre()) + one.typical_length() + other.typical_length() +
+                       sides[source].shift.norm();
   const FaceLocator<dim> locator(faces_of(sides[destination]), 0, reach, communicator);
   constexpr unsigned int n_points = 100;
   std::vector<typename FaceLocator<dim>::Query> queries;
@@ -198,11 +272,11 @@ void Interface<dim>::report_uncovered(const MPI_Comm &communicator) const
   std::ostringstream message;
   message.precision(3);
   if (coverage.n_points == 0) {
-    message
-        << "and Destination do not face each other anywhere; they are about "
-        << distance_of_sides(communicator)
-        << " apart. Check the boundary ids, Scale and Shift of the two meshes, or enlarge Search radius (now "
-        << options.search_radius << " of the face size).";
+    message << "and Destination do not face each other anywhere; they are about "
+            << distance_of_sides(communicator)
+            << " apart. Check the boundary ids, Scale and Shift of the two meshes"
+            << (sides[source].shift.norm() > 0 ? " and the Shift of the interface" : "")
+            << ", or enlarge Search radius (now " << options.search_radius << " of the face size).";
     section.fail("Source", message.str());
   }
   if (coverage.is_complete(source) || coverage.is_complete(destination) || uncovered == "allow")

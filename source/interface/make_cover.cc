@@ -23,7 +23,7 @@ std::vector<Look<dim>> looks_at_nodes(const InterfaceSide<dim> &side)
   const FaceShape<dim> shape(element.reference_cell(), 1);
   std::vector<Look<dim>> looks;
   for (const auto &[cell, face, id] : domain.boundary_faces())
-    if (side.boundary_ids.count(id) > 0) {
+    if (side.belongs(cell, id)) {
       const auto at = [&cell = cell, &domain](const dealii::Point<dim> &unit_point) {
         return domain.mapping().transform_unit_to_real_cell(cell, unit_point);
       };
@@ -36,9 +36,9 @@ std::vector<Look<dim>> looks_at_nodes(const InterfaceSide<dim> &side)
             // not along the rim, which the neighbouring face shares
             const auto unit_point = element.unit_support_point(a);
             const auto target = centre + 0.9 * (shape.position_in_cell(face, shape.corner(corner)) - centre);
-            looks.push_back(
-                {{at(unit_point + 1e-3 * (target - unit_point)), outward, cell->face(face)->diameter()},
-                 {{cell->active_cell_index(), face, a}}});
+            looks.push_back({{at(unit_point + 1e-3 * (target - unit_point)) + side.shift, outward,
+                              cell->face(face)->diameter()},
+                             {{cell->active_cell_index(), face, a}}});
           }
     }
   return looks;

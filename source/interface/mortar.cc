@@ -112,7 +112,7 @@ std::vector<dealii::types::global_dof_index> Mortar<dim>::owned_nodes(const Inte
   std::set<Index> nodes;
   std::vector<Index> dofs;
   for (const auto &[cell, face, id] : domain.boundary_faces())
-    if (side.boundary_ids.count(id) > 0) {
+    if (side.belongs(cell, id)) {
       domain.cell_dofs(domain.dof_cell(cell), dofs);
       for (unsigned int c = 0; c < field.n_components; ++c)
         for (unsigned int a = 0; a < domain.n_nodes(); ++a)
@@ -159,10 +159,14 @@ template <int dim>
 void Mortar<dim>::add_lines(const Interface<dim> &, ConstraintLines &lines) const
 {
   for (const auto &[dof, row] : space->rows) {
+    // differs from the diagonal where the source has the same unknown
+    const double own_weight = row.weights.at(dof);
+    if (std::abs(own_weight) < 1e-10 * row.diagonal)
+      continue;
     ConstraintLine &line = lines[dof];
     for (const auto &[other, weight] : row.weights)
       if (other != dof)
-        line.entries.emplace_back(other, -weight / row.diagonal);
+        line.entries.emplace_back(other, -weight / own_weight);
   }
 }
 

@@ -200,13 +200,13 @@ std::set<Index> MultiplierSpace<dim>::cross_points() const
   std::set<Index> found;
   std::vector<Index> dofs;
   for (const TiedField &field : interface.fields) {
-    const auto others = side.strong_ids_of_others.find(field.name);
-    if (others == side.strong_ids_of_others.end())
+    const auto others = side.strong_others.find(field.name);
+    if (others == side.strong_others.end())
       continue;
     for (const auto &[cell, face, id] : domain.boundary_faces())
-      if (side.boundary_ids.count(id) == 0 &&
+      if (!side.belongs(cell, id) &&
           std::any_of(others->second.begin(), others->second.end(),
-                      [id = id](const auto &ids) { return ids.count(id) > 0; })) {
+                      [&cell = cell, id = id](const auto *other) { return other->belongs(cell, id); })) {
         domain.cell_dofs(domain.dof_cell(cell), dofs);
         for (unsigned int c = 0; c < field.n_components; ++c)
           for (unsigned int a = 0; a < domain.n_nodes(); ++a)

@@ -69,17 +69,29 @@ PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &
 } // namespace
 
 template <int dim>
+bool InterfaceSide<dim>::overlaps(const InterfaceSide &other) const
+{
+  const auto share = [](const auto &one, const auto &two) {
+    return std::any_of(one.begin(), one.end(), [&](const auto id) { return two.count(id) > 0; });
+  };
+  return domain == other.domain && share(boundary_ids, other.boundary_ids) &&
+         (material_ids.empty() || other.material_ids.empty() || share(material_ids, other.material_ids));
+}
+
+template <int dim>
 SideFaces<dim> faces_of(const InterfaceSide<dim> &side)
 {
   const Domain<dim> &domain = *side.domain;
-  return {domain.mesh(), domain.mapping(), domain.mapping_degree(), side.boundary_ids};
+  return {domain.mesh(), domain.mapping(), domain.mapping_degree(),
+          [&](const auto &cell, const auto id) { return side.belongs(cell, id); }, side.shift};
 }
 
 template <int dim>
 Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
                       const std::array<bool, 2> &with_cover, const MPI_Comm &communicator)
-    : extension(options.gap_extension), n_nodes{{sides[source].domain->n_nodes(),
-                                                 sides[destination].domain->n_nodes()}}
+    : extension(options.gap_extension),
+      shift(sides[source].shift - sides[destination].shift), n_nodes{{sides[source].domain->n_nodes(),
+                                                                      sides[destination].domain->n_nodes()}}
 {
   for (const unsigned int side : {source, destination}) {
     const SideFaces<dim> faces = faces_of(sides[side]);
@@ -137,7 +149,7 @@ void Pairing<dim>::count(const FacePoints<dim> &points, const SideFaces<dim> &fa
     const auto &match = points.matches[q];
     if (!match.found) {
       open += points.JxW[q];
-      uncovered.push_back({own, points.queries[q].X, match.distance, match.angle});
+      uncovered.push_back({own, points.queries[q].X - faces.shift, match.distance, match.angle});
     }
   }
   account.covered[own] = account.area[own] - sum(open, communicator);
@@ -219,8 +231,8 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
     const auto &match = face_points.matches[q];
     position[q] = weights.size();
     weights.push_back(factor * face_points.JxW[q]);
-    points[own].push_back(query.X);
-    points[partner].push_back(match.X);
+    points[own].push_back(query.X - sides[own].shift);
+    points[partner].push_back(match.X - sides[partner].shift);
     normals[own].push_back(query.N);
     normals[partner].push_back(match.N);
     const dealii::Tensor<1, dim> offset = query.X - match.X;
@@ -246,12 +258,16 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
     if (const unsigned int begin = position[piece.begin]; begin != dealii::numbers::invalid_unsigned_int) {
       piece.end = begin + (piece.end - piece.begin);
       piece.begin = begin;
+      for (unsigned int v = 0; v < piece.n_vertices; ++v)
+        piece.vertices[v] -= sides[own].shift;
       pieces.push_back(piece);
     }
 }
 
 template SideFaces<2> faces_of(const InterfaceSide<2> &);
 template SideFaces<3> faces_of(const InterfaceSide<3> &);
+template struct InterfaceSide<2>;
+template struct InterfaceSide<3>;
 template class Pairing<2>;
 template class Pairing<3>;
 

@@ -92,14 +92,14 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
   std::map<dealii::types::global_dof_index, Node> nodes;
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &[cell, face, id] : domain.boundary_faces())
-    if (side.boundary_ids.count(id) > 0) {
+    if (side.belongs(cell, id)) {
       at_nodes.reinit(cell);
       at_face.reinit(cell, face);
       domain.cell_dofs(domain.dof_cell(cell), dofs);
       for (unsigned int a = 0; a < n; ++a)
         if (element.has_support_on_face(a, face) && owned.is_element(dofs[a] - domain.first_dof)) {
           Node &node = nodes[dofs[a]];
-          node.query.X = at_nodes.quadrature_point(a);
+          node.query.X = at_nodes.quadrature_point(a) + side.shift;
           node.query.N += at_face.normal_vector(0); // the mean of the faces that meet here
           node.query.face_size = std::max(node.query.face_size, cell->face(face)->diameter());
           node.dofs.clear();

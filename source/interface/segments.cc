@@ -30,7 +30,10 @@ template <int dim>
 class Chart
 {
 public:
-  Chart(const FaceShape<dim> &shape, const FaceShape<dim> &bilinear, const Point<dim> *nodes, double size);
+  /// @p offset: rounding is relative to this distance from the origin, or to that of the face if it is
+  /// larger.
+  Chart(const FaceShape<dim> &shape, const FaceShape<dim> &bilinear, const Point<dim> *nodes, double size,
+        double offset);
 
   Region<dim - 1> window;                 ///< the face itself; empty if it has no area
   std::vector<Point<dim>> nodes_of_plane; ///< of the plane face through the corners
@@ -59,12 +62,12 @@ private:
 
 template <int dim>
 Chart<dim>::Chart(const FaceShape<dim> &shape, const FaceShape<dim> &bilinear, const Point<dim> *nodes,
-                  const double size)
+                  const double size, const double offset)
     : is_flat(shape.is_flat(nodes)), is_affine(is_flat && shape.is_affine(nodes)), shape(shape),
       bilinear(bilinear), nodes(nodes), size(size)
 {
   origin = shape.corner(nodes, 0);
-  negligible = is_flat ? std::max(1e-13, 4e-15 * origin.norm() / size) : 1e-11;
+  negligible = is_flat ? std::max(1e-13, 4e-15 * std::max(origin.norm(), offset) / size) : 1e-11;
   const unsigned int n = shape.n_corners();
   if constexpr (dim == 2) {
     axis[0] = shape.corner(nodes, 1) - origin;
@@ -320,7 +323,8 @@ FacePoints<dim> Segmentation<dim>::run()
 template <int dim>
 void Segmentation<dim>::add_face(const unsigned int face, const std::vector<unsigned int> &nearby)
 {
-  const Chart<dim> chart(own.shape, bilinear_own, own.nodes(face), own.faces[face].size);
+  const double offset = std::max(own.shift.norm(), locator.side().shift.norm());
+  const Chart<dim> chart(own.shape, bilinear_own, own.nodes(face), own.faces[face].size, offset);
   const double whole = measure(chart.window);
   if (!(whole > 0))
     return;

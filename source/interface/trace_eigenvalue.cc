@@ -221,20 +221,20 @@ private:
   std::vector<Solved> solved;
 };
 
-/// How many interfaces other than this one tie the field on faces of a cell.
+/// How many sides of interfaces other than this one tie the field on faces of a cell.
 template <int dim>
 unsigned int n_other_interfaces(const InterfaceSide<dim> &side, const std::string &field,
                                 const typename dealii::Triangulation<dim>::active_cell_iterator &cell)
 {
   unsigned int n = 0;
-  const auto others = side.ids_of_others.find(field);
-  if (others == side.ids_of_others.end())
+  const auto others = side.others.find(field);
+  if (others == side.others.end())
     return 0;
-  for (const auto &ids : others->second) {
+  for (const InterfaceSide<dim> *other : others->second) {
     bool has_face = false;
     for (const unsigned int face : cell->face_indices())
-      has_face =
-          has_face || (cell->face(face)->at_boundary() && ids.count(cell->face(face)->boundary_id()) > 0);
+      has_face = has_face ||
+                 (cell->face(face)->at_boundary() && other->belongs(cell, cell->face(face)->boundary_id()));
     n += has_face ? 1 : 0;
   }
   return n;
@@ -254,7 +254,7 @@ solve_cells(const Interface<dim> &interface, const unsigned int side, const Tied
   const unsigned int n = field.n_components * domain.n_nodes();
   std::vector<typename dealii::Triangulation<dim>::active_cell_iterator> cell_of_face; // as in SideFaces
   for (const auto &[cell, face, id] : domain.boundary_faces())
-    if (cell->is_locally_owned() && of_side.boundary_ids.count(id) > 0)
+    if (cell->is_locally_owned() && of_side.belongs(cell, id))
       cell_of_face.push_back(cell);
 
   std::map<unsigned int, FullMatrix<double>> M; // by cell

@@ -58,7 +58,7 @@ void InterfaceSurface<dim>::update(const Vector &solution, const double t)
       data.insert(data.end(), of_field.jump.begin(), of_field.jump.end());
       data.insert(data.end(), of_field.numerical_flux.begin(), of_field.numerical_flux.end());
     }
-    data.push_back(pairing.X(source, q).distance(pairing.X(destination, q)));
+    data.push_back(pairing.gap(q));
     for (unsigned int d = 0; d < dim; ++d)
       data.push_back(pairing.N(own, q)[d]);
 

@@ -62,7 +62,10 @@ std::string to_text(const InterfaceSide<dim> &side)
   std::string ids;
   for (const auto id : side.boundary_ids)
     ids += (ids.empty() ? "" : ", ") + std::to_string(id);
-  return side.domain->name + " : " + ids;
+  std::string materials;
+  for (const auto id : side.material_ids)
+    materials += (materials.empty() ? " (material " : ", ") + std::to_string(id);
+  return side.domain->name + " : " + ids + materials + (materials.empty() ? "" : ")");
 }
 
 template <int dim>

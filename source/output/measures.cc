@@ -201,8 +201,10 @@ void measure_resultants(const Model<dim> &model, const Interface<dim> &interface
   for (const unsigned int side : {source, destination})
     for (const TiedField &tied : interface.fields) {
       const Domain<dim> &domain = *interface.sides[side].domain;
-      result[side == source ? "resultant source" : "resultant destination"][tied.name] = reaction(
-          model, domain, interface.sides[side].boundary_ids, domain.fields()[tied.field[side]], solution, t);
+      result[side == source ? "resultant source" : "resultant destination"][tied.name] = reaction<dim>(
+          model, domain,
+          [&](const auto &cell, const auto id) { return interface.sides[side].belongs(cell, id); },
+          domain.fields()[tied.field[side]], solution, t);
     }
 }
 

@@ -219,7 +219,9 @@ nlohmann::ordered_json Probes<dim>::evaluate(const Vector &solution, const doubl
   for (const Probe &probe : probes) {
     std::vector<double> value(probe.field.n_components);
     if (!probe.boundary_ids.empty())
-      value = reaction(model, *probe.domain, probe.boundary_ids, probe.field, solution, t);
+      value = reaction<dim>(
+          model, *probe.domain, [&](const auto &, const auto id) { return probe.boundary_ids.count(id) > 0; },
+          probe.field, solution, t);
     else {
       const unsigned int n = probe.shape_values.size();
       for (unsigned int c = 0; c < value.size(); ++c)

@@ -9,6 +9,7 @@
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/lac/trilinos_vector.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace dovetail {
@@ -17,41 +18,42 @@ namespace {
 
 using Weights = dealii::TrilinosWrappers::MPI::Vector;
 
-using Ids = std::set<dealii::types::boundary_id>;
+/// Some of the boundary faces.
+template <int dim>
+using Faces = typename SideFaces<dim>::Selection;
 
 template <int dim>
-bool is_on(const typename Domain<dim>::cell_iterator &cell, const unsigned int face, const Ids &boundary_ids)
+bool is_on(const typename Domain<dim>::cell_iterator &cell, const unsigned int face, const Faces<dim> &faces)
 {
-  return cell->face(face)->at_boundary() && boundary_ids.count(cell->face(face)->boundary_id()) > 0;
+  return cell->face(face)->at_boundary() && faces(cell, cell->face(face)->boundary_id());
 }
 
-/// Boundaries off Gamma where the field is prescribed.
+/// Faces off Gamma where the field is prescribed.
 template <int dim>
-Ids prescribed_elsewhere(const Domain<dim> &domain, const Ids &boundary_ids, const Field &field)
+Faces<dim> prescribed_elsewhere(const Domain<dim> &domain, const Faces<dim> &gamma, const Field &field)
 {
-  Ids ids;
+  std::set<dealii::types::boundary_id> ids;
   for (const auto &condition : domain.conditions())
     if (condition->field.name == field.name && !condition->prescribed_components().empty())
-      for (const auto id : condition->boundary_ids)
-        if (boundary_ids.count(id) == 0)
-          ids.insert(id);
-  return ids;
+      ids.insert(condition->boundary_ids.begin(), condition->boundary_ids.end());
+  return [ids, &gamma](const auto &cell, const auto id) { return ids.count(id) > 0 && !gamma(cell, id); };
 }
 
-/// Boundaries off Gamma where the field is tied.
+/// Faces off Gamma where the field is tied.
 template <int dim>
-Ids tied_elsewhere(const Model<dim> &model, const Domain<dim> &domain, const Ids &boundary_ids,
-                   const Field &field)
+Faces<dim> tied_elsewhere(const Model<dim> &model, const Domain<dim> &domain, const Faces<dim> &gamma,
+                          const Field &field)
 {
-  Ids ids;
+  std::vector<const InterfaceSide<dim> *> sides;
   for (const auto &interface : model.interfaces)
     for (const auto &side : interface->sides)
       for (const TiedField &tied : interface->fields)
         if (side.domain == &domain && tied.name == field.name)
-          for (const auto id : side.boundary_ids)
-            if (boundary_ids.count(id) == 0)
-              ids.insert(id);
-  return ids;
+          sides.push_back(&side);
+  return [sides, &gamma](const auto &cell, const auto id) {
+    return !gamma(cell, id) &&
+           std::any_of(sides.begin(), sides.end(), [&](const auto *side) { return side->belongs(cell, id); });
+  };
 }
 
 /// Which nodes of the cells behind a boundary are meant.
@@ -60,7 +62,7 @@ enum class Nodes { of_faces, of_cells };
 /// Set the function, in the unknowns of all components alike, at owned nodes of a boundary. The rank that
 /// owns a node sees all cells around it.
 template <int dim>
-void set_nodes(const Domain<dim> &domain, const Ids &boundary_ids, const Nodes nodes, const double value,
+void set_nodes(const Domain<dim> &domain, const Faces<dim> &faces, const Nodes nodes, const double value,
                Weights &w)
 {
   const auto &owned = domain.dof_handler().locally_owned_dofs();
@@ -68,7 +70,7 @@ void set_nodes(const Domain<dim> &domain, const Ids &boundary_ids, const Nodes n
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (!cell->is_artificial() && cell->at_boundary())
       for (const unsigned int face : cell->face_indices())
-        if (is_on<dim>(cell, face, boundary_ids)) {
+        if (is_on<dim>(cell, face, faces)) {
           domain.cell_dofs(cell, dofs);
           for (unsigned int i = 0; i < dofs.size(); ++i)
             if (owned.is_element(dofs[i] - domain.first_dof) &&
@@ -80,16 +82,16 @@ void set_nodes(const Domain<dim> &domain, const Ids &boundary_ids, const Nodes n
 
 /// The function w, conforming at hanging nodes.
 template <int dim>
-Weights make_weights(const Model<dim> &model, const Domain<dim> &domain, const Ids &boundary_ids,
+Weights make_weights(const Model<dim> &model, const Domain<dim> &domain, const Faces<dim> &gamma,
                      const Field &field)
 {
   const dealii::IndexSet relevant = dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler());
   const auto &owned = domain.dof_handler().locally_owned_dofs();
   Weights w(owned, model.communicator);
-  set_nodes(domain, boundary_ids, Nodes::of_cells, 1, w);
-  set_nodes(domain, tied_elsewhere(model, domain, boundary_ids, field), Nodes::of_cells, 0, w);
-  set_nodes(domain, prescribed_elsewhere(domain, boundary_ids, field), Nodes::of_faces, 0, w);
-  set_nodes(domain, boundary_ids, Nodes::of_faces, 1, w);
+  set_nodes(domain, gamma, Nodes::of_cells, 1, w);
+  set_nodes(domain, tied_elsewhere(model, domain, gamma, field), Nodes::of_cells, 0, w);
+  set_nodes(domain, prescribed_elsewhere(domain, gamma, field), Nodes::of_faces, 0, w);
+  set_nodes(domain, gamma, Nodes::of_faces, 1, w);
   w.compress(dealii::VectorOperation::insert);
   if (domain.mesh().has_hanging_nodes()) {
     auto hanging = make_affine_constraints(owned, relevant);
@@ -107,8 +109,8 @@ template <int dim>
 class GivenInflux
 {
 public:
-  GivenInflux(const Domain<dim> &domain, const Ids &boundary_ids, const Field &field, const double t)
-      : domain(domain), boundary_ids(boundary_ids), field(field), t(t), open_boundary(domain)
+  GivenInflux(const Domain<dim> &domain, const Faces<dim> &gamma, const Field &field, const double t)
+      : domain(domain), gamma(gamma), field(field), t(t), open_boundary(domain)
   {
     for (const auto &condition : domain.conditions())
       if (condition->adds_flux() && condition->field.name == field.name)
@@ -122,7 +124,7 @@ public:
     std::vector<double> trace(n_c), flux(n_c);
     dealii::FullMatrix<double> d_flux(n_c, n_c);
     for (const unsigned int face : cell->face_indices())
-      if (is_on<dim>(cell, face, boundary_ids))
+      if (is_on<dim>(cell, face, gamma))
         for (const Condition<dim> *condition : conditions)
           open_boundary.for_each_point(
               cell, face, *condition, t,
@@ -140,7 +142,7 @@ public:
 
 private:
   const Domain<dim> &domain;
-  const Ids &boundary_ids;
+  const Faces<dim> &gamma;
   const Field &field;
   const double t;
   OpenBoundary<dim> open_boundary;
@@ -150,13 +152,13 @@ private:
 } // namespace
 
 template <int dim>
-std::vector<double> reaction(const Model<dim> &model, const Domain<dim> &domain, const Ids &boundary_ids,
+std::vector<double> reaction(const Model<dim> &model, const Domain<dim> &domain, const Faces<dim> &gamma,
                              const Field &field, const Vector &solution, const double t)
 {
-  const Weights w = make_weights(model, domain, boundary_ids, field);
+  const Weights w = make_weights(model, domain, gamma, field);
   const unsigned int n = domain.n_nodes(), first = field.first_component * n;
   CellTerms<dim> terms(domain);
-  GivenInflux<dim> given(domain, boundary_ids, field, t);
+  GivenInflux<dim> given(domain, gamma, field, t);
   std::vector<double> sum(field.n_components), unknowns(domain.dofs_per_cell()),
       residual(domain.dofs_per_cell());
   std::vector<dealii::types::global_dof_index> dofs;
@@ -186,9 +188,9 @@ std::vector<double> reaction(const Model<dim> &model, const Domain<dim> &domain,
   return sum;
 }
 
-template std::vector<double> reaction(const Model<2> &, const Domain<2> &, const Ids &, const Field &,
+template std::vector<double> reaction(const Model<2> &, const Domain<2> &, const Faces<2> &, const Field &,
                                       const Vector &, double);
-template std::vector<double> reaction(const Model<3> &, const Domain<3> &, const Ids &, const Field &,
+template std::vector<double> reaction(const Model<3> &, const Domain<3> &, const Faces<3> &, const Field &,
                                       const Vector &, double);
 
 } // namespace dovetail

@@ -196,6 +196,7 @@ void Simulation<dim>::set_up(const double t)
 {
   const Phases::Scope scope(phases, "setup");
   linear_solver.forget_matrix();
+  model.check_ties(t);
   system->set_up(t);
   for (const std::string &sentence : system->notes())
     if (report->add_note(sentence))

@@ -12,6 +12,7 @@
 #include <deal.II/lac/block_sparsity_pattern.h>
 #include <deal.II/lac/sparsity_tools.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace dovetail {
@@ -22,6 +23,28 @@ namespace {
 std::string name_of_multipliers(const std::string &interface, const std::string &field)
 {
   return interface + " : " + field;
+}
+
+/// Leave each unknown once in @p dofs, sorted. A group of a body that is tied to itself may hold some twice,
+/// which deal.II's constraints do not take.
+/// @return for each of the former entries its position now; empty if nothing was there twice
+template <int dim>
+std::vector<unsigned int> merge_repeated(const Interface<dim> &interface,
+                                         std::vector<dealii::types::global_dof_index> &dofs)
+{
+  if (interface.sides[source].domain != interface.sides[destination].domain)
+    return {};
+  std::vector<dealii::types::global_dof_index> sorted = dofs;
+  std::sort(sorted.begin(), sorted.end());
+  const auto end = std::unique(sorted.begin(), sorted.end());
+  if (end == sorted.end())
+    return {};
+  sorted.erase(end, sorted.end());
+  std::vector<unsigned int> position;
+  for (const auto dof : dofs)
+    position.push_back(std::lower_bound(sorted.begin(), sorted.end(), dof) - sorted.begin());
+  dofs = sorted;
+  return position;
 }
 
 } // namespace
@@ -182,7 +205,13 @@ void BlockSystem<dim>::make_sparsity(const double t)
               all_couple = all_couple && couples(i, j);
             }
         }
-        if (all_couple) // faster
+        if (const auto position = merge_repeated(*interface, dofs); !position.empty()) {
+          dealii::Table<2, bool> merged(dofs.size(), dofs.size());
+          for (unsigned int i = 0; i < position.size(); ++i)
+            for (unsigned int j = 0; j < position.size(); ++j)
+              merged(position[i], position[j]) = merged(position[i], position[j]) || couples(i, j);
+          constraints.add_entries_local_to_global(dofs, pattern, false, merged);
+        } else if (all_couple) // faster
           constraints.add_entries_local_to_global(dofs, pattern, false);
         else
           constraints.add_entries_local_to_global(dofs, pattern, false, couples);
@@ -354,7 +383,19 @@ bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vecto
     if (!interface.tie().assemble(interface, group, time, unknowns, residual,
                                   with_tangent ? &local_matrix : nullptr))
       return false;
-    scatter(residual, dofs, with_tangent);
+    if (const auto position = merge_repeated(interface, dofs); !position.empty()) {
+      std::vector<double> merged_residual(dofs.size(), 0.);
+      dealii::FullMatrix<double> merged(dofs.size(), dofs.size());
+      for (unsigned int i = 0; i < position.size(); ++i) {
+        merged_residual[position[i]] += residual[i];
+        for (unsigned int j = 0; with_tangent && j < position.size(); ++j)
+          merged(position[i], position[j]) += local_matrix(i, j);
+      }
+      std::swap(merged, local_matrix);
+      scatter(merged_residual, dofs, with_tangent);
+      std::swap(merged, local_matrix);
+    } else
+      scatter(residual, dofs, with_tangent);
   }
   return true;
 }

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 
 namespace dovetail {
 
@@ -48,6 +49,10 @@ Model<dim>::Model(const Section &scene, const MPI_Comm &communicator)
   if (scene.documenting())
     return;
   tell_other_interfaces();
+  for (unsigned int i = 0; i < interfaces.size(); ++i)
+    for (unsigned int j = 0; j < i; ++j)
+      if (!interfaces[i]->has_toggle() && !interfaces[j]->has_toggle())
+        interfaces[i]->check_against(*interfaces[j], "both are always active");
   check_constants();
   number();
 }
@@ -62,21 +67,32 @@ void Model<dim>::number()
           interface->name, field.name, interface->tie().n_multipliers(*interface, field), communicator);
 }
 
+template <int dim>
+void Model<dim>::check_ties(const double t) const
+{
+  std::ostringstream when;
+  when << "both are active at t = " << t;
+  for (unsigned int i = 0; i < interfaces.size(); ++i)
+    for (unsigned int j = 0; j < i; ++j)
+      if (interfaces[i]->is_active(t) && interfaces[j]->is_active(t))
+        interfaces[i]->check_against(*interfaces[j], when.str());
+}
+
 /// Tell each side of each interface what others tie of its domain.
 template <int dim>
 void Model<dim>::tell_other_interfaces()
 {
   for (const auto &interface : interfaces)
     for (InterfaceSide<dim> &side : interface->sides) {
-      side.ids_of_others.clear();
-      side.strong_ids_of_others.clear();
+      side.others.clear();
+      side.strong_others.clear();
       for (const auto &other : interfaces)
         for (const InterfaceSide<dim> &of_other : other->sides)
           if (&of_other != &side && of_other.domain == side.domain)
             for (const TiedField &field : other->fields) {
-              side.ids_of_others[field.name].push_back(of_other.boundary_ids);
+              side.others[field.name].push_back(&of_other);
               if (other->tie().is_strong())
-                side.strong_ids_of_others[field.name].push_back(of_other.boundary_ids);
+                side.strong_others[field.name].push_back(&of_other);
             }
     }
 }

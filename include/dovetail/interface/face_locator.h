@@ -12,6 +12,7 @@
 #include <deal.II/grid/tria.h>
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <set>
@@ -38,13 +39,21 @@ public:
     double size; ///< diameter of the support points
   };
 
-  /// @p mapping_degree: the degree of @p mapping.
+  /// Tells which boundary faces are meant, by the cell and the boundary id.
+  using Selection = std::function<bool(const typename dealii::Triangulation<dim>::active_cell_iterator &cell,
+                                       dealii::types::boundary_id id)>;
+
+  /// @p mapping_degree: the degree of @p mapping; @p shift: by which the nodes are moved.
+  SideFaces(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
+            unsigned int mapping_degree, const Selection &selection,
+            const dealii::Tensor<1, dim> &shift = dealii::Tensor<1, dim>());
   SideFaces(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
             unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids);
 
   FaceShape<dim> shape;
   std::vector<Face> faces;
   std::vector<GlobalKey> keys;
+  dealii::Tensor<1, dim> shift;
   const dealii::Point<dim> *nodes(const unsigned int face) const
   {
     return &all_nodes[face * shape.n_nodes()];

@@ -41,6 +41,9 @@ public:
 
   Tie<dim> &tie() const { return *method; }
   bool has_toggle() const { return !toggle.empty(); }
+  /// An error if this and another interface, both active @p when, tie one field on the same pair of
+  /// boundaries (by their ids; with the same shift).
+  void check_against(const Interface &other, const std::string &when) const;
   /// Whether the domain of a side has conditions on its tied boundary ids and fields.
   bool has_conditions(unsigned int side) const;
   bool is_active(const double t) const { return toggles->is_active(toggle, t); }
@@ -72,6 +75,7 @@ public:
   }
 
 private:
+  void check_not_to_itself() const;
   void read_fields();
   void find_components();
   double distance_of_sides(const MPI_Comm &communicator) const;

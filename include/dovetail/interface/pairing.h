@@ -26,14 +26,27 @@ template <int dim>
 struct InterfaceSide
 {
   const Domain<dim> *domain = nullptr;
-  std::set<dealii::types::boundary_id> boundary_ids;
-  /// For each field, what every other interface ties of the same domain.
-  std::map<std::string, std::vector<std::set<dealii::types::boundary_id>>> ids_of_others;
-  /// Those of them that take or multiply unknowns.
-  std::map<std::string, std::vector<std::set<dealii::types::boundary_id>>> strong_ids_of_others;
+  std::set<dealii::types::boundary_id> boundary_ids = {};
+  std::set<dealii::types::material_id> material_ids = {}; ///< of the cells behind its faces; empty: all
+  /// Partners are sought at X + shift (the faces of faces_of() and the queries to a FaceLocator); all else
+  /// has the true X.
+  dealii::Tensor<1, dim> shift = {};
+  /// For each field, the other sides that tie it on the same domain, the one of the same interface, too.
+  std::map<std::string, std::vector<const InterfaceSide *>> others = {};
+  std::map<std::string, std::vector<const InterfaceSide *>> strong_others = {}; ///< those that take unknowns
+
+  /// Whether a boundary face of the domain, of a cell and with an id, is part of the side.
+  bool belongs(const typename dealii::Triangulation<dim>::active_cell_iterator &cell,
+               const dealii::types::boundary_id id) const
+  {
+    return boundary_ids.count(id) > 0 &&
+           (material_ids.empty() || material_ids.count(cell->material_id()) > 0);
+  }
+  /// Whether two sides may have a face in common, judged by their ids.
+  bool overlaps(const InterfaceSide &other) const;
 };
 
-/// The faces of a side that this rank owns.
+/// The faces of a side that this rank owns, moved by its shift.
 template <int dim>
 SideFaces<dim> faces_of(const InterfaceSide<dim> &side);
 
@@ -111,6 +124,11 @@ public:
 
   unsigned int n_points() const { return weights.size(); }
   double weight(const unsigned int q) const { return weights[q]; } ///< dGamma
+  double gap(const unsigned int q) const                           ///< |X_src + shift - X_dst|
+  {
+    return (points[source][q] - points[destination][q] + shift).norm();
+  }
+  /// Material coordinates, without shift.
   const dealii::Point<dim> &X(const unsigned int side, const unsigned int q) const { return points[side][q]; }
   const dealii::Tensor<1, dim> &N(const unsigned int side, const unsigned int q) const
   {
@@ -147,6 +165,7 @@ private:
              const MPI_Comm &communicator);
 
   GapExtension extension;
+  dealii::Tensor<1, dim> shift; ///< of the source against the destination
   std::array<unsigned int, 2> n_nodes;
   std::vector<double> weights;
   std::array<std::vector<dealii::Point<dim>>, 2> points;

@@ -13,7 +13,7 @@
 
 namespace dovetail {
 
-/// The consistent reaction of a boundary Gamma (all faces with these ids), for each component of a field:
+/// The consistent reaction of a boundary Gamma (all these faces), for each component of a field:
 /// @f[ \int_\Omega A \cdot\nabla w - f\,w \,dV - \int_{\partial\Omega\setminus\Gamma} h\,w \,dA
 ///     \approx \int_\Gamma A\cdot N \,dA @f]
 /// where w is a finite element function that is 1 on Gamma and falls to 0 inside the body. It balances the
@@ -27,7 +27,7 @@ namespace dovetail {
 /// some of that tie's terms, which are as small as its jump, count wrongly.
 template <int dim>
 std::vector<double> reaction(const Model<dim> &model, const Domain<dim> &domain,
-                             const std::set<dealii::types::boundary_id> &boundary_ids, const Field &field,
+                             const typename SideFaces<dim>::Selection &gamma, const Field &field,
                              const Vector &solution, double t);
 
 } // namespace dovetail

@@ -31,6 +31,9 @@ public:
   /// Collective. @return @p ghosted on the new meshes, owned entries.
   Vector refine(const std::vector<std::vector<bool>> &marked, const Vector &ghosted);
 
+  /// An error if two interfaces that are active at time @p t tie the same field on the same boundaries.
+  void check_ties(double t) const;
+
   MPI_Comm communicator;
   Toggles toggles;
   std::vector<std::unique_ptr<Material<dim>>> materials;

@@ -89,6 +89,7 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
                       sides[source].domain->name + ": a boundary cannot be tied to itself.");
   options.integrate_on = method->integrates_on();
   read_fields();
+  method->set_fields(section, fields);
   find_components();
 }
 

@@ -220,7 +220,7 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
     is_new = false;
     for (const auto &interface : interfaces)
       for (const auto &tied : interface->fields)
-        if (tied.name == field)
+        if (tied.name == field && interface->tie().holds(tied))
           for (const unsigned int side : {source, destination})
             if (held.count(interface->sides[side].domain) > 0)
               is_new = held.insert(interface->sides[1 - side].domain).second || is_new;
@@ -271,6 +271,9 @@ bool Model<dim>::is_linear() const
       if (!condition->is_linear())
         return false;
   }
+  for (const auto &interface : interfaces)
+    if (!interface->tie().is_linear())
+      return false;
   return true;
 }
 

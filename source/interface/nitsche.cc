@@ -564,8 +564,12 @@ void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &seri
         for (unsigned int j = 0; j < n_local; ++j)
           entries[j] -= of_flux * mean[j];
       }
-    for (const InJump &column : in_jump)
-      entries[column.i] -= of_jump[column.component] * column.trial;
+    for (const InJump *column = in_jump.data(), *end = column + in_jump.size(); column != end;) {
+      const unsigned int c = column->component;
+      const double factor = of_jump[c];
+      for (; column != end && column->component == c; ++column)
+        entries[column->i] -= factor * column->trial;
+    }
   }
 }
 
@@ -633,7 +637,9 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
             }
             double *entries = &tangent(first + k * n_nodes + a, first + l * n_nodes);
             for (unsigned int b = 0; b < n_nodes; ++b)
-              entries[b] += g * gradients[b] + v * values[b];
+              entries[b] += g * gradients[b];
+            for (unsigned int b = 0; v != 0 && b < n_nodes; ++b)
+              entries[b] += v * values[b];
           }
       }
     }

@@ -10,6 +10,7 @@
 #include <muParser.h>
 
 #include <cmath>
+#include <limits>
 
 namespace dovetail {
 

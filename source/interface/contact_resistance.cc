@@ -54,6 +54,7 @@ public:
   }
   bool is_linear() const override { return !conductance.depends_on_temperature(); }
   bool holds(const TiedField &field) const override { return !law_of(field).is_zero(); }
+  bool allows_jump(const TiedField & /*field*/) const override { return true; }
   void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
                   const MPI_Comm &communicator) override;
 

@@ -292,6 +292,16 @@ bool Model<dim>::is_symmetric(const std::string &field) const
 }
 
 template <int dim>
+bool Model<dim>::allows_jumps(const std::string &field) const
+{
+  for (const auto &interface : interfaces)
+    for (const auto &tied : interface->fields)
+      if (tied.name == field && interface->tie().allows_jump(tied))
+        return true;
+  return false;
+}
+
+template <int dim>
 unsigned int Model<dim>::degree() const
 {
   unsigned int largest = 1;

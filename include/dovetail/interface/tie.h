@@ -79,6 +79,8 @@ public:
   /// Whether a constant of the field that one side has and the other not costs anything: then what keeps one
   /// side from drifting keeps the other, too.
   virtual bool holds(const TiedField & /*field*/) const { return true; }
+  /// Whether the sides may come apart, for which the linear solver must know the modes of each body.
+  virtual bool allows_jump(const TiedField & /*field*/) const { return false; }
   /// Whether both sides get the same flux at every point; else each gets that of the points on its own faces.
   virtual bool is_balanced() const { return true; }
 

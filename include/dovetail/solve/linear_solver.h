@@ -23,7 +23,8 @@ struct SolveGroup
 {
   std::string name; ///< for messages
   std::vector<unsigned int> blocks;
-  bool is_symmetric = true; ///< and positive definite
+  bool is_symmetric = true;  ///< and positive definite
+  bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
   unsigned int dim = 3;
   unsigned int degree = 1;
   /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks

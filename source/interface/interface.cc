@@ -128,6 +128,7 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
   check_not_to_itself();
   options.integrate_on = method->integrates_on();
   read_fields();
+  method->set_fields(section, fields);
   find_components();
 }
 

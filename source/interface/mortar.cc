@@ -65,8 +65,8 @@ public:
   void find_multipliers(const Interface<dim> &interface, const typename Tie<dim>::Owned &solution,
                         const typename Tie<dim>::Owned &force, const MPI_Comm &communicator) override;
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
-                      const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
-                      std::vector<double> &result) const override;
+                      const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
+                      const std::vector<double> &jump, std::vector<double> &result) const override;
   std::vector<std::string> notes() const override;
 
 private:
@@ -281,11 +281,12 @@ void Mortar<dim>::find_multipliers(const Interface<dim> &, const typename Tie<di
 
 template <int dim>
 void Mortar<dim>::numerical_flux(const Interface<dim> &interface, const TiedField &field,
-                                 const unsigned int q, const std::array<std::vector<double>, 2> &flux,
+                                 const unsigned int q, const std::array<State<dim>, 2> &state,
+                                 const std::array<std::vector<double>, 2> &flux,
                                  const std::vector<double> &jump, std::vector<double> &result) const
 {
   if (!space || !space->has_coefficients()) // the tie has not been active yet
-    return Tie<dim>::numerical_flux(interface, field, q, flux, jump, result);
+    return Tie<dim>::numerical_flux(interface, field, q, state, flux, jump, result);
   for (unsigned int c = 0; c < result.size(); ++c)
     result[c] = space->value(&field - interface.fields.data(), c, q);
 }

@@ -6,9 +6,7 @@
 //
 //     R(delta) = int_Gamma  - {A}.delta[B]  - theta delta{A}.[B]  + gamma [B].delta[B]  dGamma
 //
-// with the signs of pairing.h. theta = 1 is symmetric, 0 nonsymmetric (delta{A} is never evaluated), -1
-// skew-symmetric. The tangent is exact: for theta != 0 and a nonlinear law it holds the second derivative of
-// A, contracted with the jump. Weights and penalty are frozen at the beginning of a step.
+// with the signs of pairing.h; nitsche.h has the form with a joint in series.
 //
 // Own sides: each side's test functions are integrated on its own faces, so a constant flux becomes exactly
 // its consistent nodal forces also with mapped points. The price is a matrix that is not symmetric.
@@ -20,95 +18,22 @@
 //       set Theta       = 1
 //     end
 
+#include <dovetail/interface/nitsche.h>
 #include <dovetail/interface/trace_eigenvalue.h>
 
+#include <deal.II/base/mpi.h>
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/utilities.h>
 
 #include <cmath>
+#include <iostream>
+#include <sstream>
 
 namespace dovetail {
 
-namespace {
-
-/// Which of the two sides' fluxes enter {A}, and how much.
-enum class Weights { eigenvalue, volume, equal, source, destination };
-enum class PenaltyRule { eigenvalue, volume, value };
-
-template <int dim>
-class Nitsche : public Tie<dim>
-{
-public:
-  explicit Nitsche(const Section &section);
-
-  std::array<bool, 2> integrates_on() const override { return sides_of_integration; }
-  bool adds_terms() const override { return true; }
-  bool is_symmetric() const override { return theta == 1. && !own_sides; }
-  bool is_balanced() const override { return !own_sides; }
-  void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
-                  const MPI_Comm &communicator) override;
-  bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
-                const std::vector<double> &unknowns, std::vector<double> &residual,
-                dealii::FullMatrix<double> *tangent) override;
-  void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
-                      const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
-                      std::vector<double> &result) const override;
-  typename Tie<dim>::Penalty penalty() const override { return range; }
-
-private:
-  /// w_src, w_dst and gamma of a field at a point.
-  struct Parameters
-  {
-    std::array<double, 2> weight = {{0, 0}};
-    double gamma = 0;
-  };
-
-  void reserve(const Interface<dim> &interface);
-  double stiffness(const Interface<dim> &interface, const TiedField &field, unsigned int side,
-                   const dealii::Tensor<1, dim> &N) const;
-  Parameters choose_parameters(const Interface<dim> &interface, unsigned int field_index,
-                               const typename Pairing<dim>::Group &group, unsigned int q, double t);
-  bool evaluate_sides(const Interface<dim> &interface, unsigned int q, double t,
-                      const std::vector<double> &unknowns, bool with_derivatives);
-  void add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q,
-                 const std::vector<double> &unknowns, std::vector<double> &residual,
-                 dealii::FullMatrix<double> *tangent);
-  void keep_own_rows(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
-                     std::vector<double> &residual, dealii::FullMatrix<double> *tangent) const;
-  void linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
-                           const Parameters &parameters, unsigned int q);
-  void add_tangent(const Interface<dim> &interface, const TiedField &field, const Parameters &parameters,
-                   unsigned int q, dealii::FullMatrix<double> &tangent) const;
-  void add_curvature(const Interface<dim> &interface, const TiedField &field, const Parameters &parameters,
-                     unsigned int q, dealii::FullMatrix<double> &tangent) const;
-
-  const double theta;
-  std::array<bool, 2> sides_of_integration;
-  bool own_sides;
-  const Weights weights;
-  const PenaltyRule penalty_rule;
-  const double multiplier;
-  const Expression value;
-
-  std::vector<Parameters> parameters;        ///< at field * n_points + point
-  std::vector<double> first_gamma;           ///< of the first step, likewise
-  static constexpr double least_share = 0.1; ///< of it that a softened material keeps
-  bool has_begun = false;
-  /// By field and side, of the cells behind the points; empty if neither weights nor penalty need them.
-  std::vector<std::array<std::vector<double>, 2>> lambda;
-  typename Tie<dim>::Penalty range;
-
-  // at the current point: states and responses of the two sides, the jump, and the derivative of the mean
-  // flux
-  std::array<std::unique_ptr<State<dim>>, 2> state;
-  std::array<std::unique_ptr<Response<dim>>, 2> response;
-  std::vector<double> jump, mean_flux;
-  std::vector<double> mean_flux_of; ///< d{A}_c / dx_i at c * n_local + i
-  std::vector<double> variation_of; ///< delta{A}_c for the test function i, likewise
-};
-
 /// 1 with a given penalty.
-double read_multiplier(const Section &section, const PenaltyRule rule)
+template <int dim>
+double Nitsche<dim>::read_multiplier(const Section &section, const PenaltyRule rule)
 {
   if (rule == PenaltyRule::value && !section.documenting())
     return 1;
@@ -141,7 +66,8 @@ Nitsche<dim>::Nitsche(const Section &section)
       value(penalty_rule != PenaltyRule::value && !section.documenting()
                 ? Expression()
                 : section.require_expression("Value", {1},
-                                             "The penalty gamma, with Penalty = value [Pa/m or W/(m^2 K)]"))
+                                             "The penalty gamma, with Penalty = value [Pa/m or W/(m^2 K)]")),
+      state{{State<dim>(0), State<dim>(0)}}, response{{Response<dim>(0), Response<dim>(0)}}
 {
   const unsigned int integrate_on = section.choose(
       "Integrate on", {"source", "destination", "both", "own sides"}, 0,
@@ -151,15 +77,41 @@ Nitsche<dim>::Nitsche(const Section &section)
   own_sides = integrate_on == 3;
 }
 
+/// Whether weights and penalty are the same in all steps.
 template <int dim>
-void Nitsche<dim>::reserve(const Interface<dim> &interface)
+bool Nitsche<dim>::is_constant(const Interface<dim> &interface) const
 {
-  if (state[source])
+  for (const auto &side : interface.sides)
+    if (side.domain->material.depends_on_time())
+      return false;
+  return interface.is_linear() && (penalty_rule != PenaltyRule::value || !value.depends_on_time());
+}
+
+/// For weights, penalty and the coercivity margin, which is infinite for theta = -1.
+template <int dim>
+void Nitsche<dim>::find_eigenvalues(const Interface<dim> &interface, const double t,
+                                    const typename Tie<dim>::Unknowns &values_of,
+                                    const MPI_Comm &communicator)
+{
+  if (weights != Weights::eigenvalue && penalty_rule != PenaltyRule::eigenvalue && theta == -1.)
     return;
+  lambda.resize(interface.fields.size());
+  for (unsigned int f = 0; f < interface.fields.size(); ++f)
+    lambda[f] = trace_eigenvalues(interface, interface.fields[f], t, values_of, communicator);
+}
+
+/// The responses of both sides at a point, with derivatives; NaN if not defined.
+template <int dim>
+void Nitsche<dim>::evaluate_stiffness(const Interface<dim> &interface, const unsigned int q, const double t,
+                                      const std::vector<double> &unknowns)
+{
   for (const unsigned int side : {source, destination}) {
-    const unsigned int n = interface.sides[side].domain->n_components();
-    state[side] = std::make_unique<State<dim>>(n);
-    response[side] = std::make_unique<Response<dim>>(n);
+    interface.evaluate(side, q, unknowns, state[side]);
+    state[side].X = interface.pairing().X(side, q);
+    state[side].t = t;
+    if (!interface.sides[side].domain->material.evaluate(state[side], true, response[side]))
+      for (auto &derivative : response[side].by_gradient)
+        derivative[0][0] = std::numeric_limits<double>::quiet_NaN();
   }
 }
 
@@ -170,7 +122,7 @@ double Nitsche<dim>::stiffness(const Interface<dim> &interface, const TiedField 
 {
   const unsigned int first = field.first_component[side], n = interface.sides[side].domain->n_components();
   const auto entry = [&](const unsigned int c, const unsigned int d) {
-    return N * (response[side]->by_gradient[(first + c) * n + first + d] * N);
+    return N * (response[side].by_gradient[(first + c) * n + first + d] * N);
   };
   if (field.n_components == 1)
     return entry(0, 0);
@@ -181,33 +133,33 @@ double Nitsche<dim>::stiffness(const Interface<dim> &interface, const TiedField 
   return dealii::eigenvalues(acoustic)[0];
 }
 
+/// @return the penalty per unit of the multiplier.
 template <int dim>
-typename Nitsche<dim>::Parameters Nitsche<dim>::choose_parameters(const Interface<dim> &interface,
-                                                                  const unsigned int field_index,
-                                                                  const typename Pairing<dim>::Group &group,
-                                                                  const unsigned int q, const double t)
+double Nitsche<dim>::choose(const Interface<dim> &interface, const unsigned int field_index,
+                            const typename Pairing<dim>::Group &group, const unsigned int q, const double t,
+                            Parameters &chosen) const
 {
   const TiedField &field = interface.fields[field_index];
-  // V_i / (p_i^2 k_i): for a scalar the inverse of the trace constant is V_i / (p_i^2 k_i G_i)
-  std::array<double, 2> compliance, area, trace_constant;
+  std::array<double, 2> compliance = {{0, 0}}, area = {{0, 0}}, of_cell = {{0, 0}};
   for (const unsigned int side : {source, destination}) {
+    if (!lambda.empty())
+      of_cell[side] = lambda[field_index][side][group.cells[side]];
+    if (weights != Weights::volume && penalty_rule != PenaltyRule::volume)
+      continue;
+    // V_i / (p_i^2 k_i): for a scalar the inverse of the trace constant is V_i / (p_i^2 k_i G_i)
     const CellBehind &cell = interface.pairing().cells[side][group.cells[side]];
     const double k = stiffness(interface, field, side, interface.pairing().N(side, q));
     const double p = interface.sides[side].domain->degree;
     compliance[side] = cell.cell_measure / (p * p * k);
     area[side] = cell.face_measure;
-    const double constant = field.n_components == 1 ? p * p : (p + 1) * (p + 1);
-    trace_constant[side] = lambda.empty() ? constant * k * cell.face_measure / cell.cell_measure
-                                          : lambda[field_index][side][group.cells[side]];
   }
-  const double sum_of_constants = trace_constant[source] + trace_constant[destination];
+  const double sum_of_lambdas = of_cell[source] + of_cell[destination];
   const double sum = compliance[source] + compliance[destination];
 
-  Parameters chosen;
   switch (weights) {
   case Weights::eigenvalue: // a face that is hardly touched has no eigenvalue
     for (const unsigned int side : {source, destination})
-      chosen.weight[side] = sum_of_constants > 0 ? trace_constant[1 - side] / sum_of_constants : 0.5;
+      chosen.weight[side] = sum_of_lambdas != 0 ? of_cell[1 - side] / sum_of_lambdas : 0.5;
     break;
   case Weights::volume:
     chosen.weight = {{compliance[source] / sum, compliance[destination] / sum}};
@@ -222,93 +174,162 @@ typename Nitsche<dim>::Parameters Nitsche<dim>::choose_parameters(const Interfac
     chosen.weight = {{0, 1}};
     break;
   }
+  double unit = 0;
   switch (penalty_rule) {
   case PenaltyRule::eigenvalue:
-    chosen.gamma = sum_of_constants > 0
-                       ? multiplier * trace_constant[source] * trace_constant[destination] / sum_of_constants
-                       : 0;
+    unit = sum_of_lambdas != 0 ? of_cell[source] * (of_cell[destination] / sum_of_lambdas) : 0;
     break;
   case PenaltyRule::volume:
-    chosen.gamma = multiplier * (area[source] + area[destination]) / sum;
+    unit = (area[source] + area[destination]) / sum;
     break;
   case PenaltyRule::value:
-    chosen.gamma = value.value(interface.pairing().X(source, q), t);
+    unit = value.value(interface.pairing().X(source, q), t);
     break;
   }
+  chosen.gamma = multiplier * unit;
+  return unit;
+}
 
-  const double bound =
-      (1 + theta) * (1 + theta) / 4 *
-      (chosen.weight[source] * chosen.weight[source] * trace_constant[source] +
-       chosen.weight[destination] * chosen.weight[destination] * trace_constant[destination]);
+/// gamma > (1+theta)^2/4 (w_src^2 L_src + w_dst^2 L_dst) makes the form coercive, with a joint, too.
+template <int dim>
+void Nitsche<dim>::note_margin(const unsigned int field_index, const typename Pairing<dim>::Group &group,
+                               const Parameters &chosen, const double unit)
+{
   range.smallest = std::min(range.smallest, chosen.gamma);
   range.largest = std::max(range.largest, chosen.gamma);
-  if (bound > 0)
-    range.coercivity_margin = std::min(range.coercivity_margin, chosen.gamma / bound);
-  return chosen;
+  if (lambda.empty())
+    return;
+  double bound = 0;
+  for (const unsigned int side : {source, destination})
+    bound += (1 + theta) * (1 + theta) / 4 * chosen.weight[side] * chosen.weight[side] *
+             lambda[field_index][side][group.cells[side]];
+  if (!(bound > 0))
+    return;
+  range.coercivity_margin = std::min(range.coercivity_margin, chosen.gamma / bound - 1);
+  least_multiplier = std::max(least_multiplier, penalty_rule == PenaltyRule::value ? bound : bound / unit);
+}
+
+template <int dim>
+void Nitsche<dim>::warn_if_not_coercive(const Interface<dim> &interface, const MPI_Comm &communicator)
+{
+  if (has_warned || lambda.empty())
+    return;
+  const double margin = dealii::Utilities::MPI::min(range.coercivity_margin, communicator);
+  const double least = dealii::Utilities::MPI::max(least_multiplier, communicator);
+  if (margin > -1e-12) // on the bound but for rounding
+    return;
+  has_warned = true;
+  if (dealii::Utilities::MPI::this_mpi_process(communicator) != 0)
+    return;
+  std::ostringstream message;
+  message.precision(3);
+  message << "Warning: interface " << interface.name << ": with Theta = " << theta << " its penalty is "
+          << 1 + margin << " times the least one for which the tie is coercive. Set "
+          << (penalty_rule == PenaltyRule::value ? "Value" : "Multiplier") << " = " << 2 * least
+          << " (twice the least)";
+  if (penalty_rule != PenaltyRule::value)
+    message << " instead of " << multiplier;
+  std::cerr << message.str() << ", or Theta = -1, which needs none." << std::endl;
 }
 
 template <int dim>
 void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
                               const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
 {
-  const Pairing<dim> &pairing = interface.pairing();
-  const bool is_constant =
-      interface.is_linear() && (penalty_rule != PenaltyRule::value || !value.depends_on_time());
-  if (is_constant && has_begun)
+  if (has_begun && is_constant(interface))
     return;
+  if (!has_begun)
+    for (const unsigned int side : {source, destination}) {
+      state[side] = State<dim>(interface.sides[side].domain->n_components());
+      response[side] = Response<dim>(interface.sides[side].domain->n_components());
+    }
   has_begun = true;
-  reserve(interface);
-  if (weights == Weights::eigenvalue || penalty_rule == PenaltyRule::eigenvalue) {
-    lambda.resize(interface.fields.size());
-    for (unsigned int f = 0; f < interface.fields.size(); ++f)
-      lambda[f] = trace_eigenvalues(interface, interface.fields[f], t, values_of, communicator);
-  }
+  find_eigenvalues(interface, t, values_of, communicator);
+
+  const Pairing<dim> &pairing = interface.pairing();
+  const bool needs_stiffness = weights == Weights::volume || penalty_rule == PenaltyRule::volume;
   const std::vector<Parameters> old = parameters;
   parameters.resize(pairing.n_points() * interface.fields.size());
   range = {};
+  least_multiplier = 0;
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;
   for (const auto &group : pairing.groups) {
-    interface.group_dofs(group, dofs);
-    values_of(dofs, unknowns);
+    if (needs_stiffness) {
+      interface.group_dofs(group, dofs);
+      values_of(dofs, unknowns);
+    }
     for (unsigned int q = group.begin; q < group.end; ++q) {
-      bool is_defined = true;
-      for (const unsigned int side : {source, destination}) {
-        interface.evaluate(side, q, unknowns, *state[side]);
-        state[side]->X = pairing.X(side, q);
-        state[side]->t = t;
-        is_defined = is_defined &&
-                     interface.sides[side].domain->material.evaluate(*state[side], true, *response[side]);
-      }
+      if (needs_stiffness)
+        evaluate_stiffness(interface, q, t, unknowns);
       for (unsigned int f = 0; f < interface.fields.size(); ++f) {
         const unsigned int i = f * pairing.n_points() + q;
-        const Parameters chosen = choose_parameters(interface, f, group, q, t);
+        Parameters chosen;
+        const double unit = choose(interface, f, group, q, t, chosen);
         // a tangent that has lost its positivity says nothing about the stiffness: keep the last good one
-        const bool is_good = is_defined && chosen.gamma >= 0 && std::isfinite(chosen.gamma) &&
-                             chosen.weight[source] >= 0 && chosen.weight[destination] >= 0;
+        const bool is_good = chosen.gamma >= 0 && std::isfinite(chosen.gamma) && chosen.weight[source] >= 0 &&
+                             chosen.weight[destination] >= 0;
         parameters[i] = is_good || old.empty() ? chosen : old[i];
         if (!first_gamma.empty() && penalty_rule != PenaltyRule::value)
           parameters[i].gamma = std::max(parameters[i].gamma, least_share * first_gamma[i]);
+        note_margin(f, group, parameters[i], unit);
       }
     }
   }
   if (first_gamma.empty())
     for (const Parameters &of_point : parameters)
       first_gamma.push_back(of_point.gamma);
+  warn_if_not_coercive(interface, communicator);
 }
 
-/// {A} - gamma [B]: what the source gets from the destination.
+/// a and b at a point.
+template <int dim>
+bool Nitsche<dim>::join(const Interface<dim> &interface, const TiedField &field, const unsigned int q,
+                        const double gamma, const std::array<State<dim>, 2> &of_sides, Series &series) const
+{
+  if (!has_joint())
+    return true;
+  Joint joint;
+  if (!find_joint(field, of_sides, joint))
+    return false;
+  series.is_rigid = false;
+  const std::array<double, 2> h = {{joint.along_normal, joint.along_tangents}};
+  for (const unsigned int i : {0, 1}) {
+    series.b[i] = h[i] + gamma > 0 ? 1 / (h[i] + gamma) : 0;
+    series.a[i] = std::isfinite(h[i]) ? h[i] * series.b[i] : 1;
+  }
+  if (field.n_components == 1) { // along N whatever N is
+    series.N[0] = 1;
+    series.b_by_mean = std::isfinite(h[0]) ? series.b[0] * series.b[0] * joint.derivative_by_mean : 0;
+    return true;
+  }
+  series.N = interface.pairing().N(source, q) - interface.pairing().N(destination, q);
+  series.N /= series.N.norm();
+  return true;
+}
+
+/// s, what the source gets from the destination.
 template <int dim>
 void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedField &field,
-                                  const unsigned int q, const std::array<std::vector<double>, 2> &flux,
+                                  const unsigned int q, const std::array<State<dim>, 2> &of_sides,
+                                  const std::array<std::vector<double>, 2> &flux,
                                   const std::vector<double> &jump, std::vector<double> &result) const
 {
   if (parameters.empty()) // the tie has not been active yet
-    return Tie<dim>::numerical_flux(interface, field, q, flux, jump, result);
+    return Tie<dim>::numerical_flux(interface, field, q, of_sides, flux, jump, result);
   const Parameters &p = parameters[(&field - interface.fields.data()) * interface.pairing().n_points() + q];
+  Series series;
+  const bool is_defined = join(interface, field, q, p.gamma, of_sides, series);
+  std::array<double, dim> rigid;
   for (unsigned int c = 0; c < field.n_components; ++c)
-    result[c] =
-        p.weight[source] * flux[source][c] - p.weight[destination] * flux[destination][c] - p.gamma * jump[c];
+    rigid[c] = is_defined ? p.weight[source] * flux[source][c] -
+                                p.weight[destination] * flux[destination][c] - p.gamma * jump[c]
+                          : std::numeric_limits<double>::quiet_NaN();
+  for (unsigned int c = 0; c < field.n_components; ++c) {
+    result[c] = series.is_rigid ? rigid[c] : 0;
+    for (unsigned int d = 0; d < field.n_components && !series.is_rigid; ++d)
+      result[c] += series.entry(series.a, c, d) * rigid[d];
+  }
 }
 
 template <int dim>
@@ -319,12 +340,13 @@ bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const unsigne
     bool is_weighted = false;
     for (unsigned int f = 0; f < interface.fields.size(); ++f)
       is_weighted = is_weighted || parameters[f * interface.pairing().n_points() + q].weight[side] != 0;
-    if (!is_weighted)
+    if (!is_weighted && !has_joint())
       continue;
-    interface.evaluate(side, q, unknowns, *state[side]);
-    state[side]->X = interface.pairing().X(side, q);
-    state[side]->t = t;
-    if (!interface.sides[side].domain->material.evaluate(*state[side], with_derivatives, *response[side]))
+    interface.evaluate(side, q, unknowns, state[side]);
+    state[side].X = interface.pairing().X(side, q);
+    state[side].t = t;
+    if (is_weighted &&
+        !interface.sides[side].domain->material.evaluate(state[side], with_derivatives, response[side]))
       return false;
   }
   return true;
@@ -340,7 +362,8 @@ bool Nitsche<dim>::assemble(const Interface<dim> &interface, const typename Pair
     if (!evaluate_sides(interface, q, t, unknowns, with_derivatives))
       return false;
     for (unsigned int f = 0; f < interface.fields.size(); ++f)
-      add_field(interface, f, q, unknowns, residual, tangent);
+      if (!add_field(interface, f, q, unknowns, residual, tangent))
+        return false;
   }
   if (own_sides)
     keep_own_rows(interface, group, residual, tangent);
@@ -362,48 +385,53 @@ void Nitsche<dim>::keep_own_rows(const Interface<dim> &interface, const typename
 }
 
 template <int dim>
-void Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int field_index,
+bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int field_index,
                              const unsigned int q, const std::vector<double> &unknowns,
                              std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
   const Pairing<dim> &pairing = interface.pairing();
   const TiedField &field = interface.fields[field_index];
   const Parameters &p = parameters[field_index * pairing.n_points() + q];
-  const unsigned int n_c = field.n_components,
-                     n_local = interface.n_local(source) + interface.n_local(destination);
+  const unsigned int n_c = field.n_components, n_local = residual.size();
 
+  Series series;
+  if (!join(interface, field, q, p.gamma, state, series))
+    return false;
   interface.jump(field, q, unknowns, jump);
   mean_flux.assign(n_c, 0.);
   for (const unsigned int side : {source, destination})
     if (p.weight[side] != 0)
       for (unsigned int c = 0; c < n_c; ++c)
         mean_flux[c] += (side == source ? 1 : -1) * p.weight[side] *
-                        (response[side]->flux[field.first_component[side] + c] * pairing.N(side, q));
+                        (response[side].flux[field.first_component[side] + c] * pairing.N(side, q));
+  transmitted.assign(n_c, 0.);
+  mismatch = series.is_rigid ? jump : transmitted;
+  for (unsigned int c = 0; c < n_c; ++c) {
+    if (series.is_rigid)
+      transmitted[c] = mean_flux[c] - p.gamma * jump[c];
+    else
+      for (unsigned int d = 0; d < n_c; ++d) {
+        const double a = series.entry(series.a, c, d);
+        transmitted[c] += a * (mean_flux[d] - p.gamma * jump[d]);
+        mismatch[c] += a * jump[d] + series.entry(series.b, c, d) * mean_flux[d];
+      }
+  }
   if (tangent != nullptr || theta != 0)
     linearise_mean_flux(interface, field, p, q);
 
-  unsigned int i = 0;
-  for (const unsigned int side : {source, destination}) {
-    const double sign = side == source ? 1 : -1;
-    const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
-    const double *test = pairing.test(side, q);
-    for (const unsigned int component : interface.components[side]) {
-      const unsigned int c = component - field.first_component[side]; // wraps if not of this field
-      for (unsigned int a = 0; a < n_nodes; ++a, ++i)
-        if (c < n_c) {
-          double R = sign * test[a] * (p.gamma * jump[c] - mean_flux[c]);
-          if (theta != 0)
-            for (unsigned int d = 0; d < n_c; ++d)
-              R -= theta * variation_of[d * n_local + i] * jump[d];
-          residual[i] += pairing.weight(q) * R;
-        }
-    }
-  }
+  find_jump_unknowns(interface, field, q);
+  for (const InJump &row : in_jump)
+    residual[row.i] -= pairing.weight(q) * row.test * transmitted[row.component];
+  if (theta != 0)
+    for (const unsigned int i : of_field)
+      for (unsigned int c = 0; c < n_c; ++c)
+        residual[i] -= theta * pairing.weight(q) * variation_of[c * n_local + i] * mismatch[c];
   if (tangent == nullptr)
-    return;
-  add_tangent(interface, field, p, q, *tangent);
+    return true;
+  add_tangent(interface, field, p, series, q, *tangent);
   if (theta != 0 && !interface.is_linear())
     add_curvature(interface, field, p, q, *tangent);
+  return true;
 }
 
 /// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a), and
@@ -417,7 +445,10 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
   const unsigned int n_c = field.n_components;
   const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
   mean_flux_of.assign(n_c * n_local, 0.);
-  variation_of.assign(n_c * n_local, 0.);
+  if (theta != 0) {
+    variation_of.assign(n_c * n_local, 0.);
+    ++variations.first;
+  }
   unsigned int i = 0;
   for (const unsigned int side : {source, destination}) {
     const Domain<dim> &domain = *interface.sides[side].domain;
@@ -427,17 +458,22 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
       i += interface.n_local(side);
       continue;
     }
+    const dealii::Tensor<1, dim> *gradients = pairing.gradients(side, q);
+    const double *values = pairing.values(side, q);
     for (const unsigned int d : interface.components[side]) {
       for (unsigned int c = 0; c < n_c; ++c) {
         const unsigned int pair = (field.first_component[side] + c) * n + d;
         const dealii::Tensor<1, dim> by_gradient =
-            factor * (pairing.N(side, q) * response[side]->by_gradient[pair]);
-        const double by_value = factor * (pairing.N(side, q) * response[side]->by_value[pair]);
-        double *variation = &variation_of[c * n_local + i], *mean = &mean_flux_of[c * n_local + i];
-        for (unsigned int a = 0; a < n_nodes; ++a) {
-          variation[a] = by_gradient * pairing.gradients(side, q)[a];
-          mean[a] = variation[a] + by_value * pairing.values(side, q)[a];
-        }
+            factor * (pairing.N(side, q) * response[side].by_gradient[pair]);
+        const double by_value = factor * (pairing.N(side, q) * response[side].by_value[pair]);
+        double *mean = &mean_flux_of[c * n_local + i];
+        for (unsigned int a = 0; a < n_nodes; ++a)
+          mean[a] = by_gradient * gradients[a];
+        if (theta != 0)
+          std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
+        if (by_value != 0)
+          for (unsigned int a = 0; a < n_nodes; ++a)
+            mean[a] += by_value * values[a];
       }
       i += n_nodes;
     }
@@ -445,63 +481,128 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
 }
 
 template <int dim>
-void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField &field, const Parameters &p,
-                               const unsigned int q, dealii::FullMatrix<double> &tangent) const
+void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const TiedField &field,
+                                      const unsigned int q)
 {
-  // the unknowns that enter the jump: index, component, signed trial and test value
-  struct InJump
-  {
-    unsigned int i, c;
-    double trial, test;
-  };
-  static thread_local std::vector<InJump> in_jump;
-  static thread_local std::vector<unsigned int> of_field;
   in_jump.clear();
   of_field.clear();
-  const Pairing<dim> &pairing = interface.pairing();
-  const unsigned int n_c = field.n_components;
   unsigned int i = 0;
   for (const unsigned int side : {source, destination}) {
     const double sign = side == source ? 1 : -1;
+    const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
+    const double *trial = interface.pairing().trial(side, q), *test = interface.pairing().test(side, q);
     for (const unsigned int component : interface.components[side]) {
-      const unsigned int c = component - field.first_component[side];
-      for (unsigned int a = 0; a < interface.sides[side].domain->n_nodes(); ++a, ++i)
-        if (c < n_c) {
+      const unsigned int c = component - field.first_component[side]; // wraps if not of this field
+      for (unsigned int a = 0; a < n_nodes; ++a, ++i)
+        if (c < field.n_components) {
           of_field.push_back(i);
-          const double trial = pairing.trial(side, q)[a], test = pairing.test(side, q)[a];
-          if (std::abs(trial) > 1e-14 || std::abs(test) > 1e-14)
-            in_jump.push_back({i, c, sign * trial, sign * test});
+          if (std::abs(trial[a]) > 1e-14 || std::abs(test[a]) > 1e-14)
+            in_jump.push_back({i, c, sign * trial[a], sign * test[a]});
         }
     }
   }
-
-  const double w = pairing.weight(q);
-  const unsigned int n_local = tangent.n();
-  for (const InJump &row : in_jump) {
-    const double test = w * row.test;
-    const double *mean = &mean_flux_of[row.c * n_local];
-    double *entries = &tangent(row.i, 0);
-    for (unsigned int j = 0; j < n_local; ++j)
-      entries[j] -= test * mean[j];
-    for (const InJump &column : in_jump)
-      if (column.c == row.c)
-        entries[column.i] += p.gamma * test * column.trial;
-  }
-  if (theta != 0)
-    for (const unsigned int row : of_field) {
-      std::array<double, dim> mean;
-      for (unsigned int c = 0; c < n_c; ++c)
-        mean[c] = theta * w * variation_of[c * n_local + row];
-      double *entries = &tangent(row, 0);
-      for (const InJump &column : in_jump)
-        entries[column.i] -= mean[column.c] * column.trial;
-    }
 }
 
-/// - theta [B]_c d2{A}_c(delta, d): the second derivative of the flux contracted with the jump.
+/// - ds.delta[B] - theta delta{A}.de
+template <int dim>
+void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField &field, const Parameters &p,
+                               const Series &series, const unsigned int q,
+                               dealii::FullMatrix<double> &tangent)
+{
+  const double w = interface.pairing().weight(q);
+  const unsigned int n_local = tangent.n(), n_c = field.n_components;
+  if (!series.is_rigid) {
+    transmitted_of.assign(n_c * n_local, 0.);
+    for (unsigned int c = 0; c < n_c; ++c)
+      for (unsigned int d = 0; d < n_c; ++d) {
+        const double a = series.entry(series.a, c, d);
+        for (unsigned int j = 0; j < n_local; ++j)
+          transmitted_of[c * n_local + j] += a * mean_flux_of[d * n_local + j];
+      }
+  }
+  for (const InJump &row : in_jump) {
+    const double test = w * row.test;
+    const double *of_row = &(series.is_rigid ? mean_flux_of : transmitted_of)[row.component * n_local];
+    double *entries = &tangent(row.i, 0);
+    for (unsigned int j = 0; j < n_local; ++j)
+      entries[j] -= test * of_row[j];
+    const double penalty = p.gamma * test;
+    if (series.is_rigid) {
+      for (const InJump &column : in_jump)
+        if (column.component == row.component)
+          entries[column.i] += penalty * column.trial;
+    } else
+      for (const InJump &column : in_jump)
+        entries[column.i] += series.entry(series.a, row.component, column.component) * penalty * column.trial;
+  }
+  if (theta != 0)
+    add_variation_rows(field, series, w, tangent);
+  if (series.b_by_mean != 0)
+    add_change_of_joint(interface, field, p, series, q, tangent);
+}
+
+/// - theta delta{A}.(a.d[B] + b.d{A})
+template <int dim>
+void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &series, const double weight,
+                                      dealii::FullMatrix<double> &tangent) const
+{
+  const unsigned int n_local = tangent.n(), n_c = field.n_components;
+  for (const unsigned int row : of_field) {
+    std::array<double, dim> variation, of_jump;
+    for (unsigned int c = 0; c < n_c; ++c)
+      variation[c] = of_jump[c] = theta * weight * variation_of[c * n_local + row];
+    double *entries = &tangent(row, 0);
+    if (!series.is_rigid)
+      for (unsigned int c = 0; c < n_c; ++c) {
+        double of_flux = 0;
+        of_jump[c] = 0;
+        for (unsigned int d = 0; d < n_c; ++d) {
+          of_jump[c] += series.entry(series.a, c, d) * variation[d];
+          of_flux += series.entry(series.b, c, d) * variation[d];
+        }
+        const double *mean = &mean_flux_of[c * n_local];
+        for (unsigned int j = 0; j < n_local; ++j)
+          entries[j] -= of_flux * mean[j];
+      }
+    for (const InJump *column = in_jump.data(), *end = column + in_jump.size(); column != end;) {
+      const unsigned int c = column->component;
+      const double factor = of_jump[c];
+      for (; column != end && column->component == c; ++column)
+        entries[column->i] -= factor * column->trial;
+    }
+  }
+}
+
+/// Of a scalar, with h' = dh/dB and dB the mean of both sides': b^2 h' (gamma [B] - {A}) (gamma delta[B] -
+/// theta delta{A}) dB.
+template <int dim>
+void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const TiedField &field,
+                                       const Parameters &p, const Series &series, const unsigned int q,
+                                       dealii::FullMatrix<double> &tangent) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const double factor = pairing.weight(q) * series.b_by_mean * (p.gamma * jump[0] - mean_flux[0]) / 2;
+  const auto add_row = [&](const unsigned int row, const double test) {
+    unsigned int first = 0;
+    for (const unsigned int side : {source, destination}) {
+      const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
+      const unsigned int column = first + interface.position(side, field.first_component[side]) * n_nodes;
+      for (unsigned int b = 0; b < n_nodes; ++b)
+        tangent(row, column + b) += factor * test * pairing.values(side, q)[b];
+      first += interface.n_local(side);
+    }
+  };
+  for (const InJump &row : in_jump)
+    add_row(row.i, p.gamma * row.test);
+  if (theta != 0)
+    for (const unsigned int row : of_field)
+      add_row(row, -theta * variation_of[row]);
+}
+
+/// - theta e_c d2{A}_c(delta, d): the second derivative of the flux contracted with e.
 template <int dim>
 void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedField &field, const Parameters &p,
-                                 const unsigned int q, dealii::FullMatrix<double> &tangent) const
+                                 const unsigned int q, dealii::FullMatrix<double> &tangent)
 {
   const Pairing<dim> &pairing = interface.pairing();
   unsigned int first = 0;
@@ -510,12 +611,13 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
     const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
     const auto &components = interface.components[side];
     if (p.weight[side] != 0 && !domain.material.is_linear(field.field[side])) {
-      std::vector<dealii::Tensor<1, dim>> contraction(n);
+      ++variations.second;
+      contraction.assign(n, dealii::Tensor<1, dim>());
       for (unsigned int c = 0; c < field.n_components; ++c)
         contraction[field.first_component[side] + c] = -theta * (side == source ? 1 : -1) * p.weight[side] *
-                                                       pairing.weight(q) * jump[c] * pairing.N(side, q);
-      dealii::FullMatrix<double> H(n * (1 + dim), n * (1 + dim));
-      domain.material.curvature(*state[side], contraction, H);
+                                                       pairing.weight(q) * mismatch[c] * pairing.N(side, q);
+      dealii::FullMatrix<double> &H = second_derivative;
+      domain.material.curvature(state[side], contraction, H);
 
       const double *values = pairing.values(side, q);
       const dealii::Tensor<1, dim> *gradients = pairing.gradients(side, q);
@@ -533,14 +635,22 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
               for (unsigned int L = 0; L < dim; ++L)
                 g[L] += gradients[a][J] * H(row + 1 + J, column + 1 + L);
             }
+            double *entries = &tangent(first + k * n_nodes + a, first + l * n_nodes);
             for (unsigned int b = 0; b < n_nodes; ++b)
-              tangent(first + k * n_nodes + a, first + l * n_nodes + b) += g * gradients[b] + v * values[b];
+              entries[b] += g * gradients[b];
+            for (unsigned int b = 0; v != 0 && b < n_nodes; ++b)
+              entries[b] += v * values[b];
           }
       }
     }
     first += interface.n_local(side);
   }
 }
+
+template class Nitsche<2>;
+template class Nitsche<3>;
+
+namespace {
 
 const bool registered =
     add_tie<Nitsche>("Nitsche", "Weak continuity by consistent flux terms and a penalty.");

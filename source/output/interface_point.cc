@@ -38,14 +38,18 @@ void InterfacePoint<dim>::evaluate(const unsigned int q, const std::vector<doubl
 {
   for (const unsigned int side : {source, destination}) {
     interface.evaluate(side, q, unknowns, state[side]);
-    for (unsigned int f = 0; f < fields.size(); ++f)
-      fields[f].flux[side] = normal_flux(interface.fields[f], side, q);
+    for (unsigned int f = 0; f < fields.size(); ++f) {
+      const TiedField &field = interface.fields[f];
+      fields[f].flux[side] = normal_flux(field, side, q);
+      const auto first = state[side].value.begin() + field.first_component[side];
+      fields[f].trace[side].assign(first, first + field.n_components);
+    }
   }
   for (unsigned int f = 0; f < fields.size(); ++f) {
     interface.jump(interface.fields[f], q, unknowns, fields[f].jump);
     fields[f].numerical_flux.assign(interface.fields[f].n_components, 0.);
     if (interface.is_active(t))
-      interface.tie().numerical_flux(interface, interface.fields[f], q, fields[f].flux, fields[f].jump,
+      interface.tie().numerical_flux(interface, interface.fields[f], q, state, fields[f].flux, fields[f].jump,
                                      fields[f].numerical_flux);
   }
 }

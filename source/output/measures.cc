@@ -133,15 +133,24 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
   struct Squares
   {
     double jump = 0, flux_jump = 0, flux_error = 0;
+    std::array<std::vector<double>, 2> trace; // integrals
     /// Of the tie's flux into the source, at the points on the faces of each side.
     std::array<std::vector<double>, 2> resultant;
   };
   std::vector<Squares> squares(interface.fields.size());
+  for (unsigned int f = 0; f < squares.size(); ++f)
+    for (auto &of_side : squares[f].trace)
+      of_side.assign(interface.fields[f].n_components, 0.);
+  double area = 0;
   InterfacePoint<dim> point(interface, t);
   point.for_each(solution, [&](const unsigned int q, const unsigned int side_of_point) {
     const double weight = interface.pairing().weight(q);
+    area += weight;
     for (unsigned int f = 0; f < squares.size(); ++f) {
       const auto &of_field = point.fields[f];
+      for (const unsigned int side : {source, destination})
+        for (unsigned int c = 0; c < of_field.jump.size(); ++c)
+          squares[f].trace[side][c] += of_field.trace[side][c] * weight;
       std::vector<double> &resultant = squares[f].resultant[side_of_point];
       resultant.resize(of_field.jump.size());
       for (unsigned int c = 0; c < of_field.jump.size(); ++c) {
@@ -163,8 +172,20 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
 
   const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
   const auto norm = [&](const double square) { return std::sqrt(sum_over_ranks(square, communicator)); };
+  area = sum_over_ranks(area, communicator);
   for (unsigned int f = 0; f < squares.size(); ++f) {
     const std::string &field = interface.fields[f].name;
+    for (const unsigned int side : {source, destination}) {
+      std::vector<double> &mean = squares[f].trace[side];
+      dealii::Utilities::MPI::sum(mean, communicator, mean);
+      for (double &component : mean)
+        component /= area;
+      ordered_json &value = result[side == source ? "mean source" : "mean destination"][field];
+      if (mean.size() == 1)
+        value = mean[0];
+      else
+        value = mean;
+    }
     result["jump L2"][field] = norm(squares[f].jump);
     result["flux jump L2"][field] = norm(squares[f].flux_jump);
     if (point.has_exact_flux(f, source) || point.has_exact_flux(f, destination))
@@ -219,6 +240,11 @@ void measure_penalty(const Interface<dim> &interface, const MPI_Comm &communicat
     result["penalty"] = {{"smallest", smallest}, {"largest", largest}};
   if (std::isfinite(margin))
     result["coercivity margin"] = margin;
+  if (interface.tie().adds_terms()) {
+    const auto variations = interface.tie().flux_variations();
+    result["flux variations"] = {{"first", dealii::Utilities::MPI::sum(variations.first, communicator)},
+                                 {"second", dealii::Utilities::MPI::sum(variations.second, communicator)}};
+  }
 }
 
 } // namespace

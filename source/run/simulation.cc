@@ -118,6 +118,8 @@ std::vector<SolveGroup> Simulation<dim>::solve_groups() const
     group.dim = dim;
     group.degree = model.degree();
     group.is_symmetric = fields.size() == 1 && model.is_symmetric(fields[0]);
+    group.allows_jumps = std::any_of(fields.begin(), fields.end(),
+                                     [this](const auto &field) { return model.allows_jumps(field); });
     group.near_null_space = [this](const unsigned int block, const bool of_all_blocks) {
       return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
     };

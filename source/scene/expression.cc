@@ -10,6 +10,7 @@
 #include <muParser.h>
 
 #include <cmath>
+#include <limits>
 
 namespace dovetail {
 
@@ -146,6 +147,7 @@ void Expression::Implementation::define_names(mu::Parser &parser)
     parser.DefineVar("T", &temperature);
 
   parser.DefineConst("pi", dealii::numbers::PI);
+  parser.DefineConst("inf", std::numeric_limits<double>::infinity());
   parser.DefineFun("if", if_then_else);
   parser.DefineFun("log", natural_logarithm);
   parser.DefineFun("ln", natural_logarithm);

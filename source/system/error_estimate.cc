@@ -178,7 +178,7 @@ private:
       }
       interface.jump(field, q, unknowns, jump);
       numerical_flux.assign(field.n_components, 0.);
-      interface.tie().numerical_flux(interface, field, q, flux, jump, numerical_flux);
+      interface.tie().numerical_flux(interface, field, q, state, flux, jump, numerical_flux);
 
       const double weight = interface.pairing().weight(q) / energies.at(field.name);
       const double mean_stiffness =

@@ -250,7 +250,7 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
     is_new = false;
     for (const auto &interface : interfaces)
       for (const auto &tied : interface->fields)
-        if (tied.name == field)
+        if (tied.name == field && interface->tie().holds(tied))
           for (const unsigned int side : {source, destination})
             if (held.count(interface->sides[side].domain) > 0)
               is_new = held.insert(interface->sides[1 - side].domain).second || is_new;
@@ -301,6 +301,9 @@ bool Model<dim>::is_linear() const
       if (!condition->is_linear())
         return false;
   }
+  for (const auto &interface : interfaces)
+    if (!interface->tie().is_linear())
+      return false;
   return true;
 }
 
@@ -316,6 +319,16 @@ bool Model<dim>::is_symmetric(const std::string &field) const
       if (tied.name == field && !interface->is_symmetric())
         return false;
   return true;
+}
+
+template <int dim>
+bool Model<dim>::allows_jumps(const std::string &field) const
+{
+  for (const auto &interface : interfaces)
+    for (const auto &tied : interface->fields)
+      if (tied.name == field && interface->tie().allows_jump(tied))
+        return true;
+  return false;
 }
 
 template <int dim>

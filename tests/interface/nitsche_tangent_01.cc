@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Nitsche's tie, group by group: the tangent against central differences of the residual (relative error at
-// most 1e-7) at random states with a jump, for every law, theta, choice of weights and sides, and gap
-// extension, over an interface with a gap. Entries that Interface::couples excludes vanish. What one side
-// gets the other gives: for constant test functions of a component on both sides the residual vanishes. For
-// theta = 1 the tangent of elastic solids and of k(x) is symmetric to 1e-12, except if the gap extension is
-// not.
+// Nitsche's tie and contact resistance, group by group: the tangent against central differences of the
+// residual (relative error at most 1e-7) at random states with a jump, for every law, theta, choice of
+// weights and sides, gap extension and joint, over an interface with a gap. Entries that Interface::couples
+// excludes vanish. What one side gets the other gives: for constant test functions of a component on both
+// sides the residual vanishes. For theta = 1 the tangent of elastic solids and of k(x) is symmetric to 1e-12,
+// except if the gap extension is not, or the conductance depends on the temperature. theta = 0 varies no
+// flux, linear laws are varied once only.
 
 #include "../system/scene_model.h"
 
@@ -24,6 +25,15 @@ struct Laws
   std::string name, source, destination; ///< entries of the two materials
   double size;                           ///< of the displacement gradients
   bool is_symmetric;                     ///< for theta = 1
+  std::string conductance = ""; ///< and stiffness, of a joint between the two; none if both are empty
+  std::string stiffness = "";
+
+  Laws with_joint(const std::string &of_heat, const std::string &of_solid) const
+  {
+    return {
+        name + ", joint", source,  destination, size, is_symmetric && of_heat.find('T') == std::string::npos,
+        of_heat,          of_solid};
+  }
 };
 
 std::string solid(const std::string &type, const std::string &more = "")
@@ -62,7 +72,10 @@ std::string scene(const Laws &laws, const Choice &choice, const unsigned int deg
                     set("Material", "second") + given_degree +
                         box(dim == 2 ? "1, 3 : 1.02, 0 : 2, 1" : "1, 2, 1 : 1.02, 0, 0 : 2, 1, 1")) +
          subsection("Interface seam",
-                    set("Type", "Nitsche") + set("Source", "left : 1") + set("Destination", "right : 0") +
+                    set("Type", laws.conductance + laws.stiffness == "" ? "Nitsche" : "contact resistance") +
+                        (laws.conductance == "" ? "" : set("Conductance", laws.conductance)) +
+                        (laws.stiffness == "" ? "" : set("Joint stiffness", laws.stiffness)) +
+                        set("Source", "left : 1") + set("Destination", "right : 0") +
                         set("Theta", choice.theta) + set("Weights", choice.weights) +
                         set("Integrate on", choice.integrate_on) + set("Gap extension", choice.extension) +
                         set("Quadrature", "mapped points") + set("Points per face", "2"));
@@ -72,6 +85,7 @@ std::string scene(const Laws &laws, const Choice &choice, const unsigned int deg
 struct Errors
 {
   double tangent = 0, symmetry = 0, coupling = 0, balance = 0;
+  unsigned long variations = 0, curvatures = 0; ///< that should not have been evaluated
 };
 
 template <int dim>
@@ -143,6 +157,13 @@ Errors check(const Laws &laws, const Choice &choice, const unsigned int degree, 
         if (!interface.couples(component[i], component[j]))
           errors.coupling = std::max(errors.coupling, std::abs(tangent(i, j)));
   }
+  const auto variations = tie.flux_variations();
+  if (choice.theta == "0")
+    errors.variations = variations.first;
+  else if (variations.first == 0)
+    errors.variations = 1;
+  if (choice.theta == "0" || interface.is_linear())
+    errors.curvatures = variations.second;
   return errors;
 }
 
@@ -150,7 +171,7 @@ template <int dim>
 void test_laws(const std::vector<Laws> &all_laws, const unsigned int degree, const unsigned int n_groups)
 {
   const std::array<std::string, 4> thetas = {{"1", "0", "-1", "0.3"}};
-  const std::array<std::string, 4> weights = {{"volume", "equal", "source", "destination"}};
+  const std::array<std::string, 5> weights = {{"volume", "eigenvalue", "equal", "source", "destination"}};
   const std::array<std::string, 3> sides = {{"source", "destination", "both"}};
   const std::array<std::string, 3> extensions = {{"symmetric", "trial", "none"}};
   unsigned int n_choices = 0;
@@ -158,12 +179,14 @@ void test_laws(const std::vector<Laws> &all_laws, const unsigned int degree, con
     Errors errors;
     // seven choices per law, each theta with different companions; over all laws every pair occurs
     for (unsigned int i = 0; i < 7; ++i, ++n_choices) {
-      const Choice choice = {thetas[i % 4], weights[(i + i / 4 + n_choices / 7) % 4], sides[n_choices % 3],
+      const Choice choice = {thetas[i % 4], weights[(i + i / 4 + n_choices / 7) % 5], sides[n_choices % 3],
                              extensions[(n_choices + n_choices / 3) % 3]};
       const Errors of_choice = check<dim>(laws, choice, degree, n_groups);
       errors.tangent = std::max(errors.tangent, of_choice.tangent);
       errors.coupling = std::max(errors.coupling, of_choice.coupling);
       errors.balance = std::max(errors.balance, of_choice.balance);
+      errors.variations += of_choice.variations;
+      errors.curvatures += of_choice.curvatures;
       if (choice.theta == "1" && choice.extension != "trial" && laws.is_symmetric)
         errors.symmetry = std::max(errors.symmetry, of_choice.symmetry);
     }
@@ -174,6 +197,7 @@ void test_laws(const std::vector<Laws> &all_laws, const unsigned int degree, con
     if (laws.is_symmetric)
       report(name + "symmetric for theta = 1", errors.symmetry, 1e-12);
     report(name + "couplings", errors.coupling, 0.);
+    report(name + "needless variations", errors.variations + errors.curvatures, 0.);
   }
 }
 
@@ -205,10 +229,17 @@ int main(int argc, char **argv)
                 coupled},
                1, 10);
   test_laws<2>({conduction, neo_hookean, coupled}, 2, 1);
+  test_laws<2>({linear_conduction.with_joint("2 + y", ""), conduction.with_joint("3", ""),
+                conduction.with_joint("0.1*T^2 + x", ""), linear.with_joint("", "0.7; 3"),
+                neo_hookean.with_joint("", "0; 1e9"), coupled.with_joint("1e5*T", "5*x"),
+                coupled.with_joint("0.1*T^2", "0.7; 3 + t")},
+               1, 4);
   test_laws<3>(
       {conduction,
        {"tensor k(T)", heat("3; 0.1*T; 0; 0.2; 2 + 0.1*T; 0; 0.1; 0; 1"), heat("1; 2; 1 + 0.1*T"), 0, false},
        saint_venant,
-       coupled},
+       coupled,
+       saint_venant.with_joint("", "0.7; 3"),
+       coupled.with_joint("0.1*T^2", "3; 0")},
       1, 1);
 }

@@ -75,9 +75,10 @@ void print_interface(const Interface<2> &interface, const std::vector<double> &a
         interface.jump(field, q, unknowns, jump);
         for (const double component : jump)
           squares[f] += 1e6 * w * component * component;
+        std::array<State<2>, 2> states = {{State<2>(0), State<2>(0)}};
         for (const unsigned int side : {source, destination}) {
           const Material<2> &material = interface.sides[side].domain->material;
-          State<2> state(material.n_components());
+          State<2> &state = states[side] = State<2>(material.n_components());
           Response<2> response(material.n_components());
           interface.evaluate(side, q, unknowns, state);
           material.evaluate(state, false, response);
@@ -87,7 +88,7 @@ void print_interface(const Interface<2> &interface, const std::vector<double> &a
                                  interface.pairing().N(side, q));
         }
         transmitted.resize(field.n_components);
-        interface.tie().numerical_flux(interface, field, q, flux, jump, transmitted);
+        interface.tie().numerical_flux(interface, field, q, states, flux, jump, transmitted);
         for (const double component : transmitted)
           resultants[position++] += w * component;
       }

@@ -9,6 +9,7 @@
 #include <dovetail/system/block_system.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_q.h>
 
 #include <cmath>

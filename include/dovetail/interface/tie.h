@@ -56,6 +56,9 @@ class Tie
 public:
   virtual ~Tie() = default;
 
+  /// Once the fields are known: check the entries that depend on them.
+  virtual void set_fields(const Section & /*section*/, const std::vector<TiedField> & /*fields*/) {}
+
   /// The sides on whose faces the points of the pairing lie.
   virtual std::array<bool, 2> integrates_on() const = 0;
 
@@ -127,16 +130,23 @@ public:
   virtual std::vector<std::string> notes() const { return {}; }
 
   virtual bool is_symmetric() const { return true; } ///< if the laws are
+  virtual bool is_linear() const { return true; }    ///< the terms are affine in the unknowns if the laws are
+  /// Whether a constant of the field that one side has and the other not costs anything: then what keeps one
+  /// side from drifting keeps the other, too.
+  virtual bool holds(const TiedField & /*field*/) const { return true; }
+  /// Whether the sides may come apart, for which the linear solver must know the modes of each body.
+  virtual bool allows_jump(const TiedField & /*field*/) const { return false; }
   /// Whether the integral of numerical_flux is what each side gets, exactly.
   virtual bool has_flux() const { return adds_terms() || has_multipliers(); }
   /// Whether both sides get the same flux at every point; else each gets that of the points on its own faces.
   virtual bool is_balanced() const { return true; }
 
-  /// The influx into the source at a point as the tie sees it, from the influxes A.N of both sides (each
-  /// through its own normal) and the jump; without a better one their mean.
+  /// The influx into the source at a point as the tie sees it, from the states of both sides, their influxes
+  /// A.N (each through its own normal) and the jump; without a better one the mean of the influxes.
   virtual void numerical_flux(const Interface<dim> & /*interface*/, const TiedField & /*field*/,
-                              unsigned int /*q*/, const std::array<std::vector<double>, 2> &flux,
-                              const std::vector<double> &jump, std::vector<double> &result) const
+                              unsigned int /*q*/, const std::array<State<dim>, 2> & /*state*/,
+                              const std::array<std::vector<double>, 2> &flux, const std::vector<double> &jump,
+                              std::vector<double> &result) const
   {
     for (unsigned int c = 0; c < jump.size(); ++c)
       result[c] = (flux[source][c] - flux[destination][c]) / 2;
@@ -147,9 +157,17 @@ public:
   {
     double smallest = std::numeric_limits<double>::infinity();
     double largest = 0;
-    double coercivity_margin = std::numeric_limits<double>::infinity(); ///< gamma over its lower bound
+    /// gamma over its lower bound, minus 1: coercive if positive.
+    double coercivity_margin = std::numeric_limits<double>::infinity();
   };
   virtual Penalty penalty() const { return {}; } ///< of this rank's points
+
+  /// How often first and second variations of a flux have been evaluated at points of this rank.
+  struct FluxVariations
+  {
+    unsigned long first = 0, second = 0;
+  };
+  virtual FluxVariations flux_variations() const { return {}; }
 };
 
 template <int dim>

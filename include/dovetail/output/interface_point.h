@@ -23,7 +23,8 @@ public:
 
   struct OfField
   {
-    std::vector<double> jump; ///< [B]
+    std::vector<double> jump;                 ///< [B]
+    std::array<std::vector<double>, 2> trace; ///< B of each side at its own point
     std::array<std::vector<double>, 2>
         flux;                           ///< A.N of each side through its own normal; NaN: law not defined
     std::vector<double> numerical_flux; ///< the tie's, into the source; zero while the interface is inactive

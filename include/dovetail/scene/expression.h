@@ -18,7 +18,7 @@ namespace dovetail {
 
 /// A list of formulas, one per component ("sin(pi*x); t"), of position, time and temperature.
 ///
-/// Known besides muParser's own: pi, ln and log (natural), log10, if(a,b,c), min, max, abs, sign, floor,
+/// Known besides muParser's own: pi, inf, ln and log (natural), log10, if(a,b,c), min, max, abs, sign, floor,
 /// ceil,
 /// &&, ||, a ? b : c. A component that uses no variable is evaluated once. Copies share nothing that changes.
 class Expression

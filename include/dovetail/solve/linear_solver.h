@@ -25,7 +25,8 @@ struct SolveGroup
   std::vector<unsigned int> blocks;
   /// Of multipliers: they have no block of their own on the diagonal, [A B^T; B 0] with A regular.
   std::vector<unsigned int> multiplier_blocks;
-  bool is_symmetric = true; ///< and, but for multipliers, positive definite
+  bool is_symmetric = true;  ///< and, but for multipliers, positive definite
+  bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
   unsigned int dim = 3;
   unsigned int degree = 1;
   /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks

@@ -47,6 +47,7 @@ public:
 
   bool is_linear() const;                            ///< one Newton iteration is exact
   bool is_symmetric(const std::string &field) const; ///< the field's own block of the tangent
+  bool allows_jumps(const std::string &field) const; ///< some interface lets its sides come apart
   unsigned int degree() const;                       ///< the largest of the domains
 
   /// Near-null space of the block of a field of a domain at this rank's owned unknowns (in their order): the

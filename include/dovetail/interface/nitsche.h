@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What Nitsche's tie and the ties that put a joint in series with it share.
+
+#pragma once
+
+#include <dovetail/interface/interface.h>
+
+#include <limits>
+
+namespace dovetail {
+
+/// Nitsche's method for any conjugate pair of flux A and trace B, in series with a joint that passes the flux
+/// h [B] (h: its conductance, flux per jump; infinite unless a derived class says otherwise). With the
+/// penalty gamma, b = 1/(h + gamma) and a = h b,
+/// @f[ R(\delta) = \int_\Gamma - s\cdot\delta[B] - \theta\, \delta\{A\}\cdot e \,d\Gamma, \quad
+///     s = a (\{A\} - \gamma [B]), \quad e = a [B] + b \{A\} @f]
+/// with the signs of pairing.h. In the letters of Juntunen and Stenberg (2009), who did this for a boundary,
+/// a = gamma_eff/gamma and b = (gamma_eff/gamma)/h with 1/gamma_eff = 1/h + 1/gamma. The exact flux {A} = -h
+/// [B] makes e vanish and s = {A}, for every h from 0 (two bodies) to infinity (a = 1, b = 0: the tie alone).
+///
+/// theta = 1 is symmetric, 0 nonsymmetric (delta{A} is never evaluated), -1 skew-symmetric. The tangent is
+/// exact: for theta != 0 and a nonlinear law it holds the second derivative of A, contracted with e. Weights
+/// and penalty are frozen at the beginning of a step.
+template <int dim>
+class Nitsche : public Tie<dim>
+{
+public:
+  explicit Nitsche(const Section &section);
+
+  std::array<bool, 2> integrates_on() const override { return sides_of_integration; }
+  bool adds_terms() const override { return true; }
+  bool is_symmetric() const override { return theta == 1. && !own_sides; }
+  bool is_balanced() const override { return !own_sides; }
+  void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+                  const MPI_Comm &communicator) override;
+  bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
+                const std::vector<double> &unknowns, std::vector<double> &residual,
+                dealii::FullMatrix<double> *tangent) override;
+  void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
+                      const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
+                      const std::vector<double> &jump, std::vector<double> &result) const override;
+  typename Tie<dim>::Penalty penalty() const override { return range; }
+  typename Tie<dim>::FluxVariations flux_variations() const override { return variations; }
+
+protected:
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+  /// What lies between the two sides at a point.
+  struct Joint
+  {
+    double along_normal = infinity;   ///< h of the component along N, and of a scalar
+    double along_tangents = infinity; ///< h of the components across it
+    double derivative_by_mean = 0;    ///< dh/dB of a scalar, B the mean of both sides' traces
+  };
+  /// Whether there is one at all; then find_joint() is asked for it at every point.
+  virtual bool has_joint() const { return false; }
+  /// @return false if it is not defined at this state of the two sides.
+  virtual bool find_joint(const TiedField & /*field*/, const std::array<State<dim>, 2> & /*state*/,
+                          Joint & /*joint*/) const
+  {
+    return true;
+  }
+
+private:
+  enum class Weights { eigenvalue, volume, equal, source, destination };
+  enum class PenaltyRule { eigenvalue, volume, value };
+
+  /// w_src, w_dst and gamma of a field at a point.
+  struct Parameters
+  {
+    std::array<double, 2> weight = {{0, 0}};
+    double gamma = 0;
+  };
+
+  /// The tensors a and b: one value along N, another one across it.
+  struct Series
+  {
+    bool is_rigid = true;
+    std::array<double, 2> a = {{1, 1}}, b = {{0, 0}};
+    double b_by_mean = 0; ///< - db/dB of a scalar
+    dealii::Tensor<1, dim> N;
+    /// Of component c of the field with d.
+    double entry(const std::array<double, 2> &values, unsigned int c, unsigned int d) const
+    {
+      return (c == d ? values[1] : 0) + (values[0] - values[1]) * N[c] * N[d];
+    }
+  };
+
+  static double read_multiplier(const Section &section, PenaltyRule rule);
+  bool is_constant(const Interface<dim> &interface) const;
+  void find_eigenvalues(const Interface<dim> &interface, double t,
+                        const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator);
+  void evaluate_stiffness(const Interface<dim> &interface, unsigned int q, double t,
+                          const std::vector<double> &unknowns);
+  double stiffness(const Interface<dim> &interface, const TiedField &field, unsigned int side,
+                   const dealii::Tensor<1, dim> &N) const;
+  double choose(const Interface<dim> &interface, unsigned int field_index,
+                const typename Pairing<dim>::Group &group, unsigned int q, double t,
+                Parameters &chosen) const;
+  void note_margin(unsigned int field_index, const typename Pairing<dim>::Group &group,
+                   const Parameters &chosen, double unit);
+  void warn_if_not_coercive(const Interface<dim> &interface, const MPI_Comm &communicator);
+
+  bool join(const Interface<dim> &interface, const TiedField &field, unsigned int q, double gamma,
+            const std::array<State<dim>, 2> &of_sides, Series &series) const;
+  bool evaluate_sides(const Interface<dim> &interface, unsigned int q, double t,
+                      const std::vector<double> &unknowns, bool with_derivatives);
+  bool add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q,
+                 const std::vector<double> &unknowns, std::vector<double> &residual,
+                 dealii::FullMatrix<double> *tangent);
+  void keep_own_rows(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                     std::vector<double> &residual, dealii::FullMatrix<double> *tangent) const;
+  void linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
+                           const Parameters &parameters, unsigned int q);
+  void find_jump_unknowns(const Interface<dim> &interface, const TiedField &field, unsigned int q);
+  void add_tangent(const Interface<dim> &interface, const TiedField &field, const Parameters &parameters,
+                   const Series &series, unsigned int q, dealii::FullMatrix<double> &tangent);
+  void add_variation_rows(const TiedField &field, const Series &series, double weight,
+                          dealii::FullMatrix<double> &tangent) const;
+  void add_change_of_joint(const Interface<dim> &interface, const TiedField &field,
+                           const Parameters &parameters, const Series &series, unsigned int q,
+                           dealii::FullMatrix<double> &tangent) const;
+  void add_curvature(const Interface<dim> &interface, const TiedField &field, const Parameters &parameters,
+                     unsigned int q, dealii::FullMatrix<double> &tangent);
+
+  const double theta;
+  std::array<bool, 2> sides_of_integration;
+  bool own_sides;
+  const Weights weights;
+  const PenaltyRule penalty_rule;
+  const double multiplier;
+  const Expression value;
+
+  std::vector<Parameters> parameters;        ///< at field * n_points + point
+  std::vector<double> first_gamma;           ///< of the first step, likewise
+  static constexpr double least_share = 0.1; ///< of it that a softened material keeps
+  bool has_begun = false, has_warned = false;
+  /// By field and side, of the cells behind the points; empty if nothing needs them.
+  std::vector<std::array<std::vector<double>, 2>> lambda;
+  typename Tie<dim>::Penalty range;
+  double least_multiplier = 0; ///< with which all points would be coercive
+  typename Tie<dim>::FluxVariations variations;
+
+  // at the current point: states and responses of the two sides, and of the current field what R needs
+  std::array<State<dim>, 2> state;
+  std::array<Response<dim>, 2> response;
+  std::vector<double> jump, mean_flux, transmitted, mismatch; ///< [B], {A}, s and e
+  std::vector<double> mean_flux_of;                           ///< d{A}_c / dx_i at c * n_local + i
+  std::vector<double> transmitted_of;                         ///< a.d{A}, likewise; unless a = 1
+  std::vector<double> variation_of; ///< delta{A}_c for the test function i, likewise
+  struct InJump                     ///< an unknown that enters the jump, with signed trial and test value
+  {
+    unsigned int i, component;
+    double trial, test;
+  };
+  std::vector<InJump> in_jump;
+  std::vector<unsigned int> of_field; ///< all unknowns of the field
+  std::vector<dealii::Tensor<1, dim>> contraction;
+  dealii::FullMatrix<double> second_derivative;
+};
+
+} // namespace dovetail

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Two bodies that touch imperfectly: the flux through the interface is proportional to the jump, A_src.N = -h
+// [B]. For heat, h is the conductance of the contact, for solids the stiffness of a linear elastic joint per
+// area. Consistent and stable for every h >= 0 (Juntunen and Stenberg, Math. Comp. 78, 2009, moved to an
+// interface), with 1/gamma_eff = 1/h + 1/gamma:
+//
+//     R(delta) = int_Gamma  - (gamma_eff/gamma) {A}.delta[B]  + gamma_eff [B].delta[B]
+//                           - theta (gamma_eff/gamma) delta{A}.([B] + {A}/h)  dGamma
+//
+// This is Nitsche's tie with a joint in series (nitsche.h). h = 0 separates the bodies, h = inf ties them.
+//
+//     subsection Interface seam
+//       set Type        = contact resistance
+//       set Source      = left : 1
+//       set Destination = right : 0
+//       set Conductance = 2000 + 3*T      # W/(m^2 K)
+//     end
+
+#include <dovetail/interface/nitsche.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <cmath>
+#include <sstream>
+
+namespace dovetail {
+
+namespace {
+
+template <int dim>
+class ContactResistance : public Nitsche<dim>
+{
+public:
+  explicit ContactResistance(const Section &section)
+      : Nitsche<dim>(section),
+        conductance(section.read_expression(
+            "Conductance", "", {1},
+            "Flux per jump of a scalar field such as the temperature, also a formula of T, the mean of both "
+            "sides'; from 0 (no contact) to inf (tied); required where such a field is tied [W/(m^2 K)]",
+            true)),
+        stiffness(section.read_expression(
+            "Joint stiffness", "", {1, 2},
+            "Force per area and jump of the displacement, one for all directions or two, normal; tangential; "
+            "from 0 (no contact) to inf (tied); required where the displacement is tied [Pa/m]"))
+  {
+  }
+
+  void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
+  bool is_symmetric() const override
+  {
+    return Nitsche<dim>::is_symmetric() && !conductance.depends_on_temperature();
+  }
+  bool is_linear() const override { return !conductance.depends_on_temperature(); }
+  bool holds(const TiedField &field) const override { return !law_of(field).is_zero(); }
+  bool allows_jump(const TiedField & /*field*/) const override { return true; }
+  void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+                  const MPI_Comm &communicator) override;
+
+protected:
+  bool has_joint() const override { return true; }
+  bool find_joint(const TiedField &field, const std::array<State<dim>, 2> &state,
+                  typename Nitsche<dim>::Joint &joint) const override;
+
+private:
+  const Expression &law_of(const TiedField &field) const
+  {
+    return field.n_components == 1 ? conductance : stiffness;
+  }
+  static void check_not_negative(const double h, const Section &section, const TiedField &field)
+  {
+    std::ostringstream message;
+    message << "is " << (std::isinf(h) ? "not a number" : "negative") << " on the interface";
+    if (!std::isinf(h))
+      message << " (" << h << ')';
+    section.check(h >= 0, entry_of(field),
+                  message.str() + ", but must be from 0 (no contact) to inf (tied).");
+  }
+  static std::string entry_of(const TiedField &field)
+  {
+    return field.n_components == 1 ? "Conductance" : "Joint stiffness";
+  }
+
+  const Expression conductance, stiffness;
+};
+
+template <int dim>
+void ContactResistance<dim>::set_fields(const Section &section, const std::vector<TiedField> &fields)
+{
+  for (const std::string entry : {"Conductance", "Joint stiffness"}) {
+    const TiedField *tied = nullptr, *other = nullptr;
+    for (const TiedField &field : fields)
+      (entry_of(field) == entry ? tied : other) = &field;
+    const std::string unit = entry == "Conductance" ? "W/(m^2 K)" : "Pa/m";
+    section.check(tied == nullptr || section.is_set(entry), "Type",
+                  "is contact resistance, and the interface ties the " + (tied ? tied->name : "") + ": set " +
+                      entry + " [" + unit + "]" +
+                      (other ? ", or set Fields = " + other->name + " if only that is to be tied." : "."));
+    section.check(
+        tied != nullptr || !section.is_set(entry), entry,
+        std::string("belongs to ") +
+            (entry == "Conductance" ? "scalar fields such as the temperature" : "the displacement") +
+            ", which this interface does not tie. Remove it, or change Fields.");
+  }
+  for (const TiedField &field : fields) {
+    const Expression &law = law_of(field);
+    if (!law.depends_on_position() && !law.depends_on_time() && !law.depends_on_temperature())
+      for (unsigned int c = 0; c < law.n_components(); ++c)
+        check_not_negative(law.value(dealii::Point<dim>(), 0, c), section, field);
+  }
+}
+
+/// Both sides get the same h: at the middle between the points and at the mean of the traces.
+template <int dim>
+bool ContactResistance<dim>::find_joint(const TiedField &field, const std::array<State<dim>, 2> &state,
+                                        typename Nitsche<dim>::Joint &joint) const
+{
+  const dealii::Point<dim> X =
+      (state[source].X + static_cast<const dealii::Tensor<1, dim> &>(state[destination].X)) / 2.;
+  const double t = state[source].t;
+  if (field.n_components == 1) {
+    const double mean = (state[source].value[field.first_component[source]] +
+                         state[destination].value[field.first_component[destination]]) /
+                        2;
+    joint.along_normal = joint.along_tangents = conductance.value(X, t, 0, mean);
+    joint.derivative_by_mean = conductance.temperature_derivatives(X, t, 0, mean)[0];
+  } else {
+    joint.along_normal = stiffness.value(X, t, 0);
+    joint.along_tangents = stiffness.n_components() == 1 ? joint.along_normal : stiffness.value(X, t, 1);
+  }
+  return joint.along_normal >= 0 && joint.along_tangents >= 0;
+}
+
+/// What does not depend on the solution must be right from the start; the rest makes a step shorter.
+template <int dim>
+void ContactResistance<dim>::begin_step(const Interface<dim> &interface, const double t,
+                                        const typename Tie<dim>::Unknowns &unknowns,
+                                        const MPI_Comm &communicator)
+{
+  for (const TiedField &field : interface.fields) {
+    const Expression &law = law_of(field);
+    if (law.depends_on_temperature())
+      continue;
+    double smallest = 0;
+    const unsigned int n_points = interface.pairing().n_points();
+    for (unsigned int q = 0; q < (law.depends_on_position() ? n_points : std::min(n_points, 1u)); ++q)
+      for (unsigned int c = 0; c < law.n_components(); ++c) {
+        const double h = law.value(interface.pairing().X(source, q), t, c);
+        smallest = std::min(smallest, std::isnan(h) ? -this->infinity : h);
+      }
+    check_not_negative(dealii::Utilities::MPI::min(smallest, communicator), interface.section, field);
+  }
+  Nitsche<dim>::begin_step(interface, t, unknowns, communicator);
+}
+
+const bool registered = add_tie<ContactResistance>(
+    "contact resistance", "Nitsche's method through a joint that passes a flux proportional to the jump.");
+
+} // namespace
+
+} // namespace dovetail

@@ -44,8 +44,8 @@ int main(int argc, char **argv)
   bool follow = true, know = true;
   dealii::types::global_dof_index next = 0;
   for (const Block &block : numbering.blocks()) {
-    print(block.domain + " " + block.field, {double(block.end - block.begin)});
-    follow = follow && block.begin == next && model.domains[block.domain_index]->name == block.domain &&
+    print(block.name + " " + block.field, {double(block.end - block.begin)});
+    follow = follow && block.begin == next && model.domains[block.domain_index]->name == block.name &&
              model.domains[block.domain_index]->fields()[block.field_index].name == block.field;
     next = block.end;
     know = know && block.owned.size() == block.end - block.begin && block.owned.is_contiguous() &&

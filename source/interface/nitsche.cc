@@ -269,7 +269,7 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
         // a tangent that has lost its positivity says nothing about the stiffness: keep the last good one
         const bool is_good = chosen.gamma >= 0 && std::isfinite(chosen.gamma) && chosen.weight[source] >= 0 &&
                              chosen.weight[destination] >= 0;
-        parameters[i] = is_good || old.empty() ? chosen : old[i];
+        parameters[i] = is_good ? chosen : old.empty() ? Parameters{{{0.5, 0.5}}, 0} : old[i];
         if (!first_gamma.empty() && penalty_rule != PenaltyRule::value)
           parameters[i].gamma = std::max(parameters[i].gamma, least_share * first_gamma[i]);
         note_margin(f, group, parameters[i], unit);

@@ -358,10 +358,13 @@ double largest_eigenvalue(const FullMatrix<double> &M, const FullMatrix<double> 
   return largest;
 }
 
+namespace {
+
+/// NaN where the tangent at these unknowns is not positive on the cell.
 template <int dim>
-std::array<std::vector<double>, 2>
-trace_eigenvalues(const Interface<dim> &interface, const TiedField &field, const double t,
-                  const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
+std::array<std::vector<double>, 2> eigenvalues_at(const Interface<dim> &interface, const TiedField &field,
+                                                  const double t, const typename Tie<dim>::Unknowns &unknowns,
+                                                  const MPI_Comm &communicator)
 {
   const Pairing<dim> &pairing = interface.pairing();
   const auto M = surface_terms(interface, field, t, unknowns);
@@ -389,6 +392,33 @@ trace_eigenvalues(const Interface<dim> &interface, const TiedField &field, const
         result[side][asked.at(rank)[k]] = lambda[k];
   }
   return result;
+}
+
+} // namespace
+
+template <int dim>
+std::array<std::vector<double>, 2>
+trace_eigenvalues(const Interface<dim> &interface, const TiedField &field, const double t,
+                  const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
+{
+  auto lambda = eigenvalues_at(interface, field, t, unknowns, communicator);
+  const auto is_undefined = [](const double value) { return std::isnan(value); };
+  int is_incomplete = 0;
+  for (const auto &of_side : lambda)
+    is_incomplete = std::any_of(of_side.begin(), of_side.end(), is_undefined) ? 1 : is_incomplete;
+  if (dealii::Utilities::MPI::max(is_incomplete, communicator) == 0)
+    return lambda;
+  const auto at_rest = eigenvalues_at(
+      interface, field, t,
+      [](const std::vector<dealii::types::global_dof_index> &dofs, std::vector<double> &values) {
+        values.assign(dofs.size(), 0.);
+      },
+      communicator);
+  for (const unsigned int side : {source, destination})
+    for (unsigned int i = 0; i < lambda[side].size(); ++i)
+      if (is_undefined(lambda[side][i]))
+        lambda[side][i] = at_rest[side][i];
+  return lambda;
 }
 
 template std::array<std::vector<double>, 2> trace_eigenvalues(const Interface<2> &, const TiedField &, double,

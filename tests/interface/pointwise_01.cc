@@ -71,11 +71,13 @@ void check(const std::string &name, const std::string &left, const std::string &
       exact);
   const std::vector<double> all = gather(model, exact);
 
-  ConstraintLines given, lines;
+  ConstraintLines given;
   for (const auto &domain : model.domains)
     domain->add_constraints(1., given);
-  lines = given;
-  model.interfaces[0]->tie().add_constraints(*model.interfaces[0], lines, MPI_COMM_WORLD);
+  TieConstraints all_constraints;
+  all_constraints.lines = given;
+  model.interfaces[0]->tie().add_constraints(*model.interfaces[0], all_constraints, MPI_COMM_WORLD);
+  const ConstraintLines &lines = all_constraints.lines;
   double error = 0, n_given = 0;
   bool keeps_given = true;
   for (const auto &[dof, line] : lines) {

@@ -87,11 +87,18 @@ int main(int argc, char **argv)
     lines[at[0]].entries.emplace_back(at[4], 1.);
   std::set<dealii::types::global_dof_index> freed;
   const auto opened = close_constraints(lines, numbering, numbering.relevant, MPI_COMM_WORLD, &freed);
-  const auto largest = *std::max_element(at.begin(), at.begin() + 5);
-  bool is_opened = dealii::Utilities::MPI::sum(freed.size(), MPI_COMM_WORLD) == 1 &&
-                   (freed.empty() || *freed.begin() == largest);
+  const auto end = at.begin() + 5;
+  const auto largest = *std::max_element(at.begin(), end);
+  std::vector<double> is_freed(5, 0.); // on the rank that owns it
   for (unsigned int link = 0; link < 5; ++link)
-    if (numbering.relevant.is_element(at[link]))
-      is_opened = is_opened && opened.is_constrained(at[link]) == (at[link] != largest);
+    is_freed[link] = freed.count(at[link]);
+  dealii::Utilities::MPI::sum(is_freed, MPI_COMM_WORLD, is_freed);
+  bool is_opened = std::all_of(freed.begin(), freed.end(),
+                               [&](const auto dof) { return std::find(at.begin(), end, dof) != end; });
+  for (unsigned int link = 0; link < 5; ++link) {
+    is_opened = is_opened && (at[link] != largest || is_freed[link] == 1);
+    if (numbering.relevant.is_element(at[link])) // the same on every rank that knows it
+      is_opened = is_opened && opened.is_constrained(at[link]) == (is_freed[link] == 0);
+  }
   report("a circle", is_opened);
 }

@@ -49,6 +49,8 @@ public:
   std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
   bool is_strong() const override { return true; }
   bool has_multipliers() const override { return true; }
+  bool needs_forces() const override { return is_dual; }
+  bool has_flux() const override { return true; }
   void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                        const MPI_Comm &communicator) override;
   void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
@@ -144,6 +146,10 @@ void Mortar<dim>::add_constraints(const Interface<dim> &interface, TieConstraint
                           "use Type = Nitsche.");
   space = std::make_unique<MultiplierSpace<dim>>(interface, is_dual);
   space->make(constraints, communicator);
+  interface.section.check(space->n_rows > 0 || space->n_hardly_covered == 0, "Destination",
+                          "has no face that the source covers to a large part, so no multiplier is left. "
+                          "Refine the destination, swap "
+                          "Source and Destination, or use Type = Nitsche.");
   interface.section.check(
       space->n_rows > 0, "Destination",
       "has unknowns that are prescribed already, all of them, by a boundary condition or by another "
@@ -217,7 +223,10 @@ template <int dim>
 void Mortar<dim>::begin_step(const Interface<dim> &interface, const double t,
                              const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
 {
-  if (is_dual || (has_begun && interface.is_linear()))
+  const bool is_constant = interface.is_linear() &&
+                           !interface.sides[source].domain->material.depends_on_time() &&
+                           !interface.sides[destination].domain->material.depends_on_time();
+  if (is_dual || (has_begun && is_constant))
     return;
   const auto gamma = space->average(penalties(interface, t, unknowns, communicator), communicator);
   for (Term &term : terms)

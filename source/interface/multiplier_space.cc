@@ -18,9 +18,10 @@ namespace {
 using Index = dealii::types::global_dof_index;
 using dealii::FullMatrix;
 
-/// A node keeps its function if this share of the integral of phi_j^2 is covered: on the last face of a flat
-/// interface that means about a third of the face.
-constexpr double least_share = 0.02;
+/// A node keeps its function if this share of the integral of phi_j^2 is covered. It is 1/2 where an
+/// interface ends with a face, 1/4 at its corners; of two interfaces that share a face, each keeps the nodes
+/// on its part.
+constexpr double least_share = 0.2;
 /// Faces of which less is covered are not tied: their mass matrix is singular to rounding.
 constexpr double least_cover = 1e-8;
 
@@ -342,75 +343,93 @@ FullMatrix<double> MultiplierSpace<dim>::polynomials(const Face &face, const uns
   return values;
 }
 
+/// The coefficients at all nodes (columns) of the functions eta_j of the nodes that have one (rows): phi_j
+/// and what it takes over from nodes without.
+template <int dim>
+FullMatrix<double> MultiplierSpace<dim>::extend(const Face &face, Component &component,
+                                                const std::vector<unsigned int> &kept) const
+{
+  const unsigned int n = face.nodes.size(), m = component.dofs.size(),
+                     p = interface.sides[destination].domain->degree;
+  FullMatrix<double> eta(kept.size(), m);
+  for (unsigned int j = 0; j < kept.size(); ++j)
+    eta(j, kept[j]) = 1;
+  if (kept.size() == m)
+    return eta;
+  Assert(m == n, dealii::ExcInternalError());
+  FullMatrix<double> inverse_C(m, n);
+  inverse_C.invert(component.C);
+  const FullMatrix<double> at_nodes = polynomials(face, p - 1);
+  FullMatrix<double> coefficients(m, at_nodes.n()), of_kept(kept.size(), at_nodes.n()),
+      coordinates(m, dim - 1);
+  inverse_C.mmult(coefficients, at_nodes);
+  inverse_C.mmult(coordinates, node_coordinates(face));
+  for (unsigned int j = 0; j < kept.size(); ++j)
+    for (unsigned int k = 0; k < at_nodes.n(); ++k)
+      of_kept(j, k) = coefficients(kept[j], k);
+  std::vector<double> wanted(at_nodes.n()), weights(kept.size());
+  for (unsigned int i = 0; i < m; ++i)
+    if (!component.has_function[i]) {
+      for (unsigned int k = 0; k < at_nodes.n(); ++k)
+        wanted[k] = coefficients(i, k);
+      for (unsigned int j = 0; j < kept.size(); ++j) {
+        double square = 0;
+        for (unsigned int d = 0; d < dim - 1; ++d)
+          square += std::pow(coordinates(i, d) - coordinates(kept[j], d), 2);
+        weights[j] = 1 / (square * square); // near nodes take over
+      }
+      const std::vector<double> c = extrapolate(of_kept, wanted, weights);
+      for (unsigned int j = 0; j < kept.size(); ++j) {
+        eta(j, i) = c[j];
+        component.extrapolation.emplace_back(i, kept[j], c[j]);
+      }
+    }
+  return eta;
+}
+
 template <int dim>
 void MultiplierSpace<dim>::make_functions(Face &face) const
 {
-  const unsigned int n = face.nodes.size(), p = interface.sides[destination].domain->degree;
   for (Component &component : face.components) {
-    const unsigned int m = component.dofs.size();
-    component.psi.reinit(m, m);
-    if (std::none_of(component.has_function.begin(), component.has_function.end(), [](bool b) { return b; }))
-      continue;
-    FullMatrix<double> MC(n, m), M(m, m), inverse_C(m, n), G(m, m);
-    face.mass.mmult(MC, component.C);
-    component.C.Tmmult(M, MC);
-    // the coefficients of all functions, modified ones still missing
-    G = dealii::IdentityMatrix(m);
-    if (is_dual) {
-      FullMatrix<double> inverse(m, m);
-      inverse.invert(M);
-      for (unsigned int i = 0; i < m; ++i) {
-        double integral = 0; // the sum of all phi is 1
-        for (unsigned int j = 0; j < m; ++j)
-          integral += M(i, j);
-        for (unsigned int l = 0; l < m; ++l)
-          G(i, l) = integral * inverse(i, l);
-      }
-    }
-    component.psi = G;
+    const unsigned int n = face.nodes.size(), m = component.dofs.size();
     std::vector<unsigned int> kept;
     for (unsigned int i = 0; i < m; ++i)
       if (component.has_function[i])
         kept.push_back(i);
-    if (kept.size() < m) {
-      Assert(m == n, dealii::ExcInternalError());
-      inverse_C.invert(component.C);
-      const FullMatrix<double> at_nodes = polynomials(face, p - 1);
-      FullMatrix<double> coefficients(m, at_nodes.n()), of_kept(kept.size(), at_nodes.n()),
-          coordinates(m, dim - 1);
-      inverse_C.mmult(coefficients, at_nodes);
-      inverse_C.mmult(coordinates, node_coordinates(face));
-      for (unsigned int j = 0; j < kept.size(); ++j)
-        for (unsigned int k = 0; k < at_nodes.n(); ++k)
-          of_kept(j, k) = coefficients(kept[j], k);
-      std::vector<double> wanted(at_nodes.n()), weights(kept.size());
-      for (unsigned int i = 0; i < m; ++i)
-        if (!component.has_function[i]) {
-          for (unsigned int k = 0; k < at_nodes.n(); ++k)
-            wanted[k] = coefficients(i, k);
-          for (unsigned int j = 0; j < kept.size(); ++j) {
-            double square = 0;
-            for (unsigned int d = 0; d < dim - 1; ++d)
-              square += std::pow(coordinates(i, d) - coordinates(kept[j], d), 2);
-            weights[j] = 1 / (square * square); // near nodes take over
-          }
-          const std::vector<double> c = extrapolate(of_kept, wanted, weights);
-          for (unsigned int j = 0; j < kept.size(); ++j) {
-            for (unsigned int l = 0; l < m; ++l)
-              component.psi(kept[j], l) += c[j] * G(i, l);
-            component.extrapolation.emplace_back(i, kept[j], c[j]);
-          }
-          for (unsigned int l = 0; l < m; ++l)
-            component.psi(i, l) = 0;
-        }
+    const unsigned int n_kept = kept.size();
+    component.psi.reinit(m, m);
+    component.mass.reinit(m, m);
+    if (n_kept == 0)
+      continue;
+    FullMatrix<double> MC(n, m), M(m, m);
+    face.mass.mmult(MC, component.C);
+    component.C.Tmmult(M, MC);
+
+    FullMatrix<double> psi = extend(face, component, kept), mass(n_kept, m);
+    if (is_dual) {
+      FullMatrix<double> N(n_kept, n_kept), B(n_kept, n_kept);
+      psi.mmult(mass, M);
+      for (unsigned int l = 0; l < n_kept; ++l)
+        for (unsigned int i = 0; i < n_kept; ++i)
+          N(l, i) = mass(l, kept[i]);
+      B.invert(N);
+      for (unsigned int j = 0; j < n_kept; ++j) {
+        double integral = 0; // of phi_j: the sum of all phi is 1
+        for (unsigned int i = 0; i < m; ++i)
+          integral += M(i, kept[j]);
+        for (unsigned int l = 0; l < n_kept; ++l)
+          B(j, l) *= integral;
+      }
+      const FullMatrix<double> eta = psi;
+      B.mmult(psi, eta);
     }
-    component.mass.reinit(m, m); // int psi_i phi_j
-    component.psi.mmult(component.mass, M);
-    if (is_dual) // what biorthogonality makes zero
-      for (const unsigned int i : kept)
-        for (const unsigned int j : kept)
-          if (i != j)
-            component.mass(i, j) = 0;
+    psi.mmult(mass, M);
+    for (unsigned int j = 0; j < n_kept; ++j)
+      for (unsigned int i = 0; i < m; ++i) {
+        component.psi(kept[j], i) = psi(j, i);
+        if (i == kept[j] || !is_dual || !component.has_function[i]) // the rest biorthogonality makes zero
+          component.mass(kept[j], i) = mass(j, i);
+      }
   }
 }
 

@@ -39,6 +39,12 @@ public:
                        const MPI_Comm &communicator) override;
   std::vector<std::string> notes() const override;
 
+  bool has_multipliers() const override { return true; }
+  void find_multipliers(const Interface<dim> &interface, const typename Tie<dim>::Owned &solution,
+                        const typename Tie<dim>::Owned &force, const MPI_Comm &communicator) override;
+  bool knows_resultant() const override { return !transmitted.empty(); }
+  std::vector<double> resultant(const unsigned int field) const override { return transmitted[field]; }
+
 private:
   /// A support point of the destination and its unknowns, one per component of the domain.
   struct Node
@@ -48,7 +54,15 @@ private:
   };
   static std::vector<Node> nodes_of(const InterfaceSide<dim> &side);
 
-  double ratio_of_sizes = 1; ///< mean face size of the destination over that of the source
+  /// An unknown that follows the source.
+  struct Follower
+  {
+    dealii::types::global_dof_index dof;
+    unsigned int field, component;
+  };
+  std::vector<Follower> followers;              ///< that this rank owns
+  std::vector<std::vector<double>> transmitted; ///< force on the source, by field and component
+  double ratio_of_sizes = 1;                    ///< mean face size of the destination over that of the source
 };
 
 template <int dim>
@@ -121,6 +135,8 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
 {
   ratio_of_sizes = mean_face_size(interface.sides[destination], communicator) /
                    mean_face_size(interface.sides[source], communicator);
+  followers.clear();
+  transmitted.clear();
   const InterfaceSide<dim> &from = interface.sides[source];
   const FaceLocator<dim> locator = interface.make_locator(source, communicator);
   const std::vector<Node> nodes = nodes_of(interface.sides[destination]);
@@ -151,16 +167,38 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
           if (std::abs(weight) > 1e-14)
             line.entries.emplace_back(masters[(field.first_component[source] + c) * n + a], weight);
         }
+        if (line.entries.size() == 1 && line.entries[0].first == dof)
+          continue; // at the tip of a slit
         constraints.lines.emplace(dof, std::move(line));
+        followers.push_back({dof, static_cast<unsigned int>(&field - interface.fields.data()), c});
       }
   }
   n_followers = dealii::Utilities::MPI::sum(n_followers, communicator);
   n_prescribed = dealii::Utilities::MPI::sum(n_prescribed, communicator);
   interface.section.check(
-      n_followers > 0 || n_prescribed == 0, "Destination",
+      n_followers > 0 || n_prescribed > 0, "Destination",
+      "has no node that faces the source: nothing follows it. Refine the destination, swap Source and "
+      "Destination, or use Type = Nitsche.");
+  interface.section.check(
+      n_followers > 0, "Destination",
       "has unknowns that are prescribed already, all of them, by a boundary condition or by another "
       "interface: nothing is left to follow the source. Swap Source and Destination, or use "
       "Type = Nitsche.");
+}
+
+/// What acts on the followers acts on the source.
+template <int dim>
+void Pointwise<dim>::find_multipliers(const Interface<dim> &interface,
+                                      const typename Tie<dim>::Owned & /*solution*/,
+                                      const typename Tie<dim>::Owned &force, const MPI_Comm &communicator)
+{
+  transmitted.clear();
+  for (const TiedField &field : interface.fields)
+    transmitted.emplace_back(field.n_components, 0.);
+  for (const Follower &follower : followers)
+    transmitted[follower.field][follower.component] -= force(follower.dof);
+  for (std::vector<double> &of_field : transmitted)
+    dealii::Utilities::MPI::sum(of_field, communicator, of_field);
 }
 
 const bool registered =

@@ -221,8 +221,14 @@ void measure_resultants(const Model<dim> &model, const Interface<dim> &interface
     return; // measured with the fluxes
   for (const unsigned int side : {source, destination})
     for (const TiedField &tied : interface.fields) {
+      auto &of_side = result[side == source ? "resultant source" : "resultant destination"][tied.name];
+      if (interface.is_active(t) && interface.tie().knows_resultant()) {
+        for (const double component : interface.tie().resultant(&tied - interface.fields.data()))
+          of_side.push_back(side == source ? component : -component);
+        continue;
+      }
       const Domain<dim> &domain = *interface.sides[side].domain;
-      result[side == source ? "resultant source" : "resultant destination"][tied.name] = reaction<dim>(
+      of_side = reaction<dim>(
           model, domain,
           [&](const auto &cell, const auto id) { return interface.sides[side].belongs(cell, id); },
           domain.fields()[tied.field[side]], solution, t);

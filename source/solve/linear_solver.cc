@@ -328,7 +328,7 @@ bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
     list.set("OutputLevel", 0);
     list.set("PrintTiming", false);
     if (has_multipliers()) // pivots off the diagonal need more space than the analysis foresees, in per cent
-      list.sublist("mumps").set("ICNTL(14)", 200);
+      list.sublist("mumps").set("ICNTL(14)", 1000);
     direct->SetParameters(list);
     if (failed_somewhere(direct->SymbolicFactorization()) ||
         failed_somewhere(direct->NumericFactorization())) {
@@ -336,10 +336,21 @@ bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
       return false;
     }
   }
-  problem->SetLHS(&x.trilinos_vector());
-  problem->SetRHS(
-      const_cast<Epetra_MultiVector *>(static_cast<const Epetra_MultiVector *>(&b.trilinos_vector())));
-  const bool is_solved = !failed_somewhere(direct->Solve());
+  const auto solve = [&](SingleVector &solution, const SingleVector &right_hand_side) {
+    problem->SetLHS(&solution.trilinos_vector());
+    problem->SetRHS(const_cast<Epetra_MultiVector *>(
+        static_cast<const Epetra_MultiVector *>(&right_hand_side.trilinos_vector())));
+    return !failed_somewhere(direct->Solve());
+  };
+  bool is_solved = solve(x, b);
+  if (has_multipliers() && is_solved) { // indefinite: one step of iterative refinement
+    SingleVector residual(b), correction(b);
+    Operator{matrix}.vmult(residual, x);
+    residual.sadd(-1., 1., b);
+    correction = 0;
+    is_solved = solve(correction, residual);
+    x += correction;
+  }
   return std::isfinite(x.l2_norm()) && is_solved;
 }
 

@@ -101,12 +101,13 @@ void BlockSystem<dim>::set_up(const double t)
     }
     const ConstraintLines given = all.lines;
     dealii::Timer timer;
-    for (const auto &interface : model.interfaces)
-      if (interface->is_active(t))
-        interface->tie().add_constraints(*interface, all, model.communicator);
-    for (const auto &[dof, line] : all.lines)
-      if (given.count(dof) == 0)
-        tie_lines.emplace(dof, line);
+    for (unsigned int i = 0; i < model.interfaces.size(); ++i)
+      if (model.interfaces[i]->is_active(t)) {
+        model.interfaces[i]->tie().add_constraints(*model.interfaces[i], all, model.communicator);
+        for (const auto &[dof, line] : all.lines)
+          if (given.count(dof) == 0 && tie_lines.emplace(dof, line).second)
+            tie_lines.at(dof).tie = i;
+      }
     tie_seconds += timer.wall_time();
   }
 
@@ -435,7 +436,7 @@ template <typename Visit>
 void BlockSystem<dim>::for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const
 {
   for (const TiedField &field : interface.fields)
-    for (unsigned int i = 0; i < interface.tie().n_multipliers(interface, field); ++i)
+    for (unsigned int i = 0; i < field.n_multipliers; ++i)
       visit(field.first_multiplier + i);
 }
 
@@ -478,7 +479,7 @@ Vector BlockSystem<dim>::forces(const Vector &x)
     total = residual;
     total += passed_on;
     previous -= total;
-    if (previous.linfty_norm() == 0)
+    if (previous.linfty_norm() <= 1e-15 * total.linfty_norm())
       break;
   }
   return total;
@@ -489,7 +490,11 @@ void BlockSystem<dim>::find_multipliers(const Vector &x)
 {
   if (!has_multipliers())
     return;
-  const Vector force = forces(x);
+  const bool needs_forces =
+      std::any_of(model.interfaces.begin(), model.interfaces.end(), [this](const auto &interface) {
+        return interface->is_active(time) && interface->tie().needs_forces();
+      });
+  const Vector force = needs_forces ? forces(x) : Vector();
   for (const auto &interface : model.interfaces)
     if (interface->is_active(time) && interface->tie().has_multipliers())
       interface->tie().find_multipliers(
@@ -554,15 +559,28 @@ double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
 template <int dim>
 double BlockSystem<dim>::linear_residual_norm(const Vector &dx)
 {
-  Vector difference = owned_vector();
-  matrix.vmult(difference, dx);
-  difference.sadd(-1., 1., right_hand_side);
-  const std::vector<double> norms = norms_by_field(difference, field_of_block, fields.size()),
-                            given = norms_by_field(right_hand_side, field_of_block, fields.size());
+  // the loads of a field are its right-hand side and what other fields give it; the equations of multipliers
+  // have neither, in them the traces of the bodies cancel
+  Vector difference = right_hand_side;
+  std::vector<double> reference = norms_by_field(right_hand_side, field_of_block, fields.size());
+  for (unsigned int row = 0; row < dx.n_blocks(); ++row)
+    for (unsigned int column = 0; column < dx.n_blocks(); ++column)
+      if (matrix.block(row, column).n_nonzero_elements() > 0) {
+        dealii::TrilinosWrappers::MPI::Vector product(difference.block(row));
+        matrix.block(row, column).vmult(product, dx.block(column));
+        difference.block(row) -= product;
+        const unsigned int f = field_of_block[row], g = field_of_block[column];
+        if (is_of_multipliers[f] || (f != g && !is_of_multipliers[g]))
+          reference[f] = std::max(reference[f], product.l2_norm());
+      }
+  const std::vector<double> norms = norms_by_field(difference, field_of_block, fields.size());
   double relative = 0;
-  for (unsigned int f = 0; f < fields.size(); ++f)
-    if (const double reference = std::max(largest[f], given[f]); reference > 0)
-      relative = std::max(relative, norms[f] / reference);
+  for (unsigned int f = 0; f < fields.size(); ++f) {
+    if (!std::isfinite(norms[f]))
+      return std::numeric_limits<double>::quiet_NaN();
+    if (const double of_field = std::max(largest[f], reference[f]); of_field > 0)
+      relative = std::max(relative, norms[f] / of_field);
+  }
   return relative;
 }
 

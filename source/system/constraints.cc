@@ -6,7 +6,10 @@
 #include <dovetail/compatibility.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/lac/full_matrix.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace dovetail {
@@ -15,11 +18,12 @@ namespace {
 
 using Index = dealii::types::global_dof_index;
 
-/// A list of lines as numbers: dof, inhomogeneity, number of entries, (dof, weight) …
+/// A list of lines as numbers: dof, inhomogeneity, tie, number of entries, (dof, weight) …
 void pack(const Index dof, const ConstraintLine &line, std::vector<double> &numbers)
 {
   numbers.push_back(dof);
   numbers.push_back(line.inhomogeneity);
+  numbers.push_back(line.tie);
   numbers.push_back(line.entries.size());
   for (const auto &[other, weight] : line.entries) {
     numbers.push_back(other);
@@ -32,6 +36,7 @@ void unpack(const std::vector<double> &numbers, ConstraintLines &lines)
   for (auto next = numbers.begin(); next != numbers.end();) {
     ConstraintLine &line = lines[static_cast<Index>(*next++)];
     line.inhomogeneity = *next++;
+    line.tie = *next++;
     line.entries.clear();
     for (unsigned int n_entries = *next++; n_entries > 0; --n_entries) {
       const Index other = static_cast<Index>(*next++);
@@ -58,78 +63,135 @@ ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_
   return lines;
 }
 
-/// Erase lines until following the entries of the others never leads back to where one started. Unknowns that
-/// reach each other (Tarjan 1972) lose the line with the largest index, as often as needed; since all lines
-/// that can be reached are there, each rank decides alike.
-/// @return the unknowns whose lines were erased
-std::set<Index> break_cycles(ConstraintLines &lines)
+/// The unknowns that reach each other by following the entries of the lines, and those that follow themselves
+/// (Tarjan 1972).
+std::vector<std::vector<Index>> circles_of(const ConstraintLines &lines)
 {
-  std::set<Index> erased;
-  for (bool has_cycle = true; has_cycle;) {
-    has_cycle = false;
-    struct Visit
-    {
-      unsigned int number, lowest;
-      bool is_open;
+  struct Visit
+  {
+    unsigned int number, lowest;
+    bool is_open, follows_itself;
+  };
+  std::map<Index, Visit> visits;
+  std::vector<Index> open;
+  std::vector<std::vector<Index>> circles;
+  for (const auto &start : lines) {
+    if (visits.count(start.first) > 0)
+      continue;
+    std::vector<std::pair<Index, std::size_t>> path; // unknown, next entry
+    const auto enter = [&](const Index dof) {
+      const unsigned int number = visits.size();
+      visits[dof] = {number, number, true, false};
+      open.push_back(dof);
+      path.emplace_back(dof, 0);
     };
-    std::map<Index, Visit> visits;
-    std::vector<Index> open;
-    std::vector<Index> largest_of_cycles;
-    unsigned int n_visits = 0;
-    for (const auto &start : lines) {
-      if (visits.count(start.first) > 0)
-        continue;
-      std::vector<std::pair<Index, std::size_t>> path; // unknown, next entry
-      const auto enter = [&](const Index dof) {
-        visits[dof] = {n_visits, n_visits, true};
-        ++n_visits;
-        open.push_back(dof);
-        path.emplace_back(dof, 0);
-      };
-      enter(start.first);
-      while (!path.empty()) {
-        auto &[dof, next] = path.back();
-        const auto &entries = lines.at(dof).entries;
-        if (next < entries.size()) {
-          const Index other = entries[next++].first;
-          if (lines.count(other) == 0)
-            continue;
-          Visit &visit = visits[dof];
-          if (const auto known = visits.find(other); known == visits.end())
-            enter(other);
-          else if (known->second.is_open)
-            visit.lowest = std::min(visit.lowest, known->second.number);
-          if (other == dof) // follows itself
-            largest_of_cycles.push_back(dof);
+    enter(start.first);
+    while (!path.empty()) {
+      const Index dof = path.back().first;
+      const auto &entries = lines.at(dof).entries;
+      Visit &visit = visits[dof];
+      if (path.back().second < entries.size()) {
+        const Index other = entries[path.back().second++].first;
+        visit.follows_itself = visit.follows_itself || other == dof;
+        if (lines.count(other) == 0)
           continue;
-        }
-        const Index done = dof;
-        const Visit visit = visits[done];
-        path.pop_back();
-        if (!path.empty()) {
-          Visit &parent = visits[path.back().first];
-          parent.lowest = std::min(parent.lowest, visit.lowest);
-        }
-        if (visit.lowest == visit.number) {
-          Index largest = done;
-          unsigned int n_members = 0;
-          for (Index member = dealii::numbers::invalid_dof_index; member != done; ++n_members) {
-            member = open.back();
-            open.pop_back();
-            visits[member].is_open = false;
-            largest = std::max(largest, member);
-          }
-          if (n_members > 1)
-            largest_of_cycles.push_back(largest);
-        }
+        if (const auto known = visits.find(other); known == visits.end())
+          enter(other);
+        else if (known->second.is_open)
+          visit.lowest = std::min(visit.lowest, known->second.number);
+        continue;
+      }
+      path.pop_back();
+      if (!path.empty()) {
+        Visit &parent = visits[path.back().first];
+        parent.lowest = std::min(parent.lowest, visit.lowest);
+      }
+      if (visit.lowest == visit.number) {
+        std::vector<Index> members;
+        do {
+          members.push_back(open.back());
+          visits[open.back()].is_open = false;
+          open.pop_back();
+        } while (members.back() != dof);
+        std::sort(members.begin(), members.end());
+        if (members.size() > 1 || visit.follows_itself)
+          circles.push_back(members);
       }
     }
-    for (const Index dof : largest_of_cycles) {
-      has_cycle = true;
-      lines.erase(dof);
-      erased.insert(dof);
-    }
   }
+  return circles;
+}
+
+/// Solve the lines of unknowns that follow each other, B_i = sum_k W_ik B_k + rest_i, for B by elimination.
+/// @return false, and nothing changes, if they have no solution for every rest.
+bool solve_circle(const std::vector<Index> &members, ConstraintLines &lines)
+{
+  const unsigned int n = members.size();
+  dealii::FullMatrix<double> W(n, n); // I - W
+  std::vector<std::map<Index, double>> rest(n);
+  std::vector<double> inhomogeneity(n);
+  for (unsigned int i = 0; i < n; ++i) {
+    const ConstraintLine &line = lines.at(members[i]);
+    inhomogeneity[i] = line.inhomogeneity;
+    W(i, i) += 1;
+    for (const auto &[dof, weight] : line.entries)
+      if (const auto found = std::lower_bound(members.begin(), members.end(), dof);
+          found != members.end() && *found == dof)
+        W(i, found - members.begin()) -= weight;
+      else
+        rest[i][dof] += weight;
+  }
+  const auto add_row = [&](const unsigned int to, const unsigned int from, const double factor) {
+    for (unsigned int k = 0; k < n; ++k)
+      W(to, k) += factor * W(from, k);
+    for (const auto &[dof, weight] : rest[from])
+      rest[to][dof] += factor * weight;
+    inhomogeneity[to] += factor * inhomogeneity[from];
+  };
+  for (unsigned int i = 0; i < n; ++i) {
+    unsigned int pivot = i;
+    for (unsigned int k = i + 1; k < n; ++k)
+      if (std::abs(W(k, i)) > std::abs(W(pivot, i)))
+        pivot = k;
+    if (!(std::abs(W(pivot, i)) > 1e-6))
+      return false;
+    if (pivot != i) {
+      for (unsigned int k = 0; k < n; ++k)
+        std::swap(W(i, k), W(pivot, k));
+      std::swap(rest[i], rest[pivot]);
+      std::swap(inhomogeneity[i], inhomogeneity[pivot]);
+    }
+    for (unsigned int k = 0; k < n; ++k)
+      if (k != i && W(k, i) != 0)
+        add_row(k, i, -W(k, i) / W(i, i));
+  }
+  for (unsigned int i = 0; i < n; ++i) {
+    ConstraintLine &line = lines.at(members[i]);
+    line.entries.clear();
+    for (const auto &[dof, weight] : rest[i])
+      line.entries.emplace_back(dof, weight / W(i, i));
+    line.inhomogeneity = inhomogeneity[i] / W(i, i);
+  }
+  return true;
+}
+
+/// Solve the circles in the lines. One without a solution loses a line of the interface that the scene names
+/// last, that with the largest index, as often as needed. Since all lines that can be reached are there, each
+/// rank decides alike.
+/// @return the unknowns whose lines were erased
+std::set<Index> open_circles(ConstraintLines &lines)
+{
+  std::set<Index> erased;
+  for (auto circles = circles_of(lines); !circles.empty(); circles = circles_of(lines))
+    for (const auto &members : circles)
+      if (!solve_circle(members, lines)) {
+        const Index last =
+            *std::max_element(members.begin(), members.end(), [&](const Index a, const Index b) {
+              return std::make_pair(lines.at(a).tie, a) < std::make_pair(lines.at(b).tie, b);
+            });
+        lines.erase(last);
+        erased.insert(last);
+      }
   return erased;
 }
 
@@ -166,7 +228,7 @@ dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned
       }
     }
 
-  const std::set<Index> erased = break_cycles(lines);
+  const std::set<Index> erased = open_circles(lines);
   if (freed != nullptr)
     for (const Index dof : erased)
       if (numbering.owned.is_element(dof))

@@ -62,9 +62,11 @@ void Model<dim>::number()
 {
   numbering = std::make_unique<Numbering>(domains, communicator);
   for (const auto &interface : interfaces)
-    for (TiedField &field : interface->fields)
-      field.first_multiplier = numbering->add_multipliers(
-          interface->name, field.name, interface->tie().n_multipliers(*interface, field), communicator);
+    for (TiedField &field : interface->fields) {
+      field.n_multipliers = interface->tie().n_multipliers(*interface, field);
+      field.first_multiplier =
+          numbering->add_multipliers(interface->name, field.name, field.n_multipliers, communicator);
+    }
 }
 
 template <int dim>

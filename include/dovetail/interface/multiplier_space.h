@@ -98,6 +98,8 @@ private:
   std::map<Index, bool> decide(const TieConstraints &constraints, const MPI_Comm &communicator);
   void add_full_masses(std::map<Index, Shares> &shares) const;
   std::set<Index> cross_points() const;
+  dealii::FullMatrix<double> extend(const Face &face, Component &component,
+                                    const std::vector<unsigned int> &kept) const;
   void make_functions(Face &face) const;
   dealii::FullMatrix<double> node_coordinates(const Face &face) const;
   dealii::FullMatrix<double> polynomials(const Face &face, unsigned int degree) const;

@@ -31,7 +31,8 @@ struct TiedField
   unsigned int n_components;
   std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
   std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
-  /// Global index of the first multiplier of this rank, if the tie has any; set by the numbering.
+  /// Multipliers of this rank, if the tie has any, and the global index of the first; set by the numbering.
+  unsigned int n_multipliers = 0;
   dealii::types::global_dof_index first_multiplier = dealii::numbers::invalid_dof_index;
 };
 
@@ -119,12 +120,18 @@ public:
   /// Values at unknowns that this rank owns, by global index.
   using Owned = std::function<double(dealii::types::global_dof_index dof)>;
   virtual bool has_multipliers() const { return false; }
+  virtual bool needs_forces() const { return has_multipliers(); } ///< to find them
   /// For output, at a solution: multipliers that are no unknowns follow from the forces that constraints
   /// transmit. @p force: the residual at an unknown without the line that this tie gave it. Collective.
   virtual void find_multipliers(const Interface<dim> & /*interface*/, const Owned & /*solution*/,
                                 const Owned & /*force*/, const MPI_Comm & /*communicator*/)
   {
   }
+
+  /// The influx into the source, component by component, if find_multipliers learns that but no flux at
+  /// points.
+  virtual bool knows_resultant() const { return false; }
+  virtual std::vector<double> resultant(unsigned int /*field*/) const { return {}; }
 
   /// What a user should know about this tie, if anything; after add_constraints, the same on all ranks.
   virtual std::vector<std::string> notes() const { return {}; }
@@ -137,7 +144,7 @@ public:
   /// Whether the sides may come apart, for which the linear solver must know the modes of each body.
   virtual bool allows_jump(const TiedField & /*field*/) const { return false; }
   /// Whether the integral of numerical_flux is what each side gets, exactly.
-  virtual bool has_flux() const { return adds_terms() || has_multipliers(); }
+  virtual bool has_flux() const { return adds_terms(); }
   /// Whether both sides get the same flux at every point; else each gets that of the points on its own faces.
   virtual bool is_balanced() const { return true; }
 

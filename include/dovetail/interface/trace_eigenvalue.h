@@ -19,8 +19,8 @@ namespace dovetail {
 /// (constants; rigid motions about the current position). The sum runs over all points of the interface
 /// behind which the cell lies, so over all its faces that are tied by it, with the weights of the assembly.
 /// lambda has the unit of A/B. A cell with faces of n interfaces gets n times that, which bounds the
-/// eigenvalue of all of them together. Where the tangent is not positive on the cell, the value is that of the
-/// state in which all unknowns are zero; NaN if that is not positive, either.
+/// eigenvalue of all of them together. Where the tangent is not positive on the cell, the value is that of
+/// the state in which all unknowns are zero; NaN if that is not positive, either.
 ///
 /// The surface terms are sent to the rank that owns the cell; the eigenvalue comes back. Collective.
 template <int dim>

@@ -13,6 +13,17 @@
 
 namespace dovetail {
 
+namespace {
+
+std::string to_text(const double t)
+{
+  std::ostringstream text;
+  text << t;
+  return text.str();
+}
+
+} // namespace
+
 template <int dim>
 Model<dim>::Model(const Section &scene, const MPI_Comm &communicator)
     : communicator(communicator), toggles(scene)
@@ -78,6 +89,7 @@ void Model<dim>::check_ties(const double t) const
     for (unsigned int j = 0; j < i; ++j)
       if (interfaces[i]->is_active(t) && interfaces[j]->is_active(t))
         interfaces[i]->check_against(*interfaces[j], when.str());
+  check_constants(t);
 }
 
 /// Tell each side of each interface what others tie of its domain.
@@ -220,29 +232,32 @@ Vector Model<dim>::refine(const std::vector<std::vector<bool>> &marked, const Ve
 /// Every group of domains that is tied in a field needs, for each component, a condition that keeps it from
 /// drifting.
 template <int dim>
-void Model<dim>::check_constants() const
+void Model<dim>::check_constants(const std::optional<double> t) const
 {
   for (const auto &domain : domains)
     for (const Field &field : domain->fields())
       for (unsigned int c = 0; c < field.n_components; ++c)
-        if (held_domains(field.name, c).count(domain.get()) == 0)
-          domain->section.fail("Boundary conditions",
-                               "leave the " + field.name + " of this domain free to drift by a constant" +
-                                   (field.n_components > 1 ? " in " + std::string(1, "xyz"[c]) : "") +
-                                   ". Give it a condition of Type = value" +
-                                   std::string(field.n_components > 1 ? "" : " or convection") +
-                                   " here or on a domain it is tied to.");
+        if (held_domains(field.name, c, t).count(domain.get()) == 0)
+          domain->section.fail(
+              "Boundary conditions",
+              "leave the " + field.name + " of this domain free to drift by a constant" +
+                  (field.n_components > 1 ? " in " + std::string(1, "xyz"[c]) : "") +
+                  (t ? " while toggles switch off what holds it (t = " + to_text(*t) + ")" : "") +
+                  ". Give it a condition of Type = value" +
+                  std::string(field.n_components > 1 ? "" : " or convection") +
+                  " here or on a domain it is tied to.");
 }
 
 /// The domains in which a condition reaches a component of a field, directly or through interfaces.
 template <int dim>
-std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
-                                                       const unsigned int component) const
+std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field, const unsigned int component,
+                                                       const std::optional<double> t) const
 {
   std::set<const Domain<dim> *> held;
   for (const auto &domain : domains)
     for (const auto &condition : domain->conditions())
-      if (condition->field.name == field && condition->removes_constants()) {
+      if (condition->field.name == field && condition->removes_constants() &&
+          (!t || condition->is_active(*t))) {
         const auto components = condition->prescribed_components();
         if (condition->adds_flux() ||
             std::find(components.begin(), components.end(), component) != components.end())
@@ -252,7 +267,7 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
     is_new = false;
     for (const auto &interface : interfaces)
       for (const auto &tied : interface->fields)
-        if (tied.name == field && interface->tie().holds(tied))
+        if (tied.name == field && interface->tie().holds(tied) && (!t || interface->is_active(*t)))
           for (const unsigned int side : {source, destination})
             if (held.count(interface->sides[side].domain) > 0)
               is_new = held.insert(interface->sides[1 - side].domain).second || is_new;

@@ -10,6 +10,7 @@
 #include <dovetail/system/vector.h>
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -64,8 +65,10 @@ private:
   void number();
   void make_covers();
   void check_acts_somewhere(const Domain<dim> &domain, const Condition<dim> &condition) const;
-  void check_constants() const;
-  std::set<const Domain<dim> *> held_domains(const std::string &field, unsigned int component) const;
+  /// At a time, or with everything active.
+  void check_constants(std::optional<double> t = {}) const;
+  std::set<const Domain<dim> *> held_domains(const std::string &field, unsigned int component,
+                                             std::optional<double> t) const;
 };
 
 } // namespace dovetail

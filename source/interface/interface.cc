@@ -380,6 +380,14 @@ bool Interface<dim>::is_linear() const
   return true;
 }
 
+template <int dim>
+bool Interface<dim>::has_constant_tangent() const
+{
+  return is_linear() && std::none_of(sides.begin(), sides.end(), [](const InterfaceSide<dim> &side) {
+           return side.domain->material.depends_on_time();
+         });
+}
+
 template class Interface<2>;
 template class Interface<3>;
 

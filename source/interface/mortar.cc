@@ -82,7 +82,7 @@ private:
   };
 
   std::vector<Index> owned_nodes(const Interface<dim> &interface, const TiedField &field) const;
-  void add_lines(const Interface<dim> &interface, ConstraintLines &lines) const;
+  void add_lines(ConstraintLines &lines) const;
   void make_terms(const Interface<dim> &interface, std::set<Index> &multiplied);
   std::vector<std::vector<double>> penalties(const Interface<dim> &interface, double t,
                                              const typename Tie<dim>::Unknowns &unknowns,
@@ -156,13 +156,13 @@ void Mortar<dim>::add_constraints(const Interface<dim> &interface, TieConstraint
       "interface: no multiplier is left. Swap Source and Destination, or use Type = Nitsche.");
   has_begun = false;
   if (is_dual)
-    add_lines(interface, constraints.lines);
+    add_lines(constraints.lines);
   else
     make_terms(interface, constraints.multiplied);
 }
 
 template <int dim>
-void Mortar<dim>::add_lines(const Interface<dim> &, ConstraintLines &lines) const
+void Mortar<dim>::add_lines(ConstraintLines &lines) const
 {
   for (const auto &[dof, row] : space->rows) {
     // differs from the diagonal where the source has the same unknown
@@ -223,10 +223,7 @@ template <int dim>
 void Mortar<dim>::begin_step(const Interface<dim> &interface, const double t,
                              const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
 {
-  const bool is_constant = interface.is_linear() &&
-                           !interface.sides[source].domain->material.depends_on_time() &&
-                           !interface.sides[destination].domain->material.depends_on_time();
-  if (is_dual || (has_begun && is_constant))
+  if (is_dual || (has_begun && interface.has_constant_tangent()))
     return;
   const auto gamma = space->average(penalties(interface, t, unknowns, communicator), communicator);
   for (Term &term : terms)

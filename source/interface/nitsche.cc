@@ -81,10 +81,7 @@ Nitsche<dim>::Nitsche(const Section &section)
 template <int dim>
 bool Nitsche<dim>::is_constant(const Interface<dim> &interface) const
 {
-  for (const auto &side : interface.sides)
-    if (side.domain->material.depends_on_time())
-      return false;
-  return interface.is_linear() && (penalty_rule != PenaltyRule::value || !value.depends_on_time());
+  return interface.has_constant_tangent() && (penalty_rule != PenaltyRule::value || !value.depends_on_time());
 }
 
 /// For weights, penalty and the coercivity margin, which is infinite for theta = -1.

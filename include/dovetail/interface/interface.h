@@ -69,6 +69,8 @@ public:
   bool couples(unsigned int row, unsigned int column) const;
   /// Whether the fluxes of the tied fields are affine in the unknowns.
   bool is_linear() const;
+  /// Whether the derivatives of these fluxes are the same in all steps.
+  bool has_constant_tangent() const;
   bool is_symmetric() const ///< the terms of the tie, if the laws are
   {
     return method->is_symmetric() && options.gap_extension != GapExtension::trial;

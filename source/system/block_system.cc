@@ -95,11 +95,12 @@ void BlockSystem<dim>::set_up(const double t)
   hanging_lines.clear();
   if (!model.interfaces.empty()) {
     TieConstraints all;
-    for (const auto &domain : model.domains) {
+    for (const auto &domain : model.domains)
       domain->add_constraints(t, all.lines);
-      domain->add_hanging_nodes(hanging_lines);
-    }
     const ConstraintLines given = all.lines;
+    for (const auto &[dof, line] : given)
+      if (!line.entries.empty()) // prescribed values have none
+        hanging_lines.emplace(dof, line);
     dealii::Timer timer;
     for (unsigned int i = 0; i < model.interfaces.size(); ++i)
       if (model.interfaces[i]->is_active(t)) {

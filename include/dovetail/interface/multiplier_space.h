@@ -50,8 +50,8 @@ public:
   void make(const TieConstraints &constraints, const MPI_Comm &communicator);
 
   std::map<Index, Row> rows; ///< by destination unknown
-  /// Over all ranks: nodes with a function, and without because of a prescribed value or another interface,
-  /// or of lacking cover (counted once for all components of all fields).
+  /// Over all ranks: unknowns with a function, and without because of a prescribed value or another
+  /// interface, or of lacking cover.
   unsigned long n_rows = 0, n_taken = 0, n_hardly_covered = 0;
 
   /// Averages over the multipliers' functions of values at the points: for each owned row

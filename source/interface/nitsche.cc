@@ -97,9 +97,12 @@ std::string Nitsche<dim>::description() const
   const std::array<const char *, 5> weights_by = {
       {"by eigenvalue", "by volume", "equal", "all on the source", "all on the destination"}};
   const std::array<const char *, 3> penalty_by = {{"by eigenvalue", "by volume", "given"}};
+  const std::string weight = weights_by[static_cast<int>(weights)],
+                    penalty = penalty_by[static_cast<int>(penalty_rule)];
   std::ostringstream words;
-  words << "Theta = " << theta << ", weights " << weights_by[static_cast<int>(weights)] << ", penalty "
-        << penalty_by[static_cast<int>(penalty_rule)]
+  words << "Theta = " << theta << ", "
+        << (weight == penalty ? "weights and penalty " + penalty
+                              : "weights " + weight + ", penalty " + penalty)
         << (own_sides ? ", each side's test functions on it" : "");
   return words.str();
 }

@@ -24,7 +24,7 @@ public:
       all.push_back({before, after, {domain}});
   }
 
-  /// Without their names where all domains are meant.
+  /// Without their names where all are meant.
   void append_to(std::vector<std::string> &sentences, const unsigned int n_domains) const
   {
     for (const Entry &entry : all)
@@ -101,22 +101,33 @@ void plan_interfaces(const Model<dim> &model, Plan &plan)
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(model.communicator);
   if (model.interfaces.empty())
     plan.left_out.push_back("pairing: no interfaces");
+  std::vector<std::pair<std::string, std::vector<std::string>>> ties; // with the interfaces that have them
+  std::vector<std::string> exchanges;
   for (const auto &interface : model.interfaces) {
     std::vector<std::string> tied;
     for (const TiedField &field : interface->fields)
       tied.push_back(field.name);
-    std::string sentence = interface->name + ": " + interface->description() + ", " + comma_separated(tied);
-    const auto messages = dealii::Utilities::MPI::sum(interface->work().messages, model.communicator);
-    const auto faces = dealii::Utilities::MPI::sum(interface->work().faces, model.communicator);
-    if (messages > 0)
-      sentence += ", " + std::to_string(faces) + " faces exchanged between ranks";
+    const std::string sentence = comma_separated(tied) + " by " + interface->description();
+    const auto same =
+        std::find_if(ties.begin(), ties.end(), [&](const auto &other) { return other.first == sentence; });
+    if (same == ties.end())
+      ties.push_back({sentence, {interface->name}});
+    else
+      same->second.push_back(interface->name);
+    const std::string exchange = "exchange between ranks for " + interface->name;
+    if (dealii::Utilities::MPI::sum(interface->work().messages, model.communicator) > 0)
+      exchanges.push_back(
+          exchange + ": " +
+          std::to_string(dealii::Utilities::MPI::sum(interface->work().faces, model.communicator)) +
+          " faces");
     else if (n_ranks > 1)
-      plan.left_out.push_back("exchange between ranks for " + interface->name +
-                              ": facing points live on one rank");
-    plan.needed.push_back(sentence);
+      plan.left_out.push_back(exchange + ": facing points live on one rank");
     for (const std::string &without : interface->tie().left_out(*interface))
       plan.left_out.push_back(without);
   }
+  for (const auto &[sentence, names] : ties)
+    plan.needed.push_back(comma_separated(names) + ": " + sentence);
+  plan.needed.insert(plan.needed.end(), exchanges.begin(), exchanges.end());
 }
 
 template <int dim>

@@ -7,6 +7,7 @@
 #include <dovetail/run/counters.h>
 #include <dovetail/scene/scene_text.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -294,7 +295,24 @@ bool Simulation<dim>::advance(const double t)
     lacks_multipliers = true;
   else
     solution = last_good;
+  can_be_halved = may_be_halved(result);
+  residuals_of_failure = result.is_converged ? std::vector<double>() : result.residuals;
   return result.is_converged;
+}
+
+/// A smaller step of a linear scene fails in the same way. So does one if nothing depends on t: it has the
+/// same residuals as the one twice as large, of which the first is 1 in any case.
+template <int dim>
+bool Simulation<dim>::may_be_halved(const NewtonResult &failed) const
+{
+  if (!steps.is_adaptive || model.is_linear())
+    return false;
+  const auto &now = failed.residuals, &before = residuals_of_failure;
+  if (now.size() != before.size() || now.size() < 2 || !std::isfinite(now[1]))
+    return true;
+  return !std::equal(now.begin(), now.end(), before.begin(), [](const double one, const double other) {
+    return std::isnan(one) ? std::isnan(other) : std::abs(one - other) <= 1e-6 * other;
+  });
 }
 
 /// After a step that failed: what is measured belongs to the last good one, at time t.
@@ -343,7 +361,7 @@ bool Simulation<dim>::run()
       log.step_ends();
       write_output(t, n_done, is_last);
       size = std::min(nominal, 2 * size);
-    } else if (steps.is_adaptive && size > nominal / 1024 && !model.is_linear()) {
+    } else if (can_be_halved && size > nominal / 1024) {
       size /= 2;
       log.step_ends("did not converge; half of the step is tried");
     } else {

@@ -59,6 +59,7 @@ private:
   void set_up(double t);
   void begin_step(double t);
   bool advance(double t);
+  bool may_be_halved(const NewtonResult &failed) const;
   void go_back(double t);
   void take_account();
   NewtonResult solve_step();
@@ -86,6 +87,8 @@ private:
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<Report> report;
   Vector solution, trial, update;
+  bool can_be_halved = true;                        ///< the step that has failed
+  std::vector<double> residuals_of_failure;         ///< of the step before, if it failed, too
   bool has_new_tangent = false;                     ///< that the linear solver has not seen
   bool lacks_multipliers = false;                   ///< those of the solution have not been looked for
   std::string problem_of_output = {};               ///< why no more pictures are written

@@ -219,6 +219,8 @@ NewtonResult Simulation<dim>::solve_step()
   problem.solve = [&]() {
     const Phases::Scope scope(phases, "solve");
     linear_solver.set_matrix(system->tangent());
+    if (problem.is_linear)
+      check_is_held();
     const auto n_iterations = linear_solver.solve(update, system->negative_residual());
     if (problem.is_linear)
       linear_residual = system->linear_residual_norm(update);
@@ -240,6 +242,17 @@ NewtonResult Simulation<dim>::solve_step()
   return newton.solve(problem);
 }
 
+/// A linear scene needs no iteration to know that a body is free; a nonlinear one may hold it once it has
+/// moved.
+template <int dim>
+void Simulation<dim>::check_is_held() const
+{
+  if (const auto motion = system->find_free_motion())
+    motion->bodies[0]->section.fail("Boundary conditions",
+                                    "and interfaces do not hold " + motion->in_words() +
+                                        ". Add a condition of Type = value, or a tie, that does.");
+}
+
 /// One step to time t from the last good solution.
 template <int dim>
 bool Simulation<dim>::advance(const double t)
@@ -253,8 +266,12 @@ bool Simulation<dim>::advance(const double t)
   }
   const NewtonResult result = solve_step();
   report->add_step(t, result.residuals, result.linear_iterations);
-  if (!result.is_converged)
+  if (!result.is_converged) {
+    if (const auto motion = system->find_free_motion(true))
+      if (const std::string note = "nothing holds " + motion->in_words(); report->add_note(note))
+        log.line("  note: " + note);
     solution = last_good;
+  }
   return result.is_converged;
 }
 

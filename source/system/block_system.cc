@@ -586,6 +586,16 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx)
 }
 
 template <int dim>
+std::optional<FreeMotion<dim>> BlockSystem<dim>::find_free_motion(const bool in_any_case) const
+{
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time)))
+      if (const auto motion = dovetail::find_free_motion(model, fields[f], matrix, update_constraints))
+        return motion;
+  return {};
+}
+
+template <int dim>
 void BlockSystem<dim>::distribute(Vector &dx) const
 {
   ghosted_scratch = dx;

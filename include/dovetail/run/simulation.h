@@ -57,6 +57,7 @@ private:
   void set_up(double t);
   bool advance(double t);
   NewtonResult solve_step();
+  void check_is_held() const;
   bool run_cycles(double t);
   NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t);
   void write_output(double t, unsigned int step, bool is_last);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/system/free_motion.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
@@ -50,6 +51,9 @@ public:
 
   /// Whether the last assembled right-hand side moves prescribed values.
   bool moves_constraints() const { return constraints_move; }
+  /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
+  /// nothing where all bodies are surely held, unless @p in_any_case.
+  std::optional<FreeMotion<dim>> find_free_motion(bool in_any_case = false) const;
   /// Complete @p dx by the constrained unknowns.
   void distribute(Vector &dx) const;
 

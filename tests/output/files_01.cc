@@ -122,8 +122,7 @@ int main(int argc, char **argv)
   report["domains"] = measure_domains(given.model, given.solution, 1.);
   report["interfaces"] = measure_interfaces(given.model, given.solution, 1.);
   report.add_step(1, {2., std::nan("")}, {3});
-  for (const std::string &sentence : left_out(given.model))
-    report.leave_out(sentence);
+  report.leave_out("cake: nobody is hungry");
   report.write();
 
   if (!speaks)

@@ -46,8 +46,11 @@ void write_file(const std::string &name, const std::string &text)
 {
   std::ofstream file(name + ".new");
   file << text << std::flush;
-  if (!file || std::rename((name + ".new").c_str(), name.c_str()) != 0)
-    throw std::runtime_error("cannot write '" + name + "': " + std::strerror(errno));
+  if (!file || std::rename((name + ".new").c_str(), name.c_str()) != 0) {
+    const std::string reason = std::strerror(errno);
+    std::remove((name + ".new").c_str());
+    throw std::runtime_error("cannot write '" + name + "': " + reason);
+  }
 }
 
 std::string escape(const std::string &text)
@@ -147,6 +150,7 @@ void Paraview<dim>::checked(const Write &write) const
     std::ostringstream text;
     error.print_info(text);
     problem = dealii::Utilities::trim(text.str());
+    problem = problem.substr(0, problem.find(".\n")); // what follows is meant for programmers
   } catch (const std::exception &error) {
     problem = error.what();
   }

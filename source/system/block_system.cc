@@ -253,7 +253,8 @@ Vector BlockSystem<dim>::ghosted_vector() const
 template <int dim>
 void BlockSystem<dim>::begin_step(const double t, const Vector &x)
 {
-  make_constraints(t);
+  if (t != time) // else set_up has made them
+    make_constraints(t);
   reset_norms();
   if (model.interfaces.empty())
     return;

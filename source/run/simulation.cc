@@ -5,6 +5,7 @@
 
 #include <dovetail/output/measures.h>
 #include <dovetail/scene/scene_text.h>
+#include <dovetail/study/options.h>
 
 #include <cmath>
 #include <fstream>
@@ -13,18 +14,11 @@ namespace dovetail {
 
 namespace {
 
-/// output/NAME-OF-THE-FILE
-std::string default_directory(const std::string &file_name)
-{
-  const std::string name = file_name.substr(file_name.rfind('/') + 1);
-  return "output/" + name.substr(0, name.rfind('.'));
-}
-
-std::string read_directory(const Section &output, const std::string &file_name)
+std::string read_directory(const Section &output, const SceneText &text)
 {
   const auto directory = output.read<std::string>(
       "Directory", "", "Where the results go; output/ and the name of the scene's file if empty [-]");
-  return directory.empty() ? default_directory(file_name) : directory;
+  return directory.empty() ? "output/" + text.name() : directory;
 }
 
 } // namespace
@@ -72,10 +66,11 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
   const Adaptivity adaptivity(scene);
   const LinearSolver solver(scene.subsection("Linear solver"), {});
   const Section output = scene.subsection("Output");
-  read_directory(output, "");
+  read_directory(output, *text);
   output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
                             Patterns::Integer(1));
   const Paraview<3> paraview(output, model, "");
+  const StudyOptions study(scene.subsection("Study"));
 }
 
 template <int dim>
@@ -90,10 +85,11 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
       adaptivity(scene), linear_solver(scene.subsection("Linear solver"), solve_groups())
 {
   const Section output = scene.subsection("Output");
-  directory = read_directory(output, text->file_name());
+  directory = read_directory(output, *text);
   every_steps = output.read<unsigned int>(
       "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1));
   paraview = std::make_unique<Paraview<dim>>(output, model, directory);
+  StudyOptions(scene.subsection("Study")); // must be right in every run
   text->check_all_read();
   scene.check(adaptivity.n_cycles == 0 ||
                   std::any_of(model.domains.begin(), model.domains.end(),

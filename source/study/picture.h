@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-// Error against run time and against unknowns, by gnuplot.
+// Error against run time and against unknowns, drawn by gnuplot.
 
 #pragma once
 
@@ -16,6 +16,6 @@ namespace dovetail {
 /// it.
 /// @return what stands in the way, if anything does.
 std::string draw_study(const std::string &directory, const std::string &title,
-                       const std::vector<StudyCurve> &curves, const std::string &measure);
+                       const std::vector<StudyCurve> &curves, const std::string &measure, unsigned int dim);
 
 } // namespace dovetail

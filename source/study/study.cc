@@ -106,6 +106,7 @@ private:
   void plan_runs();
   void perform_runs();
   std::string describe(const StudyRun &run) const;
+  unsigned int family_of(unsigned int variant) const;
   std::vector<StudyCurve> curves() const;
   std::string measure() const;
   void write_table_of_runs() const;
@@ -322,6 +323,17 @@ std::string Study::measure() const
   return options.measure;
 }
 
+/// Which value of the first list it has.
+unsigned int Study::family_of(const unsigned int variant) const
+{
+  for (const VariedEntries &list : options.vary)
+    if (list.values.size() > 1)
+      for (const auto &[path, value] : variants[variant].entries)
+        if (path == list.paths.front())
+          return std::find(list.values.begin(), list.values.end(), value) - list.values.begin();
+  return 0;
+}
+
 std::vector<StudyCurve> Study::curves() const
 {
   const std::string name_of_error = measure();
@@ -330,6 +342,7 @@ std::vector<StudyCurve> Study::curves() const
     for (const unsigned int n_ranks : ranks) {
       StudyCurve curve;
       curve.name = variants[v].name + (ranks.size() > 1 ? ", " + count_of(n_ranks, "rank") : "");
+      curve.family = family_of(v);
       for (const unsigned int level : options.levels) {
         std::vector<const StudyRun *> repeats;
         for (const StudyRun &run : runs)
@@ -363,7 +376,7 @@ void Study::conclude() const
     words += "  " + sentence + "\n";
   std::ofstream(directory + "/study.txt") << words;
   std::cout << '\n' << words << '\n';
-  const std::string obstacle = draw_study(directory, text->name(), all, measure_name);
+  const std::string obstacle = draw_study(directory, text->name(), all, measure_name, dim);
   std::cout << "  results: " << directory << "/study.csv"
             << (obstacle.empty() ? ", study.txt, study.svg, study.png" : ", study.txt") << std::endl;
   if (!obstacle.empty())

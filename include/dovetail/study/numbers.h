@@ -56,6 +56,7 @@ struct StudyPoint
 struct StudyCurve
 {
   std::string name;
+  unsigned int family = 0; ///< those with one value of the first varied list, which have one colour
   std::vector<StudyPoint> points;
 };
 

@@ -70,6 +70,7 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
   output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
                             Patterns::Integer(1));
   const Paraview<3> paraview(output, model, "");
+  const Reference<3> reference(output, model);
   const StudyOptions study(scene.subsection("Study"));
 }
 
@@ -89,6 +90,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
   every_steps = output.read<unsigned int>(
       "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1));
   paraview = std::make_unique<Paraview<dim>>(output, model, directory);
+  reference = std::make_unique<Reference<dim>>(output, model);
   StudyOptions(scene.subsection("Study")); // must be right in every run
   text->check_all_read();
   scene.check(adaptivity.n_cycles == 0 ||
@@ -303,6 +305,7 @@ bool Simulation<dim>::run()
   measure(t);
   if (is_converged)
     is_converged = run_cycles(t);
+  compare(t);
   write_report(is_converged);
   return is_converged;
 }
@@ -389,6 +392,20 @@ void Simulation<dim>::measure(const double t)
   (*report)["domains"] = measure_domains(model, ghosted, t);
   (*report)["interfaces"] = measure_interfaces(model, ghosted, t);
   (*report)["probes"] = probes.evaluate(ghosted, t);
+}
+
+/// With a run that is more exact, or for runs that are less so.
+template <int dim>
+void Simulation<dim>::compare(const double t)
+{
+  if (!reference->is_on())
+    return;
+  const Phases::Scope scope(phases, "comparison");
+  Vector ghosted = system->ghosted_vector();
+  ghosted = solution;
+  reference->compare(ghosted, t, (*report)["domains"], (*report)["interfaces"]);
+  if (reference->has_reference())
+    (*report)["errors against"] = reference->file();
 }
 
 template <int dim>

@@ -145,7 +145,11 @@ StudyOptions::StudyOptions(const Section &section)
           Patterns::List(Patterns::Integer(1), 0))),
       measure(section.read<std::string>("Error", "",
                                         "--study: the error that is shown, for instance temperature H1; if "
-                                        "empty L2 of the first field [-]"))
+                                        "empty L2 of the first field [-]")),
+      reference(section.read<std::string>("Reference", "",
+                                          "--study: the Samples of a run that errors are measured against; "
+                                          "if empty Exact, where no domain has "
+                                          "that the finest level of the variant with the most unknowns [-]"))
 {
   const auto text = section.read<std::string>(
       "Vary", "",

@@ -53,11 +53,14 @@ std::string plain(const std::string &name)
 /// FNV-1a of what is in a file (Fowler, Noll and Vo 1991).
 std::string content_hash(const std::string &file)
 {
+  static std::map<std::string, std::string> known;
+  if (const auto found = known.find(file); found != known.end())
+    return found->second;
   std::ifstream in(file, std::ios::binary);
   std::uint64_t hash = 14695981039346656037U;
   for (std::istreambuf_iterator<char> letter(in), end; letter != end; ++letter)
     hash = (hash ^ static_cast<unsigned char>(*letter)) * 1099511628211U;
-  return std::to_string(hash);
+  return known[file] = std::to_string(hash);
 }
 
 /// The version, and when the library that holds this function was built.
@@ -92,6 +95,16 @@ std::string count_of(const std::size_t n, const std::string &singular)
   return std::to_string(n) + " " + singular + (n == 1 ? "" : "s");
 }
 
+/// From the line "2D, 230 unknowns on 1 rank" of a log.
+unsigned long count_of_unknowns(const std::string &log)
+{
+  std::ifstream in(log);
+  for (std::string line; std::getline(in, line);)
+    if (line.find(" unknowns on ") != std::string::npos && line.find("D, ") != std::string::npos)
+      return std::strtoul(line.c_str() + line.find("D, ") + 3, nullptr, 10);
+  return 0;
+}
+
 class Study
 {
 public:
@@ -100,10 +113,12 @@ public:
 
 private:
   std::vector<std::string> overrides_of(const Variant &variant, unsigned int level) const;
-  std::string complaint_about(const Variant &variant) const;
+  void check(Variant &variant) const;
   void check_variants();
   bool remove_unknown_entry(Variant &variant, std::map<std::string, std::string> &unknown) const;
   void plan_runs();
+  void do_run(StudyRun &run, StudyProgress &progress);
+  void make_reference(StudyProgress &progress);
   void perform_runs();
   std::string describe(const StudyRun &run) const;
   unsigned int family_of(unsigned int variant) const;
@@ -123,6 +138,7 @@ private:
   std::vector<unsigned int> ranks;
   std::vector<Variant> variants;
   std::vector<StudyRun> runs;
+  std::string errors_against; ///< in words, or empty
 };
 
 Study::Study(const std::string &scene, const std::vector<std::string> &overrides)
@@ -153,11 +169,13 @@ std::vector<std::string> Study::overrides_of(const Variant &variant, const unsig
     } // else the reader complains about it
   if (find_given(with_variant, "Output/Paraview").empty())
     result.push_back("Output/Paraview=false");
+  if (!options.reference.empty())
+    result.push_back("Output/Reference=" + options.reference);
   return result;
 }
 
-/// What `--check` says against a variant at the coarsest level.
-std::string Study::complaint_about(const Variant &variant) const
+/// What `--check` says of a variant at the coarsest level.
+void Study::check(Variant &variant) const
 {
   std::vector<std::string> command = {this_program(), "--check"};
   for (const std::string &assignment : overrides_of(variant, options.levels.front()))
@@ -165,10 +183,10 @@ std::string Study::complaint_about(const Variant &variant) const
   command.push_back(scene);
   const std::string log = directory + "/check.log", errors = directory + "/check.errors";
   const Outcome outcome = run_process(command, log, errors, [] {});
-  const std::string complaint = outcome.status == 1 ? last_words(errors) : "";
+  variant.complaint = outcome.status == 1 ? last_words(errors) : "";
+  variant.n_unknowns = count_of_unknowns(log);
   std::filesystem::remove(log);
   std::filesystem::remove(errors);
-  return complaint;
 }
 
 /// An entry that a variant does not know, like Theta of a mortar tie, is left out of that variant; variants
@@ -179,9 +197,9 @@ void Study::check_variants()
   std::set<std::string> known;
   std::map<std::string, std::string> unknown; // and what was said about it
   for (Variant &variant : variants) {
-    variant.complaint = complaint_about(variant);
+    check(variant);
     while (remove_unknown_entry(variant, unknown))
-      variant.complaint = complaint_about(variant);
+      check(variant);
     for (const auto &entry : variant.entries)
       known.insert(entry.first);
   }
@@ -237,7 +255,6 @@ void Study::plan_runs()
           run.ranks = n_ranks;
           run.repeat = repeat;
           run.overrides = overrides_of(variants[v], level);
-          run.fingerprint = fingerprint_of(SceneText::from_file(scene, run.overrides)->given(), n_ranks);
           std::string name = plain(variants[v].name) + "_level_" + std::to_string(level);
           if (n_ranks > 1)
             name += "_ranks_" + std::to_string(n_ranks);
@@ -271,31 +288,75 @@ std::string Study::describe(const StudyRun &run) const
   return words.str();
 }
 
+void Study::do_run(StudyRun &run, StudyProgress &progress)
+{
+  progress.begin(run);
+  StudyRun result = run;
+  perform(result, scene, [&] { progress.tick(); });
+  progress.end();
+  run = result;
+  write_table_of_runs();
+  const auto n_done =
+      std::count_if(runs.begin(), runs.end(), [](const auto &other) { return other.is_done(); });
+  progress.line("  " + std::to_string(n_done) + " of " + std::to_string(runs.size()) + "  " + describe(run));
+}
+
+/// Without anything else to measure errors against: the finest level of the variant with the most unknowns
+/// that converges is done first, and all coarser runs are compared with it. At the finest level itself nobody
+/// knows who is right.
+void Study::make_reference(StudyProgress &progress)
+{
+  const std::string file = directory + "/reference.samples";
+  std::vector<StudyRun *> candidates;
+  for (StudyRun &run : runs)
+    if (run.level == options.levels.back() && run.ranks == ranks.front() && run.repeat == 1 && !run.is_done())
+      candidates.push_back(&run);
+  std::stable_sort(candidates.begin(), candidates.end(), [this](const StudyRun *a, const StudyRun *b) {
+    return variants[a->variant].n_unknowns > variants[b->variant].n_unknowns;
+  });
+  for (StudyRun *run : candidates) {
+    run->overrides.push_back("Output/Samples=" + file);
+    run->fingerprint = fingerprint_of(SceneText::from_file(scene, run->overrides)->given(), run->ranks);
+    if (std::filesystem::exists(file))
+      recall(*run);
+    if (!run->is_done())
+      do_run(*run, progress);
+    if (run->is_converged()) {
+      for (StudyRun &other : runs)
+        if (other.level < options.levels.back())
+          other.overrides.push_back("Output/Reference=" + file);
+      errors_against = "level " + std::to_string(run->level) + " of " + variants[run->variant].name;
+      return;
+    }
+  }
+}
+
 void Study::perform_runs()
 {
-  unsigned int n_recalled = 0, n_done = 0;
-  for (StudyRun &run : runs) {
+  StudyProgress progress(runs, dim);
+  const bool has_exact = std::any_of(given.begin(), given.end(), [](const auto &entry) {
+    return entry.first.find("/Exact/") != std::string::npos && !entry.second.empty();
+  });
+  if (!options.reference.empty())
+    errors_against = options.reference;
+  else if (has_exact)
+    errors_against = "Exact";
+  else if (options.levels.size() > 1)
+    make_reference(progress);
+
+  unsigned int n_recalled = 0;
+  for (StudyRun &run : runs)
     if (!run.is_done()) {
+      run.fingerprint = fingerprint_of(SceneText::from_file(scene, run.overrides)->given(), run.ranks);
       recall(run);
       n_recalled += run.is_done();
     }
-    n_done += run.is_done();
-  }
-  StudyProgress progress(runs, dim);
   if (n_recalled > 0)
     progress.line(std::to_string(n_recalled) + " of " + std::to_string(runs.size()) +
                   " runs were there already");
   for (StudyRun &run : runs)
-    if (!run.is_done()) {
-      progress.begin(run);
-      StudyRun result = run;
-      perform(result, scene, [&] { progress.tick(); });
-      progress.end();
-      run = result;
-      write_table_of_runs();
-      progress.line("  " + std::to_string(++n_done) + " of " + std::to_string(runs.size()) + "  " +
-                    describe(run));
-    }
+    if (!run.is_done())
+      do_run(run, progress);
   write_table_of_runs();
 }
 
@@ -369,9 +430,9 @@ void Study::conclude() const
   const auto all = curves();
   const std::string measure_name = measure();
   std::string words = table_of(all, measure_name);
+  words += errors_against.empty() ? "\n  no errors: there is no Exact, no Reference and no finer level\n"
+                                  : "\n  errors against " + errors_against + "\n";
   const auto sentences = who_is_first(all);
-  if (!sentences.empty())
-    words += "\n";
   for (const std::string &sentence : sentences)
     words += "  " + sentence + "\n";
   std::ofstream(directory + "/study.txt") << words;

@@ -29,7 +29,8 @@ struct Variant
 {
   std::string name;
   std::vector<std::pair<std::string, std::string>> entries;
-  std::string complaint; ///< why it is no legal scene, or empty
+  std::string complaint;        ///< why it is no legal scene, or empty
+  unsigned long n_unknowns = 0; ///< at the coarsest level
 };
 
 /// The product of all values, the last list running fastest; not named yet.
@@ -50,7 +51,7 @@ struct StudyOptions
   unsigned int n_repeats;
   std::vector<unsigned int> ranks; ///< empty: those of the launch
   std::string measure;             ///< "temperature L2"; empty: L2 of the first field
-  std::string reference;           ///< file of samples; empty: see Study
+  std::string reference;           ///< file of samples; empty: Exact or the finest level
 };
 
 } // namespace dovetail

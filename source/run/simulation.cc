@@ -6,6 +6,7 @@
 #include <dovetail/output/measures.h>
 #include <dovetail/run/counters.h>
 #include <dovetail/scene/scene_text.h>
+#include <dovetail/study/options.h>
 
 #include <cmath>
 #include <fstream>
@@ -14,18 +15,11 @@ namespace dovetail {
 
 namespace {
 
-/// output/NAME-OF-THE-FILE
-std::string default_directory(const std::string &file_name)
-{
-  const std::string name = file_name.substr(file_name.rfind('/') + 1);
-  return "output/" + name.substr(0, name.rfind('.'));
-}
-
-std::string read_directory(const Section &output, const std::string &file_name)
+std::string read_directory(const Section &output, const SceneText &text)
 {
   const auto directory = output.read<std::string>(
       "Directory", "", "Where the results go; output/ and the name of the scene's file if empty [-]");
-  return directory.empty() ? default_directory(file_name) : directory;
+  return directory.empty() ? "output/" + text.name() : directory;
 }
 
 } // namespace
@@ -73,10 +67,12 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
   const Adaptivity adaptivity(scene);
   const LinearSolver solver(scene.subsection("Linear solver"), {});
   const Section output = scene.subsection("Output");
-  read_directory(output, "");
+  read_directory(output, *text);
   output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
                             Patterns::Integer(1));
   const Paraview<3> paraview(output, model, "");
+  const Reference<3> reference(output, model);
+  const StudyOptions study(scene.subsection("Study"));
 }
 
 template <int dim>
@@ -91,10 +87,12 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
       adaptivity(scene), linear_solver(scene.subsection("Linear solver"), solve_groups())
 {
   const Section output = scene.subsection("Output");
-  directory = read_directory(output, text->file_name());
+  directory = read_directory(output, *text);
   every_steps = output.read<unsigned int>(
       "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1));
   paraview = std::make_unique<Paraview<dim>>(output, model, directory);
+  reference = std::make_unique<Reference<dim>>(output, model);
+  StudyOptions(scene.subsection("Study")); // must be right in every run
   text->check_all_read();
   scene.check(adaptivity.n_cycles == 0 ||
                   std::any_of(model.domains.begin(), model.domains.end(),
@@ -376,6 +374,7 @@ bool Simulation<dim>::run()
   measure(t);
   if (is_converged)
     is_converged = run_cycles(t);
+  compare(t);
   write_report(is_converged);
   return is_converged;
 }
@@ -485,6 +484,20 @@ void Simulation<dim>::measure(const double t)
   (*report)["domains"] = measure_domains(model, ghosted, t);
   (*report)["interfaces"] = measure_interfaces(model, ghosted, t);
   (*report)["probes"] = probes.evaluate(ghosted, t);
+}
+
+/// With a run that is more exact, or for runs that are less so.
+template <int dim>
+void Simulation<dim>::compare(const double t)
+{
+  if (!reference->is_on())
+    return;
+  const Phases::Scope scope(phases, "comparison");
+  Vector ghosted = system->ghosted_vector();
+  ghosted = solution;
+  reference->compare(ghosted, t, (*report)["domains"], (*report)["interfaces"]);
+  if (reference->has_reference())
+    (*report)["errors against"] = reference->file();
 }
 
 template <int dim>

@@ -23,8 +23,8 @@ public:
   /// Knows "version", "dealii" and "ranks" itself. @p directory is made if it does not exist. Collective.
   Report(const std::string &directory, const MPI_Comm &communicator);
 
-  /// The value of one of the keys: dofs, converged, domains, interfaces, probes, steps, adaptive
-  /// cycles, seconds, counters, plan, left out.
+  /// The value of one of the keys: dofs, converged, errors against, domains, interfaces, probes, steps,
+  /// adaptive cycles, seconds, counters, plan, left out.
   nlohmann::ordered_json &operator[](const std::string &key);
 
   /// One solve with Newton's method.

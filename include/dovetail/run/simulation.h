@@ -9,6 +9,7 @@
 #include <dovetail/output/paraview.h>
 #include <dovetail/output/plan.h>
 #include <dovetail/output/probes.h>
+#include <dovetail/output/reference.h>
 #include <dovetail/output/report.h>
 #include <dovetail/run/phases.h>
 #include <dovetail/solve/linear_solver.h>
@@ -68,6 +69,7 @@ private:
   void find_multipliers();
   void write_output(double t, unsigned int step, bool is_last);
   void measure(double t);
+  void compare(double t);
   void write_report(bool is_converged);
 
   MPI_Comm communicator;
@@ -83,6 +85,7 @@ private:
   std::string directory;
   unsigned int every_steps;
   std::unique_ptr<Paraview<dim>> paraview;
+  std::unique_ptr<Reference<dim>> reference;
   std::unique_ptr<BlockSystem<dim>> system;
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<Report> report;

@@ -4,6 +4,7 @@
 #include <dovetail/run/simulation.h>
 
 #include <dovetail/output/measures.h>
+#include <dovetail/output/spectrum.h>
 #include <dovetail/scene/scene_text.h>
 
 #include <cmath>
@@ -25,6 +26,13 @@ std::string read_directory(const Section &output, const std::string &file_name)
   const auto directory = output.read<std::string>(
       "Directory", "", "Where the results go; output/ and the name of the scene's file if empty [-]");
   return directory.empty() ? default_directory(file_name) : directory;
+}
+
+bool read_spectrum(const Section &output)
+{
+  return output.read<bool>("Spectrum", false,
+                           "Report eigenvalues and condition number of the matrix, up to " +
+                               std::to_string(largest_spectrum) + " unknowns [-]");
 }
 
 } // namespace
@@ -75,6 +83,7 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
   read_directory(output, "");
   output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
                             Patterns::Integer(1));
+  read_spectrum(output);
   const Paraview<3> paraview(output, model, "");
 }
 
@@ -93,6 +102,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
   directory = read_directory(output, text->file_name());
   every_steps = output.read<unsigned int>(
       "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1));
+  with_spectrum = read_spectrum(output);
   paraview = std::make_unique<Paraview<dim>>(output, model, directory);
   text->check_all_read();
   scene.check(adaptivity.n_cycles == 0 ||
@@ -307,6 +317,8 @@ bool Simulation<dim>::run()
   measure(t);
   if (is_converged)
     is_converged = run_cycles(t);
+  if (with_spectrum)
+    measure_spectrum_of_groups();
   write_report(is_converged);
   return is_converged;
 }
@@ -393,6 +405,17 @@ void Simulation<dim>::measure(const double t)
   (*report)["domains"] = measure_domains(model, ghosted, t);
   (*report)["interfaces"] = measure_interfaces(model, ghosted, t);
   (*report)["probes"] = probes.evaluate(ghosted, t);
+}
+
+template <int dim>
+void Simulation<dim>::measure_spectrum_of_groups()
+{
+  const Phases::Scope scope(phases, "output");
+  std::vector<std::string> sentences;
+  report->add("spectrum",
+              measure_spectrum(*system, *model.numbering, solve_groups(), communicator, sentences));
+  for (const std::string &sentence : sentences)
+    report->leave_out(sentence);
 }
 
 template <int dim>

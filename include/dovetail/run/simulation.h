@@ -61,6 +61,7 @@ private:
   NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t);
   void write_output(double t, unsigned int step, bool is_last);
   void measure(double t);
+  void measure_spectrum_of_groups();
   void write_report(bool is_converged);
 
   MPI_Comm communicator;
@@ -75,6 +76,7 @@ private:
   Adaptivity adaptivity;
   std::string directory;
   unsigned int every_steps;
+  bool with_spectrum;
   std::unique_ptr<Paraview<dim>> paraview;
   std::unique_ptr<BlockSystem<dim>> system;
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first

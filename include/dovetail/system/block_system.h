@@ -50,6 +50,11 @@ public:
 
   /// Whether the last assembled right-hand side moves prescribed values.
   bool moves_constraints() const { return constraints_move; }
+  /// Whether an unknown that this rank owns follows from others, so that its row is trivial.
+  bool is_constrained(dealii::types::global_dof_index dof) const
+  {
+    return update_constraints.is_constrained(dof);
+  }
   /// Complete @p dx by the constrained unknowns.
   void distribute(Vector &dx) const;
 

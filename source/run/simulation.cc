@@ -240,7 +240,10 @@ NewtonResult Simulation<dim>::solve_step()
     if (damping != 0)
       trial.add(damping, update);
   };
-  problem.accept = [&]() { solution = trial; };
+  problem.accept = [&]() {
+    solution = trial;
+    system->accept_residual();
+  };
   problem.moves_constraints = [&]() { return system->moves_constraints(); };
   problem.linear_residual = [&]() { return linear_residual; };
   problem.report = [&](const unsigned int iteration, const double norm, const unsigned int linear_iterations,
@@ -317,8 +320,10 @@ bool Simulation<dim>::run()
   measure(t);
   if (is_converged)
     is_converged = run_cycles(t);
-  if (with_spectrum)
+  if (with_spectrum && is_converged)
     measure_spectrum_of_groups();
+  else if (with_spectrum)
+    report->leave_out("spectrum: the last step did not converge");
   write_report(is_converged);
   return is_converged;
 }

@@ -50,6 +50,15 @@ std::vector<double> singular_values(Matrix A)
   return info == 0 ? values : std::vector<double>();
 }
 
+/// In decreasing order.
+std::vector<double> absolute_values(std::vector<double> values)
+{
+  for (double &value : values)
+    value = std::abs(value);
+  std::sort(values.rbegin(), values.rend());
+  return values;
+}
+
 /// The inverse by LU factorisation; false if there is none.
 bool invert(Matrix &A)
 {
@@ -133,21 +142,25 @@ ordered_json spectrum(const Dense &dense)
   const bool symmetric = is_symmetric(S);
   result["symmetric"] = symmetric;
   const auto of_S = eigenvalues(symmetric_S), of_K = eigenvalues(symmetric_part(dense.K));
-  const auto singular_of_K = singular_values(dense.K), singular_of_S = singular_values(S);
-  if (of_S.empty() || of_K.empty() || singular_of_K.empty() || singular_of_S.empty())
+  if (of_S.empty() || of_K.empty())
     return result; // not finite
+  const auto singular_of_K = symmetric ? absolute_values(of_K) : singular_values(dense.K);
+  const auto singular_of_S = symmetric ? absolute_values(of_S) : singular_values(S);
+  if (singular_of_K.empty() || singular_of_S.empty())
+    return result;
 
   const auto largest_eigenvalue = [](const Matrix &A) {
     const auto values = eigenvalues(symmetric_part(A));
     return values.empty() ? std::numeric_limits<double>::infinity() : values.back();
   };
-  const auto largest_singular_value = [](const Matrix &A) {
-    const auto values = singular_values(A);
+  const auto largest_singular_value = [symmetric](const Matrix &A) {
+    const auto values = symmetric ? absolute_values(eigenvalues(symmetric_part(A))) : singular_values(A);
     return values.empty() ? std::numeric_limits<double>::infinity() : values[0];
   };
   const double smallest_eigenvalue =
       of_S[0] > 0 ? smallest_by_inverse(symmetric_S, factor, largest_eigenvalue) : of_K[0];
-  const double smallest_singular_value = smallest_by_inverse(S, factor, largest_singular_value);
+  const double smallest_singular_value =
+      symmetric && of_S[0] > 0 ? smallest_eigenvalue : smallest_by_inverse(S, factor, largest_singular_value);
   result["smallest eigenvalue"] = smallest_eigenvalue;
   result["largest eigenvalue"] = of_K.back();
   result["condition number"] = singular_of_K[0] / smallest_singular_value;

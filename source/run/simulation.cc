@@ -210,6 +210,12 @@ void Simulation<dim>::set_up(const double t)
   linear_solver.forget_matrix();
   model.check_ties(t);
   system->set_up(t);
+  tell_notes();
+}
+
+template <int dim>
+void Simulation<dim>::tell_notes()
+{
   for (const std::string &sentence : system->notes())
     if (report->add_note(sentence))
       log.line("  note: " + sentence);
@@ -264,6 +270,7 @@ bool Simulation<dim>::advance(const double t)
     const Phases::Scope scope(phases, "setup");
     system->begin_step(t, solution);
   }
+  tell_notes();
   const NewtonResult result = solve_step();
   report->add_step(t, result.residuals, result.linear_iterations);
   if (!result.is_converged)

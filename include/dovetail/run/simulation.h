@@ -55,6 +55,7 @@ private:
   std::vector<SolveGroup> solve_groups() const;
   void set_initial_values();
   void set_up(double t);
+  void tell_notes();
   bool advance(double t);
   NewtonResult solve_step();
   bool run_cycles(double t);

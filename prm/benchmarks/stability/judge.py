@@ -15,6 +15,7 @@ import math
 
 ENERGY, FLUX, SMALL = 2.0, 10.0, 1e-6
 BAD = ("WRONG", "CRASH")
+WORDS = ("coercive", "errs", "oscillates", "swap", "locks")  # of notes that say that the answer may be off
 
 
 def is_finite(number):
@@ -41,7 +42,7 @@ def verdict(case, benign):
 
     if holds("error", ENERGY) and holds("flux", FLUX):
         return "right"
-    if case["notes"]:
+    if (case["margin"] or 0) < 0 or any(word in note for word in WORDS for note in case["notes"]):
         return "warned"
     return "flux lost" if holds("error", ENERGY) else "WRONG"
 

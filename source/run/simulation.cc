@@ -5,6 +5,7 @@
 
 #include <dovetail/output/measures.h>
 #include <dovetail/run/counters.h>
+#include <dovetail/output/spectrum.h>
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/study/options.h>
 
@@ -20,6 +21,13 @@ std::string read_directory(const Section &output, const SceneText &text)
   const auto directory = output.read<std::string>(
       "Directory", "", "Where the results go; output/ and the name of the scene's file if empty [-]");
   return directory.empty() ? "output/" + text.name() : directory;
+}
+
+bool read_spectrum(const Section &output)
+{
+  return output.read<bool>("Spectrum", false,
+                           "Report eigenvalues and condition number of the matrix, up to " +
+                               std::to_string(largest_spectrum) + " unknowns [-]");
 }
 
 } // namespace
@@ -70,6 +78,7 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
   read_directory(output, *text);
   output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
                             Patterns::Integer(1));
+  read_spectrum(output);
   const Paraview<3> paraview(output, model, "");
   const Reference<3> reference(output, model);
   const StudyOptions study(scene.subsection("Study"));
@@ -90,6 +99,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
   directory = read_directory(output, *text);
   every_steps = output.read<unsigned int>(
       "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1));
+  with_spectrum = read_spectrum(output);
   paraview = std::make_unique<Paraview<dim>>(output, model, directory);
   reference = std::make_unique<Reference<dim>>(output, model);
   StudyOptions(scene.subsection("Study")); // must be right in every run
@@ -225,6 +235,12 @@ void Simulation<dim>::set_up(const double t)
   linear_solver.forget_matrix();
   model.check_ties(t);
   system->set_up(t);
+  tell_notes();
+}
+
+template <int dim>
+void Simulation<dim>::tell_notes()
+{
   for (const std::string &sentence : system->notes())
     if (report->add_note(sentence))
       log.line("  note: " + sentence);
@@ -262,7 +278,10 @@ NewtonResult Simulation<dim>::solve_step()
     if (damping != 0)
       trial.add(damping, update);
   };
-  problem.accept = [&]() { solution = trial; };
+  problem.accept = [&]() {
+    solution = trial;
+    system->accept_residual();
+  };
   problem.moves_constraints = [&]() { return system->moves_constraints(); };
   problem.linear_residual = [&]() { return linear_residual; };
   problem.report = [&](const unsigned int iteration, const double norm, const unsigned int linear_iterations,
@@ -300,6 +319,7 @@ bool Simulation<dim>::advance(const double t)
   const Vector last_good = solution;
   if (model.is_linear())
     system->constrain(solution);
+  tell_notes();
   const NewtonResult result = solve_step();
   report->add_step(t, result.residuals, result.linear_iterations);
   if (result.is_converged)
@@ -375,6 +395,10 @@ bool Simulation<dim>::run()
   if (is_converged)
     is_converged = run_cycles(t);
   compare(t);
+  if (with_spectrum && is_converged)
+    measure_spectrum_of_groups();
+  else if (with_spectrum)
+    report->leave_out("spectrum: the last step did not converge");
   write_report(is_converged);
   return is_converged;
 }
@@ -498,6 +522,17 @@ void Simulation<dim>::compare(const double t)
   reference->compare(ghosted, t, (*report)["domains"], (*report)["interfaces"]);
   if (reference->has_reference())
     (*report)["errors against"] = reference->file();
+}
+
+template <int dim>
+void Simulation<dim>::measure_spectrum_of_groups()
+{
+  const Phases::Scope scope(phases, "output");
+  std::vector<std::string> sentences;
+  report->add("spectrum",
+              measure_spectrum(*system, *model.numbering, solve_groups(), communicator, sentences));
+  for (const std::string &sentence : sentences)
+    report->leave_out(sentence);
 }
 
 template <int dim>

@@ -27,6 +27,8 @@ public:
   /// adaptive cycles, seconds, counters, plan, left out.
   nlohmann::ordered_json &operator[](const std::string &key);
 
+  /// A key that only some scenes have.
+  void add(const std::string &key, const nlohmann::ordered_json &value) { content[key] = value; }
   /// One solve with Newton's method.
   void add_step(double time, const std::vector<double> &residuals,
                 const std::vector<unsigned int> &linear_iterations);

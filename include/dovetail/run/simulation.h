@@ -59,6 +59,7 @@ private:
   void set_initial_values();
   void set_up(double t);
   void begin_step(double t);
+  void tell_notes();
   bool advance(double t);
   void go_back(double t);
   void take_account();
@@ -70,6 +71,7 @@ private:
   void write_output(double t, unsigned int step, bool is_last);
   void measure(double t);
   void compare(double t);
+  void measure_spectrum_of_groups();
   void write_report(bool is_converged);
 
   MPI_Comm communicator;
@@ -84,6 +86,7 @@ private:
   Adaptivity adaptivity;
   std::string directory;
   unsigned int every_steps;
+  bool with_spectrum;
   std::unique_ptr<Paraview<dim>> paraview;
   std::unique_ptr<Reference<dim>> reference;
   std::unique_ptr<BlockSystem<dim>> system;

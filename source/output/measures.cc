@@ -9,6 +9,7 @@
 #include <dovetail/output/reaction.h>
 #include <dovetail/output/uncovered_points.h>
 
+#include <array>
 #include <limits>
 #include <optional>
 
@@ -23,8 +24,7 @@ void gather(const Vector &solution, const std::vector<dealii::types::global_dof_
             std::vector<double> &unknowns)
 {
   unknowns.resize(dofs.size());
-  for (unsigned int i = 0; i < dofs.size(); ++i)
-    unknowns[i] = solution(dofs[i]);
+  solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
 }
 
 double sum_over_ranks(const double value, const MPI_Comm &communicator)
@@ -44,23 +44,32 @@ void add_squares(const Domain<dim> &domain, const Field &field, const Expression
                  const dealii::FEValues<dim> &values, const std::vector<double> &unknowns, Squares &squares)
 {
   const unsigned int n = domain.n_nodes();
-  for (const unsigned int q : values.quadrature_point_indices())
+  std::array<double, dim> error{};
+  std::array<dealii::Tensor<1, dim>, dim> error_of_gradient;
+  for (const unsigned int q : values.quadrature_point_indices()) {
+    const auto &X = values.quadrature_point(q);
     for (unsigned int c = 0; c < field.n_components; ++c) {
-      const auto &X = values.quadrature_point(q);
       const double B = exact.value(X, t, c);
       const dealii::Tensor<1, dim> gradient = exact.gradient(X, t, c, domain.typical_length());
-      double error = -B;
-      dealii::Tensor<1, dim> error_of_gradient = -gradient;
-      for (unsigned int a = 0; a < n; ++a) {
-        const double unknown = unknowns[(field.first_component + c) * n + a];
-        error += unknown * values.shape_value(a, q);
-        error_of_gradient += unknown * values.shape_grad(a, q);
-      }
-      squares.error += error * error * values.JxW(q);
-      squares.error_of_gradient += error_of_gradient.norm_square() * values.JxW(q);
+      error[c] = -B;
+      error_of_gradient[c] = -gradient;
       squares.norm += B * B * values.JxW(q);
       squares.norm_of_gradient += gradient.norm_square() * values.JxW(q);
     }
+    for (unsigned int a = 0; a < n; ++a) {
+      const double shape = values.shape_value(a, q);
+      const dealii::Tensor<1, dim> &shape_gradient = values.shape_grad(a, q);
+      for (unsigned int c = 0; c < field.n_components; ++c) {
+        const double unknown = unknowns[(field.first_component + c) * n + a];
+        error[c] += unknown * shape;
+        error_of_gradient[c] += unknown * shape_gradient;
+      }
+    }
+    for (unsigned int c = 0; c < field.n_components; ++c) {
+      squares.error += error[c] * error[c] * values.JxW(q);
+      squares.error_of_gradient += error_of_gradient[c].norm_square() * values.JxW(q);
+    }
+  }
 }
 
 /// Integrals of (A_h - A).(grad B_h - grad B) and A.grad B for each field that has an exact solution and

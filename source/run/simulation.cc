@@ -132,6 +132,7 @@ std::vector<SolveGroup> Simulation<dim>::solve_groups() const
     group.near_null_space = [this](const unsigned int block, const bool of_all_blocks) {
       return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
     };
+    group.linear_part = [this](const unsigned int block) { return linear_part(block); };
     const auto &blocks = model.numbering->blocks();
     for (unsigned int b = 0; b < blocks.size(); ++b)
       if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end()) {
@@ -144,6 +145,7 @@ std::vector<SolveGroup> Simulation<dim>::solve_groups() const
 }
 
 template <int dim>
+<<<<<<< HEAD
 Plan Simulation<dim>::plan() const
 {
   Plan result = make_plan(model, steps.n_steps, linear_solver.description());
@@ -165,6 +167,19 @@ Plan Simulation<dim>::plan() const
                                   ": triangles and tetrahedra stay as they are");
   }
   return result;
+=======
+std::vector<SolveGroup::Sum> Simulation<dim>::linear_part(const unsigned int block_number) const
+{
+  const Block &block = model.numbering->blocks()[block_number];
+  auto sums = model.linear_part(block);
+  for (unsigned int i = 0; i < sums.size(); ++i)
+    if (const auto dof = block.begin + block.owned.nth_index_in_set(i);
+        system->all_constraints().is_constrained(dof)) {
+      const auto *entries = system->all_constraints().get_constraint_entries(dof);
+      sums[i] = entries == nullptr ? SolveGroup::Sum() : SolveGroup::Sum(entries->begin(), entries->end());
+    }
+  return sums;
+>>>>>>> perf
 }
 
 template <int dim>

@@ -56,6 +56,8 @@ public:
 private:
   std::vector<SolveGroup> solve_groups() const;
   Plan plan() const;
+  /// Model::linear_part, where constrained unknowns are the sum of those they follow.
+  std::vector<SolveGroup::Sum> linear_part(unsigned int block_number) const;
   void set_initial_values();
   void set_up(double t);
   void begin_step(double t);

@@ -54,6 +54,8 @@ public:
 
   const dealii::TrilinosWrappers::BlockSparseMatrix &tangent() const { return matrix; }
   const Vector &negative_residual() const { return right_hand_side; }
+  /// Prescribed values, hanging nodes and ties of the unknowns relevant to this rank, resolved.
+  const dealii::AffineConstraints<double> &all_constraints() const { return constraints; }
 
   /// Largest over the fields of ||R_f|| relative to its largest value among the states that have been
   /// accepted in this step; a field whose residual is rounding noise of |K||x| or not above @p

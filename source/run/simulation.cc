@@ -145,7 +145,6 @@ std::vector<SolveGroup> Simulation<dim>::solve_groups() const
 }
 
 template <int dim>
-<<<<<<< HEAD
 Plan Simulation<dim>::plan() const
 {
   Plan result = make_plan(model, steps.n_steps, linear_solver.description());
@@ -167,7 +166,9 @@ Plan Simulation<dim>::plan() const
                                   ": triangles and tetrahedra stay as they are");
   }
   return result;
-=======
+}
+
+template <int dim>
 std::vector<SolveGroup::Sum> Simulation<dim>::linear_part(const unsigned int block_number) const
 {
   const Block &block = model.numbering->blocks()[block_number];
@@ -179,7 +180,6 @@ std::vector<SolveGroup::Sum> Simulation<dim>::linear_part(const unsigned int blo
       sums[i] = entries == nullptr ? SolveGroup::Sum() : SolveGroup::Sum(entries->begin(), entries->end());
     }
   return sums;
->>>>>>> perf
 }
 
 template <int dim>

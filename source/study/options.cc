@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 
 namespace dovetail {
 
@@ -26,6 +27,16 @@ std::vector<std::string> split(const std::string &text, const char separator)
   return parts;
 }
 
+/// With single blanks between the words.
+std::string tidy_name(const std::string &name)
+{
+  std::istringstream words(name);
+  std::string word, tidy;
+  while (words >> word)
+    tidy += (tidy.empty() ? "" : " ") + word;
+  return tidy;
+}
+
 /// 'Interface seam / Theta' as 'Interface seam/Theta'.
 std::string tidy_path(const std::string &text)
 {
@@ -35,7 +46,7 @@ std::string tidy_path(const std::string &text)
       throw UserError(
           "has the path '" + text +
           "', which is not understood. Write it as for --set, for instance Interface seam/Theta.");
-    path += (path.empty() ? "" : "/") + name;
+    path += (path.empty() ? "" : "/") + tidy_name(name);
   }
   return path;
 }
@@ -87,7 +98,7 @@ std::vector<VariedEntries> parse_vary(const std::string &text)
       if (!paths.insert(path).second)
         throw UserError("has the path '" + path + "' twice. Join the two lists.");
       if (path.rfind("Study/", 0) == 0 || path == "Output/Directory" || path == "Dimension")
-        throw UserError("cannot vary '" + path + "'.");
+        throw UserError("cannot vary '" + path + "', which all runs share. Remove it.");
     }
   }
   return result;
@@ -118,11 +129,11 @@ void name_variants(const std::vector<VariedEntries> &vary, const std::string &na
       const auto entry = std::find_if(variant.entries.begin(), variant.entries.end(), [&](const auto &of) {
         return std::count(list.paths.begin(), list.paths.end(), of.first) > 0;
       });
-      if (entry == variant.entries.end())
+      if (entry == variant.entries.end() || list.values.size() == 1)
         continue;
       const std::string last = last_name(list.paths.front());
       const bool is_alone = std::count_if(vary.begin(), vary.end(), [&](const auto &other) {
-                              return last_name(other.paths.front()) == last;
+                              return other.values.size() > 1 && last_name(other.paths.front()) == last;
                             }) == 1;
       variant.name += (variant.name.empty() ? "" : ", ") +
                       (is_alone ? (last == "Type" ? "" : last + " = ") : list.paths.front() + " = ") +

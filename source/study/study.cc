@@ -115,7 +115,7 @@ private:
   std::vector<std::string> overrides_of(const Variant &variant, unsigned int level) const;
   void check(Variant &variant) const;
   void check_variants();
-  bool remove_unknown_entry(Variant &variant, std::map<std::string, std::string> &unknown) const;
+  bool leave_out_unknown_entry(Variant &variant) const;
   void plan_runs();
   void do_run(StudyRun &run, StudyProgress &progress);
   void make_reference(StudyProgress &progress);
@@ -156,6 +156,9 @@ Study::Study(const std::string &scene, const std::vector<std::string> &overrides
 std::vector<std::string> Study::overrides_of(const Variant &variant, const unsigned int level) const
 {
   std::vector<std::string> result = overrides;
+  for (const std::string &path : variant.left_out)
+    if (given.count(path) > 0)
+      result.push_back(path + "=");
   for (const auto &[path, value] : variant.entries)
     result.push_back(path + "=" + value);
   const Given with_variant = SceneText::from_file(scene, result)->given();
@@ -194,18 +197,20 @@ void Study::check(Variant &variant) const
 /// them.
 void Study::check_variants()
 {
-  std::set<std::string> known;
   std::map<std::string, std::string> unknown; // and what was said about it
   for (Variant &variant : variants) {
     check(variant);
-    while (remove_unknown_entry(variant, unknown))
+    while (leave_out_unknown_entry(variant)) {
+      for (const std::string &path : variant.left_out)
+        unknown.emplace(path, variant.complaint); // the last one is new
       check(variant);
-    for (const auto &entry : variant.entries)
-      known.insert(entry.first);
+    }
   }
   for (const auto &[path, complaint] : unknown)
-    section.check(known.count(path) > 0, "Vary",
-                  "has the path '" + path + "', which the scene does not know. " + complaint);
+    if (std::none_of(variants.begin(), variants.end(), [&, path = path](const Variant &variant) {
+          return variant.complaint.empty() && variant.left_out.count(path) == 0;
+        }))
+      section.fail("Vary", "leaves '" + path + "' unknown in every variant. " + complaint);
   if (std::none_of(variants.begin(), variants.end(), [](const auto &v) { return v.complaint.empty(); }))
     throw UserError(variants.front().complaint);
 
@@ -215,30 +220,38 @@ void Study::check_variants()
     if (std::none_of(different.begin(), different.end(),
                      [&](const Variant &other) { return other.entries == variant.entries; })) {
       different.push_back(variant);
-      for (const auto &path : unknown)
-        if (std::none_of(variant.entries.begin(), variant.entries.end(),
-                         [&](const auto &entry) { return entry.first == path.first; }))
-          std::cout << "  left out: " << path.first << " of " << variant.name << ", which does not know it\n";
+      for (const std::string &path : variant.left_out)
+        std::cout << "  left out: " << path << " of " << variant.name << ", which does not know it\n";
       if (!variant.complaint.empty())
         std::cout << "  " << variant.name << ": wrong input: " << variant.complaint << '\n';
     }
   variants = different;
 }
 
-/// @return whether the complaint is about an entry that the variant sets but does not know.
-bool Study::remove_unknown_entry(Variant &variant, std::map<std::string, std::string> &unknown) const
+/// @return whether the complaint is about an entry that can be left out: one that the variant sets, or one of
+/// the scene that belongs to another `Type` than the variant's.
+bool Study::leave_out_unknown_entry(Variant &variant) const
 {
-  if (variant.complaint.find("is not known here") == std::string::npos)
+  const std::string &complaint = variant.complaint;
+  const std::string before = ": the entry '", after = "' is not known here";
+  const std::size_t begin = complaint.find(before), end = complaint.find(after);
+  if (end == std::string::npos)
     return false;
-  const auto entry = std::find_if(variant.entries.begin(), variant.entries.end(), [&](const auto &candidate) {
-    return variant.complaint.find("--set '" + candidate.first + "=" + candidate.second + "'") !=
-           std::string::npos;
-  });
-  if (entry == variant.entries.end())
+  for (auto entry = variant.entries.begin(); entry != variant.entries.end(); ++entry)
+    if (complaint.find("--set '" + entry->first + "=" + entry->second + "'") != std::string::npos) {
+      variant.left_out.insert(entry->first);
+      variant.entries.erase(entry);
+      return true;
+    }
+  if (begin == std::string::npos)
     return false;
-  unknown[entry->first] = variant.complaint;
-  variant.entries.erase(entry);
-  return true;
+  const std::string section_of_entry = complaint.substr(0, complaint.find(", "));
+  const std::string path =
+      section_of_entry + "/" + complaint.substr(begin + before.size(), end - begin - before.size());
+  const bool varies_type =
+      std::any_of(variant.entries.begin(), variant.entries.end(),
+                  [&](const auto &entry) { return entry.first == section_of_entry + "/Type"; });
+  return varies_type && given.count(path) > 0 && variant.left_out.insert(path).second;
 }
 
 /// Small levels first; what is compared runs side by side in time.
@@ -376,7 +389,7 @@ std::string Study::measure() const
   section.check(options.measure.empty() || known.empty() ||
                     std::count(known.begin(), known.end(), options.measure) > 0,
                 "Error",
-                "is '" + options.measure + "', which no run has measured. There are " + comma_separated([&] {
+                "is '" + options.measure + "', which no run has measured. Known: " + comma_separated([&] {
                   const std::set<std::string> names(known.begin(), known.end());
                   return std::vector<std::string>(names.begin(), names.end());
                 }()) +

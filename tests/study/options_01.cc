@@ -36,6 +36,7 @@ int main()
   show("");
   show("Interface seam/Theta : 1 | 0 | -1");
   show(" Interface  seam / Type : Nitsche|dual mortar ; Domain a/Degree , Domain b/Degree:1|2 ");
+  show("A/Type : w | x ; B/Type : y | z");
   show("A/Type : x ; B/Type : y | z");
   show("Domain a/Mesh/Arguments : 2, 2 : 0, 0 : 1, 1 | 3, 3 : 0, 0 : 1, 1");
   for (const char *wrong :

@@ -7,6 +7,7 @@
 
 #include <dovetail/scene/section.h>
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,15 +30,17 @@ struct Variant
 {
   std::string name;
   std::vector<std::pair<std::string, std::string>> entries;
-  std::string complaint;        ///< why it is no legal scene, or empty
-  unsigned long n_unknowns = 0; ///< at the coarsest level
+  std::set<std::string> left_out; ///< paths that the scene or `Vary` sets and that it does not know
+  std::string complaint;          ///< why it is no legal scene, or empty
+  unsigned long n_unknowns = 0;   ///< at the coarsest level
 };
 
 /// The product of all values, the last list running fastest; not named yet.
 std::vector<Variant> product(const std::vector<VariedEntries> &vary);
 
 /// Names as short as they can be: the value for a `Type`, else "Theta = 1", with the whole path where two
-/// lists end in the same word. A study without `Vary` has one variant, named @p name_of_scene.
+/// lists end in the same word. A list with one value does not show. A study without `Vary` has one variant,
+/// named @p name_of_scene.
 void name_variants(const std::vector<VariedEntries> &vary, const std::string &name_of_scene,
                    std::vector<Variant> &variants);
 

@@ -112,8 +112,9 @@ void BlockSystem<dim>::set_up(const double t)
     tie_seconds += timer.wall_time();
   }
 
+  time = t;
   make_relevant_set(t);
-  make_constraints(t);
+  make_constraints(lines_at(t));
   make_sparsity(t);
   right_hand_side = owned_vector();
   ghosted_scratch = ghosted_vector();
@@ -141,14 +142,33 @@ void BlockSystem<dim>::make_relevant_set(const double t)
   relevant.compress();
 }
 
+/// Of all constraints, for the unknowns that this rank owns.
 template <int dim>
-void BlockSystem<dim>::make_constraints(const double t)
+ConstraintLines BlockSystem<dim>::lines_at(const double t) const
 {
-  time = t;
   ConstraintLines lines;
   for (const auto &domain : model.domains)
     domain->add_constraints(t, lines);
   lines.insert(tie_lines.begin(), tie_lines.end());
+  return lines;
+}
+
+/// Whether the constraints that are there prescribe the same values as lines that were made after the same
+/// set_up, so that all else in them is the same.
+template <int dim>
+bool BlockSystem<dim>::are_prescribed(const ConstraintLines &lines) const
+{
+  const bool are_on_this_rank = std::all_of(lines.begin(), lines.end(), [this](const auto &entry) {
+    const auto &[dof, line] = entry;
+    return !line.entries.empty() ||
+           (constraints.is_constrained(dof) && constraints.get_inhomogeneity(dof) == line.inhomogeneity);
+  });
+  return dealii::Utilities::MPI::min(are_on_this_rank ? 1 : 0, model.communicator) == 1;
+}
+
+template <int dim>
+void BlockSystem<dim>::make_constraints(const ConstraintLines &lines)
+{
   constraints.clear();
   freed.clear();
   constraints = close_constraints(lines, *model.numbering, relevant, model.communicator, &freed);
@@ -253,8 +273,11 @@ Vector BlockSystem<dim>::ghosted_vector() const
 template <int dim>
 void BlockSystem<dim>::begin_step(const double t, const Vector &x)
 {
-  if (t != time) // else set_up has made them
-    make_constraints(t);
+  if (t != time) { // else set_up has made them
+    if (const ConstraintLines lines = lines_at(t); !are_prescribed(lines))
+      make_constraints(lines);
+    time = t;
+  }
   reset_norms();
   if (model.interfaces.empty())
     return;

@@ -101,7 +101,9 @@ private:
   using SparseMatrix = dealii::TrilinosWrappers::BlockSparseMatrix;
 
   void make_relevant_set(double t);
-  void make_constraints(double t);
+  ConstraintLines lines_at(double t) const;
+  bool are_prescribed(const ConstraintLines &lines) const;
+  void make_constraints(const ConstraintLines &lines);
   void make_sparsity(double t);
   void move_constraints_from(const Vector &ghosted);
   bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);

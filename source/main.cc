@@ -6,10 +6,13 @@
 #include <dovetail/run/simulation.h>
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/scene/user_error.h>
+#include <dovetail/study/study.h>
 
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -28,6 +31,7 @@ const char *const usage = R"(Dovetail: heat and solids on several bodies whose m
   dovetail scene.prm                          run (several ranks: mpirun -np 4 dovetail scene.prm)
   dovetail --check scene.prm                  read, make meshes and pairings, print the plan, solve nothing
   dovetail --set 'PATH=value' … scene.prm     override an entry, for instance 'Interface seam/Theta=-1'
+  dovetail --study scene.prm                  error against run time over the levels and variants of subsection Study
   dovetail --parameters                       every entry of a scene, as Markdown
   dovetail --version | --help
 
@@ -37,7 +41,7 @@ good step is written), 3 anything else.
 
 struct Arguments
 {
-  bool help = false, version = false, parameters = false, check = false;
+  bool help = false, version = false, parameters = false, check = false, study = false;
   std::vector<std::string> overrides;
   std::string scene;
 };
@@ -55,21 +59,27 @@ Arguments parse(const int argc, char **argv)
       arguments.parameters = true;
     else if (word == "--check")
       arguments.check = true;
+    else if (word == "--study")
+      arguments.study = true;
     else if (word == "--set") {
       if (i + 1 == argc)
         throw UserError("--set needs an argument, for instance --set 'Interface seam/Theta=-1'.");
       arguments.overrides.push_back(argv[++i]);
-    } else if (word == "--study" || word == "--resume")
+    } else if (word == "--resume")
       throw UserError("The option " + word + " is not available yet.");
     else if (!word.empty() && word[0] == '-')
-      throw UserError("The option '" + word + "' is not known. " +
-                      did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set"}) +
-                      " See dovetail --help.");
+      throw UserError(
+          "The option '" + word + "' is not known. " +
+          did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set", "--study"}) +
+          " See dovetail --help.");
     else if (!arguments.scene.empty())
       throw UserError("Two scenes are given, " + arguments.scene + " and " + word + "; run them one by one.");
     else
       arguments.scene = word;
   }
+  if (arguments.study && arguments.check)
+    throw UserError(
+        "--check and --study exclude each other; a study checks its variants before the first run.");
   return arguments;
 }
 
@@ -82,6 +92,13 @@ Status run(const std::shared_ptr<SceneText> &text, const bool only_check)
     return done;
   }
   return simulation.run() ? done : not_converged;
+}
+
+std::string needs_scene(const Arguments &arguments)
+{
+  if (arguments.scene.empty())
+    throw UserError("Which scene? For instance: dovetail prm/quick_start.prm. See dovetail --help.");
+  return arguments.scene;
 }
 
 Status run(const Arguments &arguments, const bool is_first_rank)
@@ -100,9 +117,7 @@ Status run(const Arguments &arguments, const bool is_first_rank)
     }
     return done;
   }
-  if (arguments.scene.empty())
-    throw UserError("Which scene? For instance: dovetail prm/quick_start.prm. See dovetail --help.");
-  const auto text = SceneText::from_file(arguments.scene, arguments.overrides);
+  const auto text = SceneText::from_file(needs_scene(arguments), arguments.overrides);
   return read_dimension(SceneText::root(text)) == 2 ? run<2>(text, arguments.check)
                                                     : run<3>(text, arguments.check);
 }
@@ -119,10 +134,46 @@ std::string reason(const std::exception &error)
   return text.str();
 }
 
+/// A process that mpirun did not start is alone: Open MPI need not look for networks or start a daemon, which
+/// would take it 0.3 s. What the environment says already stays.
+void skip_network_if_alone()
+{
+  for (const char *of_launcher : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
+    if (std::getenv(of_launcher) != nullptr)
+      return;
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  setenv("OMPI_MCA_pml", "ob1", 0);
+  setenv("OMPI_MCA_btl", "self", 0);
+}
+
+/// A study starts each of its runs as a process of its own, which may use MPI; itself it must not.
+bool asks_for_study(const int argc, char **argv)
+{
+  return std::find(argv + 1, argv + argc, std::string("--study")) != argv + argc;
+}
+
+Status study(const int argc, char **argv)
+{
+  try {
+    const Arguments arguments = parse(argc, argv);
+    return run_study(needs_scene(arguments), arguments.overrides) ? done : not_converged;
+  } catch (const UserError &error) {
+    if (is_first_of_launched())
+      std::cerr << "Error: " << error.what() << std::endl;
+    return wrong_input;
+  } catch (const std::exception &error) {
+    std::cerr << "Dovetail stopped: " << reason(error) << std::endl;
+    return failed;
+  }
+}
+
 } // namespace
 
 int main(int argc, char **argv)
 {
+  if (asks_for_study(argc, argv))
+    return study(argc, argv);
+  skip_network_if_alone();
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   if (openblas_set_num_threads != nullptr)
     openblas_set_num_threads(1);

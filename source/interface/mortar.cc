@@ -28,6 +28,7 @@
 //     end
 
 #include <dovetail/interface/multiplier_space.h>
+#include <dovetail/interface/side_ratios.h>
 #include <dovetail/interface/trace_eigenvalue.h>
 
 #include <deal.II/base/mpi.h>
@@ -99,6 +100,7 @@ private:
   const bool is_dual;
   std::unique_ptr<MultiplierSpace<dim>> space;
   std::vector<Term> terms;
+  SideRatios ratios;
   bool has_begun = false;
 };
 
@@ -152,6 +154,7 @@ void Mortar<dim>::add_constraints(const Interface<dim> &interface, TieConstraint
                           "face, so no biorthogonal function exists. Set Multiplier space = standard, swap "
                           "Source and Destination, or "
                           "use Type = Nitsche.");
+  ratios = side_ratios(interface, communicator);
   space = std::make_unique<MultiplierSpace<dim>>(interface, is_dual);
   space->make(constraints, communicator);
   interface.section.check(space->n_rows > 0 || space->n_hardly_covered == 0, "Destination",
@@ -309,6 +312,9 @@ template <int dim>
 std::vector<std::string> Mortar<dim>::notes() const
 {
   std::vector<std::string> sentences;
+  // the source's trace has kinks inside the destination's faces only if it is the coarser one
+  if (ratios.stiffness > largest_stiffness_of_follower && ratios.face_size < 0.9)
+    sentences.push_back(words_for_stiff_follower(ratios.stiffness));
   if (space && space->n_taken > 0)
     sentences.push_back("no multipliers at " + std::to_string(space->n_taken) +
                         " unknowns that are prescribed or belong to another interface too");

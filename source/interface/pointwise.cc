@@ -16,6 +16,7 @@
 //     end
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/interface/side_ratios.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/dofs/dof_tools.h>
@@ -64,30 +65,20 @@ private:
   };
   std::vector<Follower> followers;              ///< that this rank owns
   std::vector<std::vector<double>> transmitted; ///< force on the source, by field and component
-  double ratio_of_sizes = 1;                    ///< mean face size of the destination over that of the source
+  SideRatios ratios;
 };
-
-template <int dim>
-double mean_face_size(const InterfaceSide<dim> &side, const MPI_Comm &communicator)
-{
-  std::array<double, 2> sums = {{0, 0}}; // of sizes, of faces
-  for (const auto &face : faces_of(side).faces) {
-    sums[0] += face.size;
-    sums[1] += 1;
-  }
-  return dealii::Utilities::MPI::sum(sums[0], communicator) /
-         dealii::Utilities::MPI::sum(sums[1], communicator);
-}
 
 template <int dim>
 std::vector<std::string> Pointwise<dim>::notes() const
 {
-  if (ratio_of_sizes < 1.1)
+  if (ratios.stiffness > largest_stiffness_of_follower)
+    return {words_for_stiff_follower(ratios.stiffness)};
+  if (ratios.face_size < 1.1)
     return {};
   std::ostringstream sentence;
   sentence.precision(2);
   sentence
-      << "the destination's faces are " << ratio_of_sizes
+      << "the destination's faces are " << ratios.face_size
       << " times as large as the source's: swap Source and Destination, the pointwise tie is better with the "
          "finer side as destination";
   return {sentence.str()};
@@ -135,8 +126,7 @@ template <int dim>
 void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                                      const MPI_Comm &communicator)
 {
-  ratio_of_sizes = mean_face_size(interface.sides[destination], communicator) /
-                   mean_face_size(interface.sides[source], communicator);
+  ratios = side_ratios(interface, communicator);
   followers.clear();
   transmitted.clear();
   const InterfaceSide<dim> &from = interface.sides[source];

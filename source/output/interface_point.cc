@@ -56,12 +56,13 @@ void InterfacePoint<dim>::evaluate(const unsigned int q, const std::vector<doubl
 
 template <int dim>
 std::vector<double> InterfacePoint<dim>::normal_flux(const TiedField &field, const unsigned int side,
-                                                     const unsigned int q)
+                                                     const unsigned int q, const bool with_derivatives)
 {
   state[side].X = interface.pairing().X(side, q);
   state[side].t = t;
   response = Response<dim>(state[side].value.size());
-  const bool is_defined = interface.sides[side].domain->material.evaluate(state[side], false, response);
+  const bool is_defined =
+      interface.sides[side].domain->material.evaluate(state[side], with_derivatives, response);
   std::vector<double> result(field.n_components, std::numeric_limits<double>::quiet_NaN());
   for (unsigned int c = 0; is_defined && c < field.n_components; ++c)
     result[c] = response.flux[field.first_component[side] + c] * interface.pairing().N(side, q);
@@ -92,7 +93,45 @@ std::vector<double> InterfacePoint<dim>::exact_flux(const unsigned int field, co
         state[side].gradient[of_domain.first_component + c] =
             exact->gradient(X, t, c, domain.typical_length());
       }
-  return normal_flux(interface.fields[field], side, q);
+  return normal_flux(interface.fields[field], side, q, true);
+}
+
+template <int dim>
+double InterfacePoint<dim>::modulus(const TiedField &field, const unsigned int side) const
+{
+  const unsigned int n = state[side].value.size(), first = field.first_component[side];
+  double square = 0;
+  for (unsigned int c = first; c < first + field.n_components; ++c)
+    for (unsigned int d = first; d < first + field.n_components; ++d)
+      square += response.by_gradient[c * n + d].norm_square();
+  return std::sqrt(square);
+}
+
+template <int dim>
+bool InterfacePoint<dim>::has_exact_flux(const unsigned int field) const
+{
+  return has_exact_flux(field, source) || has_exact_flux(field, destination);
+}
+
+template <int dim>
+std::vector<double> InterfacePoint<dim>::exact_flux(const unsigned int field, const unsigned int q)
+{
+  const double much_softer = 1e-3;
+  std::vector<double> result;
+  double stiffness = std::numeric_limits<double>::infinity();
+  if (has_exact_flux(field, source)) {
+    result = exact_flux(field, source, q);
+    stiffness = modulus(interface.fields[field], source);
+  }
+  if (has_exact_flux(field, destination)) {
+    std::vector<double> of_destination = exact_flux(field, destination, q);
+    if (modulus(interface.fields[field], destination) < much_softer * stiffness) {
+      for (double &component : of_destination)
+        component = -component;
+      result = of_destination;
+    }
+  }
+  return result;
 }
 
 template class InterfacePoint<2>;

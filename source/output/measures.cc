@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/quadrature.h>
+#include <dovetail/output/flux_oscillation.h>
 #include <dovetail/output/interface_point.h>
 #include <dovetail/output/measures.h>
 #include <dovetail/output/reaction.h>
 #include <dovetail/output/uncovered_points.h>
 
+#include <array>
 #include <limits>
+#include <optional>
 
 namespace dovetail {
 
@@ -20,8 +24,7 @@ void gather(const Vector &solution, const std::vector<dealii::types::global_dof_
             std::vector<double> &unknowns)
 {
   unknowns.resize(dofs.size());
-  for (unsigned int i = 0; i < dofs.size(); ++i)
-    unknowns[i] = solution(dofs[i]);
+  solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
 }
 
 double sum_over_ranks(const double value, const MPI_Comm &communicator)
@@ -41,24 +44,110 @@ void add_squares(const Domain<dim> &domain, const Field &field, const Expression
                  const dealii::FEValues<dim> &values, const std::vector<double> &unknowns, Squares &squares)
 {
   const unsigned int n = domain.n_nodes();
-  for (const unsigned int q : values.quadrature_point_indices())
+  std::array<double, dim> error{};
+  std::array<dealii::Tensor<1, dim>, dim> error_of_gradient;
+  for (const unsigned int q : values.quadrature_point_indices()) {
+    const auto &X = values.quadrature_point(q);
     for (unsigned int c = 0; c < field.n_components; ++c) {
-      const auto &X = values.quadrature_point(q);
       const double B = exact.value(X, t, c);
       const dealii::Tensor<1, dim> gradient = exact.gradient(X, t, c, domain.typical_length());
-      double error = -B;
-      dealii::Tensor<1, dim> error_of_gradient = -gradient;
-      for (unsigned int a = 0; a < n; ++a) {
-        const double unknown = unknowns[(field.first_component + c) * n + a];
-        error += unknown * values.shape_value(a, q);
-        error_of_gradient += unknown * values.shape_grad(a, q);
-      }
-      squares.error += error * error * values.JxW(q);
-      squares.error_of_gradient += error_of_gradient.norm_square() * values.JxW(q);
+      error[c] = -B;
+      error_of_gradient[c] = -gradient;
       squares.norm += B * B * values.JxW(q);
       squares.norm_of_gradient += gradient.norm_square() * values.JxW(q);
     }
+    for (unsigned int a = 0; a < n; ++a) {
+      const double shape = values.shape_value(a, q);
+      const dealii::Tensor<1, dim> &shape_gradient = values.shape_grad(a, q);
+      for (unsigned int c = 0; c < field.n_components; ++c) {
+        const double unknown = unknowns[(field.first_component + c) * n + a];
+        error[c] += unknown * shape;
+        error_of_gradient[c] += unknown * shape_gradient;
+      }
+    }
+    for (unsigned int c = 0; c < field.n_components; ++c) {
+      squares.error += error[c] * error[c] * values.JxW(q);
+      squares.error_of_gradient += error_of_gradient[c].norm_square() * values.JxW(q);
+    }
+  }
 }
+
+/// Integrals of (A_h - A).(grad B_h - grad B) and A.grad B for each field that has an exact solution and
+/// whose flux depends on no field without.
+template <int dim>
+class EnergySquares
+{
+public:
+  EnergySquares(const Domain<dim> &domain, const double t)
+      : domain(domain), of_solution(domain.n_components()), of_exact(of_solution),
+        response(domain.n_components()), exact_response(response), shape(domain.n_nodes()),
+        gradient(domain.n_nodes())
+  {
+    of_solution.t = of_exact.t = t;
+    const auto &fields = domain.fields();
+    for (unsigned int f = 0; f < fields.size(); ++f) {
+      bool is_known = true;
+      for (unsigned int g = 0; g < fields.size(); ++g)
+        if ((f == g || domain.material.depends(f, g)) && domain.exact().find(fields[g].name) == nullptr)
+          is_known = false;
+      if (is_known)
+        known.push_back(&fields[f]);
+    }
+  }
+
+  struct Squares
+  {
+    double error = 0, norm = 0;
+  };
+  std::vector<const Field *> known;
+  std::map<std::string, Squares> squares;
+
+  void add_cell(const dealii::FEValues<dim> &values, const std::vector<double> &unknowns)
+  {
+    for (const unsigned int q : values.quadrature_point_indices()) {
+      for (unsigned int a = 0; a < shape.size(); ++a) {
+        shape[a] = values.shape_value(a, q);
+        gradient[a] = values.shape_grad(a, q);
+      }
+      evaluate_state<dim>(domain.n_components(), shape.size(), shape.data(), gradient.data(), unknowns.data(),
+                          of_solution);
+      of_solution.X = of_exact.X = values.quadrature_point(q);
+      set_exact_state();
+      bool is_defined = domain.material.evaluate(of_solution, false, response);
+      is_defined = domain.material.evaluate(of_exact, false, exact_response) && is_defined;
+      for (const Field *field : known)
+        add_point(*field, is_defined ? values.JxW(q) : std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+
+private:
+  void set_exact_state()
+  {
+    for (const Field &field : domain.fields())
+      if (const Expression *exact = domain.exact().find(field.name))
+        for (unsigned int c = 0; c < field.n_components; ++c) {
+          const unsigned int i = field.first_component + c;
+          of_exact.value[i] = exact->value(of_exact.X, of_exact.t, c);
+          of_exact.gradient[i] = exact->gradient(of_exact.X, of_exact.t, c, domain.typical_length());
+        }
+  }
+
+  void add_point(const Field &field, const double JxW)
+  {
+    Squares &of_field = squares[field.name];
+    for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
+      of_field.error += (response.flux[c] - exact_response.flux[c]) *
+                        (of_solution.gradient[c] - of_exact.gradient[c]) * JxW;
+      of_field.norm += exact_response.flux[c] * of_exact.gradient[c] * JxW;
+    }
+  }
+
+  const Domain<dim> &domain;
+  State<dim> of_solution, of_exact;
+  Response<dim> response, exact_response;
+  std::vector<double> shape;
+  std::vector<dealii::Tensor<1, dim>> gradient;
+};
 
 /// Adds "errors" and "norms" if the domain has an exact solution.
 template <int dim>
@@ -72,6 +161,7 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
                                dealii::update_values | dealii::update_gradients |
                                    dealii::update_quadrature_points | dealii::update_JxW_values);
   std::map<std::string, Squares> squares;
+  EnergySquares<dim> energy(domain, t);
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
@@ -82,15 +172,24 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
       for (const Field &field : domain.fields())
         if (const Expression *exact = domain.exact().find(field.name))
           add_squares(domain, field, *exact, t, values, unknowns, squares[field.name]);
+      if (!energy.known.empty())
+        energy.add_cell(values, unknowns);
     }
 
-  const auto norm = [&](const double square) { return std::sqrt(sum_over_ranks(square, communicator)); };
+  // coupled or at finite strain, the products of fluxes and gradients may be negative
+  const auto norm = [&](const double square) {
+    return std::sqrt(std::abs(sum_over_ranks(square, communicator)));
+  };
   for (const Field &field : domain.fields())
     if (domain.exact().find(field.name) != nullptr) {
       const Squares &of_field = squares[field.name];
       result["errors"][field.name] = {{"L2", norm(of_field.error)}, {"H1", norm(of_field.error_of_gradient)}};
       result["norms"][field.name] = {{"L2", norm(of_field.norm)}, {"H1", norm(of_field.norm_of_gradient)}};
     }
+  for (const Field *field : energy.known) {
+    result["errors"][field->name]["energy"] = norm(energy.squares[field->name].error);
+    result["norms"][field->name]["energy"] = norm(energy.squares[field->name].norm);
+  }
 }
 
 /// Adds "maximum" and "minimum" of each field over the nodes.
@@ -132,8 +231,9 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
 {
   struct Squares
   {
-    double jump = 0, flux_jump = 0, flux_error = 0;
-    std::array<std::vector<double>, 2> trace; // integrals
+    double jump = 0, flux_jump = 0, flux_error = 0, flux_norm = 0;
+    double largest_flux = 0, largest_flux_error = 0; // squares
+    std::array<std::vector<double>, 2> trace;        // integrals
     /// Of the tie's flux into the source, at the points on the faces of each side.
     std::array<std::vector<double>, 2> resultant;
   };
@@ -143,6 +243,14 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
       of_side.assign(interface.fields[f].n_components, 0.);
   double area = 0;
   InterfacePoint<dim> point(interface, t);
+  std::vector<bool> is_known; // the exact flux, by field
+  for (unsigned int f = 0; f < squares.size(); ++f)
+    is_known.push_back(point.has_exact_flux(f));
+  const bool knows_any = std::find(is_known.begin(), is_known.end(), true) != is_known.end();
+  std::optional<FluxOscillation<dim>> oscillation;
+  if (knows_any)
+    oscillation.emplace(interface);
+  std::vector<double> error;
   point.for_each(solution, [&](const unsigned int q, const unsigned int side_of_point) {
     const double weight = interface.pairing().weight(q);
     area += weight;
@@ -159,20 +267,32 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
         squares[f].flux_jump +=
             std::pow(of_field.flux[source][c] + of_field.flux[destination][c], 2) * weight;
       }
-      for (const unsigned int side : {source, destination})
-        if (point.has_exact_flux(f, side)) {
-          const std::vector<double> exact = point.exact_flux(f, side, q);
-          for (unsigned int c = 0; c < exact.size(); ++c)
-            squares[f].flux_error +=
-                std::pow(of_field.numerical_flux[c] - (side == source ? exact[c] : -exact[c]), 2) * weight;
-          break; // the destination only if the source has none
+      error.assign(of_field.jump.size(), 0.);
+      if (is_known[f]) {
+        const std::vector<double> exact = point.exact_flux(f, q);
+        double square = 0, square_of_error = 0;
+        for (unsigned int c = 0; c < exact.size(); ++c) {
+          error[c] = of_field.numerical_flux[c] - exact[c];
+          square += exact[c] * exact[c];
+          square_of_error += error[c] * error[c];
         }
+        squares[f].flux_norm += square * weight;
+        squares[f].flux_error += square_of_error * weight;
+        squares[f].largest_flux = std::max(squares[f].largest_flux, square);
+        // not std::max(a, b), which drops NaN
+        if (!(square_of_error <= squares[f].largest_flux_error))
+          squares[f].largest_flux_error = square_of_error;
+      }
+      if (knows_any)
+        oscillation->add(f, q, error);
     }
   });
 
   const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
   const auto norm = [&](const double square) { return std::sqrt(sum_over_ranks(square, communicator)); };
   area = sum_over_ranks(area, communicator);
+  const std::vector<double> oscillations =
+      knows_any ? oscillation->evaluate(communicator) : std::vector<double>();
   for (unsigned int f = 0; f < squares.size(); ++f) {
     const std::string &field = interface.fields[f].name;
     for (const unsigned int side : {source, destination}) {
@@ -188,8 +308,16 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
     }
     result["jump L2"][field] = norm(squares[f].jump);
     result["flux jump L2"][field] = norm(squares[f].flux_jump);
-    if (point.has_exact_flux(f, source) || point.has_exact_flux(f, destination))
+    if (is_known[f]) {
+      const auto largest = [&](const double square) {
+        return std::sqrt(dealii::Utilities::MPI::max(square, communicator));
+      };
       result["flux error L2"][field] = norm(squares[f].flux_error);
+      result["flux norm L2"][field] = norm(squares[f].flux_norm);
+      result["flux error max"][field] = largest(squares[f].largest_flux_error);
+      result["flux max"][field] = largest(squares[f].largest_flux);
+      result["flux oscillation"][field] = oscillations[f];
+    }
   }
 
   // what a tie with terms gives a body is the integral of its flux: its other terms vanish for constant test

@@ -49,7 +49,8 @@ Report::Report(const std::string &directory, const MPI_Comm &communicator)
              {"dealii", DEAL_II_PACKAGE_VERSION},
              {"ranks", dealii::Utilities::MPI::n_mpi_processes(communicator)},
              {"dofs", 0},
-             {"converged", false}};
+             {"converged", false},
+             {"errors against", "Exact, where it is given"}};
   for (const char *key : {"domains", "interfaces", "probes"})
     content[key] = nlohmann::ordered_json::object();
   for (const char *key : {"steps", "adaptive cycles"})

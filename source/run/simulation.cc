@@ -5,7 +5,9 @@
 
 #include <dovetail/output/measures.h>
 #include <dovetail/run/counters.h>
+#include <dovetail/output/spectrum.h>
 #include <dovetail/scene/scene_text.h>
+#include <dovetail/study/options.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,18 +17,18 @@ namespace dovetail {
 
 namespace {
 
-/// output/NAME-OF-THE-FILE
-std::string default_directory(const std::string &file_name)
-{
-  const std::string name = file_name.substr(file_name.rfind('/') + 1);
-  return "output/" + name.substr(0, name.rfind('.'));
-}
-
-std::string read_directory(const Section &output, const std::string &file_name)
+std::string read_directory(const Section &output, const SceneText &text)
 {
   const auto directory = output.read<std::string>(
       "Directory", "", "Where the results go; output/ and the name of the scene's file if empty [-]");
-  return directory.empty() ? default_directory(file_name) : directory;
+  return directory.empty() ? "output/" + text.name() : directory;
+}
+
+bool read_spectrum(const Section &output)
+{
+  return output.read<bool>("Spectrum", false,
+                           "Report eigenvalues and condition number of the matrix, up to " +
+                               std::to_string(largest_spectrum) + " unknowns [-]");
 }
 
 } // namespace
@@ -74,10 +76,13 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
   const Adaptivity adaptivity(scene);
   const LinearSolver solver(scene.subsection("Linear solver"), {});
   const Section output = scene.subsection("Output");
-  read_directory(output, "");
+  read_directory(output, *text);
   output.read<unsigned int>("Every steps", 1, "Write every that many steps, and the last one [-]",
                             Patterns::Integer(1));
+  read_spectrum(output);
   const Paraview<3> paraview(output, model, "");
+  const Reference<3> reference(output, model);
+  const StudyOptions study(scene.subsection("Study"));
 }
 
 template <int dim>
@@ -92,10 +97,13 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
       adaptivity(scene), linear_solver(scene.subsection("Linear solver"), solve_groups())
 {
   const Section output = scene.subsection("Output");
-  directory = read_directory(output, text->file_name());
+  directory = read_directory(output, *text);
   every_steps = output.read<unsigned int>(
       "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1));
+  with_spectrum = read_spectrum(output);
   paraview = std::make_unique<Paraview<dim>>(output, model, directory);
+  reference = std::make_unique<Reference<dim>>(output, model);
+  StudyOptions(scene.subsection("Study")); // must be right in every run
   text->check_all_read();
   scene.check(adaptivity.n_cycles == 0 ||
                   std::any_of(model.domains.begin(), model.domains.end(),
@@ -125,6 +133,7 @@ std::vector<SolveGroup> Simulation<dim>::solve_groups() const
     group.near_null_space = [this](const unsigned int block, const bool of_all_blocks) {
       return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
     };
+    group.linear_part = [this](const unsigned int block) { return linear_part(block); };
     const auto &blocks = model.numbering->blocks();
     for (unsigned int b = 0; b < blocks.size(); ++b)
       if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end()) {
@@ -158,6 +167,20 @@ Plan Simulation<dim>::plan() const
                                   ": triangles and tetrahedra stay as they are");
   }
   return result;
+}
+
+template <int dim>
+std::vector<SolveGroup::Sum> Simulation<dim>::linear_part(const unsigned int block_number) const
+{
+  const Block &block = model.numbering->blocks()[block_number];
+  auto sums = model.linear_part(block);
+  for (unsigned int i = 0; i < sums.size(); ++i)
+    if (const auto dof = block.begin + block.owned.nth_index_in_set(i);
+        system->all_constraints().is_constrained(dof)) {
+      const auto *entries = system->all_constraints().get_constraint_entries(dof);
+      sums[i] = entries == nullptr ? SolveGroup::Sum() : SolveGroup::Sum(entries->begin(), entries->end());
+    }
+  return sums;
 }
 
 template <int dim>
@@ -228,6 +251,12 @@ void Simulation<dim>::set_up(const double t)
   linear_solver.forget_matrix();
   model.check_ties(t);
   system->set_up(t);
+  tell_notes();
+}
+
+template <int dim>
+void Simulation<dim>::tell_notes()
+{
   for (const std::string &sentence : system->notes())
     if (report->add_note(sentence))
       log.line("  note: " + sentence);
@@ -248,8 +277,11 @@ NewtonResult Simulation<dim>::solve_step()
   double linear_residual = 0;
   problem.solve = [&]() {
     const Phases::Scope scope(phases, "solve");
-    if (has_new_tangent)
+    if (has_new_tangent) {
       linear_solver.set_matrix(system->tangent());
+      if (problem.is_linear)
+        check_is_held();
+    }
     has_new_tangent = false;
     const auto n_iterations = linear_solver.solve(update, system->negative_residual());
     if (problem.is_linear)
@@ -262,7 +294,10 @@ NewtonResult Simulation<dim>::solve_step()
     if (damping != 0)
       trial.add(damping, update);
   };
-  problem.accept = [&]() { solution = trial; };
+  problem.accept = [&]() {
+    solution = trial;
+    system->accept_residual();
+  };
   problem.moves_constraints = [&]() { return system->moves_constraints(); };
   problem.linear_residual = [&]() { return linear_residual; };
   problem.report = [&](const unsigned int iteration, const double norm, const unsigned int linear_iterations,
@@ -270,6 +305,17 @@ NewtonResult Simulation<dim>::solve_step()
     log.newton_iteration(iteration, norm, linear_iterations, damping);
   };
   return newton.solve(problem);
+}
+
+/// A linear scene needs no iteration to know that a body is free; a nonlinear one may hold it once it has
+/// moved.
+template <int dim>
+void Simulation<dim>::check_is_held() const
+{
+  if (const auto motion = system->find_free_motion())
+    motion->bodies[0]->section.fail("Boundary conditions",
+                                    "and interfaces do not hold " + motion->in_words() +
+                                        ". Add a condition of Type = value, or a tie, that does.");
 }
 
 template <int dim>
@@ -289,12 +335,17 @@ bool Simulation<dim>::advance(const double t)
   const Vector last_good = solution;
   if (model.is_linear())
     system->constrain(solution);
+  tell_notes();
   const NewtonResult result = solve_step();
   report->add_step(t, result.residuals, result.linear_iterations);
   if (result.is_converged)
     lacks_multipliers = true;
-  else
+  else {
+    if (const auto motion = system->find_free_motion(true))
+      if (const std::string note = "nothing holds " + motion->in_words(); report->add_note(note))
+        log.line("  note: " + note);
     solution = last_good;
+  }
   can_be_halved = may_be_halved(result);
   residuals_of_failure = result.is_converged ? std::vector<double>() : result.residuals;
   return result.is_converged;
@@ -376,6 +427,11 @@ bool Simulation<dim>::run()
   measure(t);
   if (is_converged)
     is_converged = run_cycles(t);
+  compare(t);
+  if (with_spectrum && is_converged)
+    measure_spectrum_of_groups();
+  else if (with_spectrum)
+    report->leave_out("spectrum: the last step did not converge");
   write_report(is_converged);
   return is_converged;
 }
@@ -485,6 +541,31 @@ void Simulation<dim>::measure(const double t)
   (*report)["domains"] = measure_domains(model, ghosted, t);
   (*report)["interfaces"] = measure_interfaces(model, ghosted, t);
   (*report)["probes"] = probes.evaluate(ghosted, t);
+}
+
+/// With a run that is more exact, or for runs that are less so.
+template <int dim>
+void Simulation<dim>::compare(const double t)
+{
+  if (!reference->is_on())
+    return;
+  const Phases::Scope scope(phases, "comparison");
+  Vector ghosted = system->ghosted_vector();
+  ghosted = solution;
+  reference->compare(ghosted, t, (*report)["domains"], (*report)["interfaces"]);
+  if (reference->has_reference())
+    (*report)["errors against"] = reference->file();
+}
+
+template <int dim>
+void Simulation<dim>::measure_spectrum_of_groups()
+{
+  const Phases::Scope scope(phases, "output");
+  std::vector<std::string> sentences;
+  report->add("spectrum",
+              measure_spectrum(*system, *model.numbering, solve_groups(), communicator, sentences));
+  for (const std::string &sentence : sentences)
+    report->leave_out(sentence);
 }
 
 template <int dim>

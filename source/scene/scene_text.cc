@@ -126,9 +126,24 @@ void SceneText::print_reference(std::ostream &out) const
   implementation->declarations.print_reference(out);
 }
 
+std::map<std::string, std::string> SceneText::given() const
+{
+  std::map<std::string, std::string> result;
+  for (const SceneTree::Subsection &subsection : implementation->tree.subsections())
+    for (const SceneTree::Entry &entry : subsection.entries)
+      result[join_path(subsection.path, entry.name)] = entry.value;
+  return result;
+}
+
 const std::string &SceneText::file_name() const
 {
   return implementation->tree.location_of("").file;
+}
+
+std::string SceneText::name() const
+{
+  const std::string last = file_name().substr(file_name().rfind('/') + 1);
+  return last.substr(0, last.rfind('.'));
 }
 
 } // namespace dovetail

@@ -112,6 +112,14 @@ void SceneTree::set(const std::string &path, const Entry &entry)
   entries.push_back(entry);
 }
 
+void SceneTree::remove(const std::string &path, const std::string &name)
+{
+  std::vector<Entry> &entries = find_to_change(path)->entries;
+  entries.erase(
+      std::remove_if(entries.begin(), entries.end(), [&](const Entry &entry) { return entry.name == name; }),
+      entries.end());
+}
+
 void apply_override(SceneTree &tree, const std::string &assignment)
 {
   const Location location{"--set '" + assignment + "'", 0};
@@ -133,7 +141,10 @@ void apply_override(SceneTree &tree, const std::string &assignment)
     if (!tree.find(path))
       tree.open(path, location);
   }
-  tree.set(path, {name, value, location});
+  if (value.empty() && tree.find(path, name))
+    tree.remove(path, name);
+  else
+    tree.set(path, {name, value, location});
 }
 
 } // namespace dovetail

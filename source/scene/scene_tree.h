@@ -50,6 +50,8 @@ public:
   void open(const std::string &path, const Location &location);
   /// Set or replace an entry; its subsection must be open.
   void set(const std::string &path, const Entry &entry);
+  /// Its subsection must be there.
+  void remove(const std::string &path, const std::string &name);
 
 private:
   Subsection *find_to_change(const std::string &path);
@@ -67,7 +69,7 @@ FileTexts read_files(const std::string &file);
 SceneTree parse_prm(const std::string &file, const FileTexts &texts);
 SceneTree parse_json(const std::string &file, const FileTexts &texts);
 
-/// Apply "PATH=value" as given by --set.
+/// Apply "PATH=value" as given by --set; without a value the entry is taken away.
 void apply_override(SceneTree &tree, const std::string &assignment);
 
 std::string join_path(const std::string &path, const std::string &name);

@@ -3,6 +3,7 @@
 
 #include <dovetail/solve/linear_solver.h>
 
+#include "degree_coarsening.h"
 #include "merged_matrix.h"
 
 #include <deal.II/lac/solver_cg.h>
@@ -17,6 +18,7 @@
 #include <Epetra_Vector.h>
 #include <Teuchos_ParameterList.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -129,6 +131,7 @@ struct LinearSolver::Group : SolveGroup
   std::unique_ptr<Saddle> saddle;
   std::unique_ptr<Epetra_MultiVector> modes; ///< ML refers to them
   std::unique_ptr<dealii::TrilinosWrappers::PreconditionAMG> multigrid;
+  std::unique_ptr<DegreeCoarsening> by_degree; ///< instead, for a degree above one
   std::unique_ptr<Epetra_LinearProblem> problem;
   std::unique_ptr<Amesos_BaseSolver> direct;
   bool is_direct = false;
@@ -145,6 +148,7 @@ struct LinearSolver::Group : SolveGroup
   double contrast(const Matrix &matrix) const;
   void make_modes(const Matrix &matrix);
   void make_multigrid(const Matrix &matrix);
+  DegreeCoarsening::Sums linear_sums(const Matrix &matrix) const;
   std::optional<unsigned int> iterate(const Matrix &matrix, SingleVector &x, const SingleVector &b,
                                       double tolerance);
   unsigned int iterate_once(SingleVector &x, const SingleVector &b, double tolerance) const;
@@ -152,6 +156,7 @@ struct LinearSolver::Group : SolveGroup
   void forget_values()
   {
     multigrid.reset();
+    by_degree.reset();
     saddle.reset();
     direct.reset();
   }
@@ -236,7 +241,7 @@ void LinearSolver::Group::make_multigrid(const Matrix &matrix)
     make_modes(matrix);
   dealii::TrilinosWrappers::PreconditionAMG::AdditionalData data;
   data.elliptic = is_symmetric;
-  data.higher_order_elements = degree > 1;
+  data.higher_order_elements = degree > 1 && !linear_part;
   data.smoother_sweeps = 2;
   data.smoother_type = is_symmetric ? "Chebyshev" : "ILU";
   Teuchos::ParameterList list;
@@ -247,8 +252,29 @@ void LinearSolver::Group::make_multigrid(const Matrix &matrix)
   list.set("null space: vectors", modes->Values());
   list.set("aggregation: threshold", 0.0); // a positive one drops the couplings of a stiff with a soft body
   ++counts.multigrids;
+  if (degree > 1 && is_symmetric && !has_multipliers() && linear_part) {
+    list.set("smoother: sweeps", 2);
+    by_degree = std::make_unique<DegreeCoarsening>(merged->matrix(), linear_sums(matrix), *modes, list);
+    return;
+  }
   multigrid = std::make_unique<dealii::TrilinosWrappers::PreconditionAMG>();
   multigrid->initialize(bodies().matrix(), list);
+}
+
+/// The sums of linear_part with the rows of the merged matrix.
+DegreeCoarsening::Sums LinearSolver::Group::linear_sums(const Matrix &matrix) const
+{
+  DegreeCoarsening::Sums sums;
+  for (const unsigned int block : blocks)
+    for (const SolveGroup::Sum &of_unknown : linear_part(block)) {
+      sums.emplace_back();
+      for (const auto &[dof, weight] : of_unknown) {
+        const auto [of_dof, index] = matrix.get_row_indices().global_to_local(dof);
+        const unsigned int i = std::find(blocks.begin(), blocks.end(), of_dof) - blocks.begin();
+        sums.back().emplace_back(merged->global_row(i, index), weight);
+      }
+    }
+  return sums;
 }
 
 unsigned int LinearSolver::Group::iterate_once(SingleVector &x, const SingleVector &b,
@@ -262,6 +288,8 @@ unsigned int LinearSolver::Group::iterate_once(SingleVector &x, const SingleVect
   if (has_multipliers())
     dealii::SolverGMRES<SingleVector>(control, data)
         .solve(*saddle, x, b, SaddlePreconditioner{*saddle, *multigrid, of_bodies->vector()});
+  else if (by_degree)
+    dealii::SolverCG<SingleVector>(control).solve(K, x, b, *by_degree);
   else if (is_symmetric)
     dealii::SolverCG<SingleVector>(control).solve(K, x, b, *multigrid);
   else
@@ -282,7 +310,7 @@ std::optional<unsigned int> LinearSolver::Group::iterate(const Matrix &matrix, S
   };
   unsigned int n_iterations = 0;
   try {
-    if (!multigrid)
+    if (!multigrid && !by_degree)
       make_multigrid(matrix);
     SingleVector residual(b), correction(b);
     if (saddle)

@@ -31,12 +31,12 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
   };
   const unsigned int n_blocks = block_numbers.size();
 
-  // where each rank's part of each block begins, in the block and in the merged numbering
   std::vector<int> own;
   for (unsigned int i = 0; i < n_blocks; ++i)
     own.push_back(block(i, i).NumMyRows());
   const auto sizes = dealii::Utilities::MPI::all_gather(communicator, own);
-  std::vector<std::vector<int>> begin_in_block(n_blocks, std::vector<int>(1, 0)), begin_merged(n_blocks);
+  begin_in_block.assign(n_blocks, std::vector<int>(1, 0));
+  begin_merged.assign(n_blocks, {});
   int next = 0;
   for (const auto &of_rank : sizes)
     for (unsigned int i = 0; i < n_blocks; ++i) {
@@ -44,13 +44,6 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
       begin_in_block[i].push_back(begin_in_block[i].back() + of_rank[i]);
       next += of_rank[i];
     }
-  const auto merged_index = [&](const unsigned int i, const int index_in_block) {
-    const unsigned int rank =
-        std::upper_bound(begin_in_block[i].begin(), begin_in_block[i].end(), index_in_block) -
-        begin_in_block[i].begin() - 1;
-    return begin_merged[i][rank] + index_in_block - begin_in_block[i][rank];
-  };
-
   // columns: the own ones in the order of the rows, then those of other ranks
   const Epetra_MpiComm epetra_communicator(communicator);
   const int n_own = first_local.back();
@@ -61,7 +54,7 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
   for (unsigned int i = 0; i < n_blocks; ++i)
     for (unsigned int j = 0; j < n_blocks; ++j)
       for (int k = 0; k < block(i, j).ColMap().NumMyElements(); ++k) {
-        const int index = merged_index(j, block(i, j).ColMap().GID(k));
+        const int index = global_row(j, block(i, j).ColMap().GID(k));
         column_of[i][j].push_back(index);
         if (!is_own(index))
           of_others.push_back(index);
@@ -116,6 +109,16 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
     }
   merged->FillComplete(rows, rows);
   merged->OptimizeStorage();
+}
+
+int MergedMatrix::global_row(const unsigned int i, const int index_in_block) const
+{
+  if (single)
+    return index_in_block;
+  const unsigned int rank =
+      std::upper_bound(begin_in_block[i].begin(), begin_in_block[i].end(), index_in_block) -
+      begin_in_block[i].begin() - 1;
+  return begin_merged[i][rank] + index_in_block - begin_in_block[i][rank];
 }
 
 void MergedMatrix::copy_values(const BlockMatrix &matrix)

@@ -35,6 +35,8 @@ public:
   void scatter(const dealii::TrilinosWrappers::MPI::Vector &from, BlockVector &to) const;
   dealii::TrilinosWrappers::MPI::Vector vector() const;
   unsigned int n_local() const { return first_local.back(); }
+  /// Of the row with a global index in the i-th block.
+  int global_row(unsigned int i, int index_in_block) const;
   unsigned int first_local_of(const unsigned int i) const { return first_local[i]; } ///< of the i-th block
 
 private:
@@ -44,6 +46,8 @@ private:
   std::vector<unsigned int> first_local; ///< first local row of each block, and the number of local rows
   const Epetra_CrsMatrix *single = nullptr;
   std::unique_ptr<Epetra_CrsMatrix> merged;
+  /// Where each rank's part of each block begins, in the block (n_ranks + 1 entries) and merged (n_ranks).
+  std::vector<std::vector<int>> begin_in_block, begin_merged;
   std::vector<int>
       position; ///< in a merged row, of each entry in the order block row, row, block column, entry
 };

@@ -549,6 +549,7 @@ template <int dim>
 void BlockSystem<dim>::reset_norms()
 {
   largest.assign(fields.size(), 0.);
+  at_start.clear();
 }
 
 namespace {
@@ -570,19 +571,37 @@ std::vector<double> norms_by_field(const Vector &vector, const std::vector<unsig
 template <int dim>
 double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
 {
-  const std::vector<double> norms = norms_by_field(right_hand_side, field_of_block, fields.size());
+  const std::vector<double> residuals = norms_by_field(right_hand_side, field_of_block, fields.size());
+  norms = residuals;
+  for (unsigned int f = 0; f < fields.size(); ++f) {
+    if (!std::isfinite(residuals[f]))
+      return std::numeric_limits<double>::quiet_NaN();
+    if (is_of_multipliers[f]) // right when the jump is small compared with the traces
+      norms[f] = std::sqrt(scale[f]);
+  }
+  if (at_start.empty()) {
+    at_start = norms;
+    accept_residual();
+  }
   double relative = 0;
   for (unsigned int f = 0; f < fields.size(); ++f) {
-    if (!std::isfinite(norms[f]))
-      return std::numeric_limits<double>::quiet_NaN();
-    // an equation of multipliers is right when the jump is small compared with the traces
-    largest[f] = std::max(largest[f], is_of_multipliers[f] ? std::sqrt(scale[f]) : norms[f]);
     // terms that cancel leave rounding: those of a cell among cells, and within a cell those of K x
-    const double noise = std::max(1e-13 * std::sqrt(scale[f]), 1e-15 * std::sqrt(magnitude[f]));
-    if (norms[f] > std::max(noise, absolute_tolerance))
-      relative = std::max(relative, largest[f] > 0 ? norms[f] / largest[f] : 1.);
+    const double of_cells = std::sqrt(scale[f]), of_tangent = std::sqrt(magnitude[f]);
+    if (residuals[f] <= std::max({1e-13 * of_cells, 1e-15 * of_tangent, absolute_tolerance}))
+      continue;
+    const double reference =
+        std::min(largest[f], largest_of_reference * std::max({at_start[f], of_cells, of_tangent}));
+    const double of_field = reference > 0 ? residuals[f] / reference : 1.;
+    relative = std::max(relative, of_field <= largest_growth ? std::min(of_field, 1.) : of_field);
   }
   return relative;
+}
+
+template <int dim>
+void BlockSystem<dim>::accept_residual()
+{
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    largest[f] = std::max(largest[f], norms[f]);
 }
 
 template <int dim>
@@ -611,6 +630,16 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx)
       relative = std::max(relative, norms[f] / of_field);
   }
   return relative;
+}
+
+template <int dim>
+std::optional<FreeMotion<dim>> BlockSystem<dim>::find_free_motion(const bool in_any_case) const
+{
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time)))
+      if (const auto motion = dovetail::find_free_motion(model, fields[f], matrix, update_constraints))
+        return motion;
+  return {};
 }
 
 /// x_i = sum w x_j + b_i

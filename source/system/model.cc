@@ -423,6 +423,40 @@ std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block,
   return modes;
 }
 
+template <int dim>
+std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>>
+Model<dim>::linear_part(const Block &block) const
+{
+  const Domain<dim> &domain = *domains[block.domain_index];
+  const Field &field = domain.fields()[block.field_index];
+  const unsigned int n = domain.n_nodes();
+  // the nodes of an element begin with its vertices
+  const dealii::ReferenceCell shape = domain.cell_shape();
+  dealii::FullMatrix<double> weight(n, shape.n_vertices());
+  for (unsigned int a = 0; a < n; ++a)
+    for (const unsigned int v : shape.vertex_indices())
+      weight(a, v) = shape.d_linear_shape_function(domain.scalar_element().get_unit_support_points()[a], v);
+
+  std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>> sums(block.owned.n_elements());
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      domain.cell_dofs(cell, dofs);
+      for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
+        for (unsigned int a = 0; a < n; ++a) {
+          const auto dof = dofs[c * n + a] - block.begin;
+          if (!block.owned.is_element(dof))
+            continue;
+          auto &sum = sums[block.owned.index_within_set(dof)];
+          if (sum.empty())
+            for (const unsigned int v : shape.vertex_indices())
+              if (std::abs(weight(a, v)) > 1e-14)
+                sum.emplace_back(dofs[c * n + v], weight(a, v));
+        }
+    }
+  return sums;
+}
+
 template class Model<2>;
 template class Model<3>;
 

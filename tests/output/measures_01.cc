@@ -4,7 +4,8 @@
 // Errors, norms and numbers of an interface by hand. Two squares [0,1] x [0,1] and [1,2] x [0,1], one
 // temperature field each, interpolated from `Exact` on 4 x 4 and 3 x 3 bilinear cells:
 //
-// left, k = 2:  T = x^2; the interpolant errs by h^2 / sqrt(30) in L2 and h / sqrt(3) in H1 (h = 1/4);
+// left, k = 2:  T = x^2; the interpolant errs by h^2 / sqrt(30) in L2 and h / sqrt(3) in H1 (h = 1/4),
+//               in energy sqrt(2) times that of H1;
 //               norms 1/sqrt(5) and 2/sqrt(3); extremes 1 and 0
 // right, k = 1: T = x, no error; norms sqrt(7/3) and 1; extremes 2 and 1
 // at x = 1:     jump 1 - 1 = 0; A_src.N_src = 2 (2 - h) = 3.5 of the interpolant, A_dst.N_dst = -1,
@@ -101,6 +102,8 @@ end
                              left["errors"]["temperature"]["H1"].get<double>() / (h / std::sqrt(3.))});
   print("norms / by hand", {left["norms"]["temperature"]["L2"].get<double>() * std::sqrt(5.),
                             left["norms"]["temperature"]["H1"].get<double>() * std::sqrt(3.) / 2});
+  print("energy / by hand", {left["errors"]["temperature"]["energy"].get<double>() / (h * std::sqrt(2. / 3.)),
+                             left["norms"]["temperature"]["energy"].get<double>() / std::sqrt(8. / 3.)});
   print("errors of the right", {right["errors"]["temperature"]["L2"], right["errors"]["temperature"]["H1"]});
   print("norms / by hand", {right["norms"]["temperature"]["L2"].get<double>() / std::sqrt(7. / 3.),
                             right["norms"]["temperature"]["H1"]});
@@ -114,6 +117,10 @@ end
   print("jump", {seam["jump L2"]["temperature"]});
   print("flux jump / 2.5", {seam["flux jump L2"]["temperature"].get<double>() / 2.5});
   print("flux error / 1.75", {seam["flux error L2"]["temperature"].get<double>() / 1.75});
+  print("largest flux error / 1.75", {seam["flux error max"]["temperature"].get<double>() / 1.75});
+  print("flux norm, largest flux, oscillation",
+        {seam["flux norm L2"]["temperature"], seam["flux max"]["temperature"],
+         seam["flux oscillation"]["temperature"]});
   print("has penalty", {double(seam.contains("penalty"))});
   print("resultants",
         {seam["resultant source"]["temperature"][0], seam["resultant destination"]["temperature"][0]});

@@ -48,6 +48,7 @@ public:
                       const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
                       const std::vector<double> &jump, std::vector<double> &result) const override;
   typename Tie<dim>::Penalty penalty() const override { return range; }
+  std::vector<std::string> notes() const override { return sentences; }
   typename Tie<dim>::FluxVariations flux_variations() const override { return variations; }
 
 protected:
@@ -109,6 +110,7 @@ private:
   void note_margin(unsigned int field_index, const typename Pairing<dim>::Group &group,
                    const Parameters &chosen, double unit);
   void warn_if_not_coercive(const Interface<dim> &interface, const MPI_Comm &communicator);
+  void note_large_penalty(const MPI_Comm &communicator);
 
   bool join(const Interface<dim> &interface, const TiedField &field, unsigned int q, double gamma,
             const std::array<State<dim>, 2> &of_sides, Series &series) const;
@@ -148,6 +150,8 @@ private:
   std::vector<std::array<std::vector<double>, 2>> lambda;
   typename Tie<dim>::Penalty range;
   double least_multiplier = 0; ///< with which all points would be coercive
+  double excess = 0;           ///< largest gamma in units of that which theta = 1 needs
+  std::vector<std::string> sentences;
   typename Tie<dim>::FluxVariations variations;
 
   // at the current point: states and responses of the two sides, and of the current field what R needs

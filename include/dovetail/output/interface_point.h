@@ -36,14 +36,21 @@ public:
   /// Visit all points of this rank, in order.
   void for_each(const Vector &ghosted_solution, const Visitor &visit);
 
-  /// Whether the domain of a side has an exact solution of the field and of all that its flux depends on.
-  bool has_exact_flux(unsigned int field, unsigned int side) const;
-  /// A.N of the exact solution there.
-  std::vector<double> exact_flux(unsigned int field, unsigned int side, unsigned int q);
+  /// Whether the domain of some side has an exact solution of the field and of all that its flux depends on.
+  bool has_exact_flux(unsigned int field) const;
+  /// The exact influx into the source at the point visited last: A.N of the exact solution of the source, or
+  /// that of the destination if only it is known or if it is much softer. Rounding in grad B grows with the
+  /// modulus: 1e-13 |B| dA/dgrad B over the length of the body.
+  std::vector<double> exact_flux(unsigned int field, unsigned int q);
 
 private:
   void evaluate(unsigned int q, const std::vector<double> &unknowns);
-  std::vector<double> normal_flux(const TiedField &field, unsigned int side, unsigned int q);
+  std::vector<double> normal_flux(const TiedField &field, unsigned int side, unsigned int q,
+                                  bool with_derivatives = false);
+  bool has_exact_flux(unsigned int field, unsigned int side) const;
+  std::vector<double> exact_flux(unsigned int field, unsigned int side, unsigned int q);
+  /// Size of dA/dgrad B of a field in the last response.
+  double modulus(const TiedField &field, unsigned int side) const;
 
   const Interface<dim> &interface;
   const double t;

@@ -23,10 +23,12 @@ public:
   /// Knows "version", "dealii" and "ranks" itself. @p directory is made if it does not exist. Collective.
   Report(const std::string &directory, const MPI_Comm &communicator);
 
-  /// The value of one of the keys: dofs, converged, domains, interfaces, probes, steps, adaptive
-  /// cycles, seconds, counters, plan, left out.
+  /// The value of one of the keys: dofs, converged, errors against, domains, interfaces, probes, steps,
+  /// adaptive cycles, seconds, counters, plan, left out.
   nlohmann::ordered_json &operator[](const std::string &key);
 
+  /// A key that only some scenes have.
+  void add(const std::string &key, const nlohmann::ordered_json &value) { content[key] = value; }
   /// One solve with Newton's method.
   void add_step(double time, const std::vector<double> &residuals,
                 const std::vector<unsigned int> &linear_iterations);

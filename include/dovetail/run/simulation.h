@@ -9,6 +9,7 @@
 #include <dovetail/output/paraview.h>
 #include <dovetail/output/plan.h>
 #include <dovetail/output/probes.h>
+#include <dovetail/output/reference.h>
 #include <dovetail/output/report.h>
 #include <dovetail/run/phases.h>
 #include <dovetail/solve/linear_solver.h>
@@ -55,19 +56,25 @@ public:
 private:
   std::vector<SolveGroup> solve_groups() const;
   Plan plan() const;
+  /// Model::linear_part, where constrained unknowns are the sum of those they follow.
+  std::vector<SolveGroup::Sum> linear_part(unsigned int block_number) const;
   void set_initial_values();
   void set_up(double t);
   void begin_step(double t);
+  void tell_notes();
   bool advance(double t);
   bool may_be_halved(const NewtonResult &failed) const;
   void go_back(double t);
   void take_account();
   NewtonResult solve_step();
+  void check_is_held() const;
   bool run_cycles(double t);
   NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t);
   void find_multipliers();
   void write_output(double t, unsigned int step, bool is_last);
   void measure(double t);
+  void compare(double t);
+  void measure_spectrum_of_groups();
   void write_report(bool is_converged);
 
   MPI_Comm communicator;
@@ -82,7 +89,9 @@ private:
   Adaptivity adaptivity;
   std::string directory;
   unsigned int every_steps;
+  bool with_spectrum;
   std::unique_ptr<Paraview<dim>> paraview;
+  std::unique_ptr<Reference<dim>> reference;
   std::unique_ptr<BlockSystem<dim>> system;
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<Report> report;

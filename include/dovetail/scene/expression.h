@@ -54,8 +54,9 @@ public:
   template <int dim>
   double value(const dealii::Point<dim> &X, double t, unsigned int component = 0, double T = 0) const;
 
-  /// Gradient by a five-point central difference with a step of 1e-3 @p length (a typical length of the
-  /// body): exact to rounding for polynomials up to degree 4.
+  /// Gradient: exact if the formula holds arithmetics and smooth functions only. Else by a five-point central
+  /// difference with a step of 1e-3 @p length (a typical length of the body), exact to rounding for
+  /// polynomials up to degree 4.
   template <int dim>
   dealii::Tensor<1, dim> gradient(const dealii::Point<dim> &X, double t, unsigned int component,
                                   double length) const;

@@ -8,6 +8,7 @@
 #include <dovetail/scene/section.h>
 
 #include <iosfwd>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,6 +48,10 @@ public:
   void print_reference(std::ostream &out) const;
 
   const std::string &file_name() const;
+  std::string name() const; ///< of the file, without folder and ending
+
+  /// What the file and the overrides set, by path: "Interface seam/Theta" -> "-1".
+  std::map<std::string, std::string> given() const;
 
 private:
   friend class Section;

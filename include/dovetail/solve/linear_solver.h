@@ -33,12 +33,19 @@ struct SolveGroup
   /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks
   /// together or by itself; asked for only if multigrid is used.
   std::function<std::vector<std::vector<double>>(unsigned int block, bool of_all_blocks)> near_null_space;
+  /// Of each of this rank's unknowns of a block: the unknowns of the whole system, and the weights, that it
+  /// is the sum of in a function of degree one: those at the vertices of its cell, or those that it follows
+  /// by a constraint; none if it is prescribed, itself if it is a vertex. Asked for only if multigrid is used
+  /// for a degree above one; may be missing, which costs time only.
+  using Sum = std::vector<std::pair<dealii::types::global_dof_index, double>>;
+  std::function<std::vector<Sum>(unsigned int block)> linear_part;
 };
 
 /// Solves K dx = b for a matrix that is lower block triangular over the groups (a field does not depend on
 /// those after it), group after group, each merged into one matrix: by MUMPS, or by CG (symmetric) or GMRES
-/// with ML's smoothed aggregation and the near-null space of the blocks. With multipliers GMRES has the block
-/// triangular preconditioner [A 0; B -S], A by multigrid and the Schur complement S by the diagonal of
+/// with ML's smoothed aggregation and the near-null space of the blocks; for a degree above one and a
+/// symmetric group after a first coarsening to the functions of degree one. With multipliers GMRES has the
+/// block triangular preconditioner [A 0; B -S], A by multigrid and the Schur complement S by the diagonal of
 /// B diag(A)^-1 B^T.
 class LinearSolver
 {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/system/free_motion.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
@@ -53,10 +54,18 @@ public:
 
   const dealii::TrilinosWrappers::BlockSparseMatrix &tangent() const { return matrix; }
   const Vector &negative_residual() const { return right_hand_side; }
+  /// Prescribed values, hanging nodes and ties of the unknowns relevant to this rank, resolved.
+  const dealii::AffineConstraints<double> &all_constraints() const { return constraints; }
 
-  /// Largest over the fields of ||R_f|| relative to its largest value in this step; a field whose residual is
-  /// rounding noise of |K||x| or not above @p absolute_tolerance counts as zero.
+  /// Largest over the fields of ||R_f|| relative to its largest value among the states that have been
+  /// accepted in this step; a field whose residual is rounding noise of |K||x| or not above @p
+  /// absolute_tolerance counts as zero. That largest value counts at most as a hundred times what the cells'
+  /// residuals and |K||x| are now: after an update that went astray (an exponential law) it would make
+  /// anything look small. A residual that is larger, but not by more than the factor largest_growth, gives 1:
+  /// bending goes through such states.
   double residual_norm(double absolute_tolerance = 0);
+  /// The state of the last residual_norm() is accepted; the first one of a step always is.
+  void accept_residual();
   /// Forget the largest values: a new step begins.
   void reset_norms();
   /// The norm that the residual would have after dx, for linear systems: of K dx + R.
@@ -64,6 +73,14 @@ public:
 
   /// Whether the last assembled right-hand side moves prescribed values.
   bool moves_constraints() const { return constraints_move; }
+  /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
+  /// nothing where all bodies are surely held, unless @p in_any_case.
+  std::optional<FreeMotion<dim>> find_free_motion(bool in_any_case = false) const;
+  /// Whether an unknown that this rank owns follows from others, so that its row is trivial.
+  bool is_constrained(dealii::types::global_dof_index dof) const
+  {
+    return update_constraints.is_constrained(dof);
+  }
   /// Complete @p dx by the constrained unknowns.
   void distribute(Vector &dx) const;
 
@@ -126,6 +143,8 @@ private:
   std::vector<double>
       local_scale; ///< per field: sums of squares over the cells, of R_i, then of sum_j |K_ij x_j|
   std::vector<double> scale, magnitude, largest; ///< per field; magnitude: of the last tangent
+  std::vector<double> norms, at_start;           ///< likewise: of the last residual, of the first of the step
+  static constexpr double largest_growth = 1e6, largest_of_reference = 100;
   double tie_seconds = 0;
 };
 

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// How much the two sides of an interface differ.
+
+#pragma once
+
+#include <dovetail/interface/interface.h>
+
+#include <string>
+
+namespace dovetail {
+
+/// Destination over source.
+struct SideRatios
+{
+  double face_size = 1; ///< mean diameter of the faces
+  double stiffness =
+      1; ///< |dA/dgrad B| in the undeformed state at B = 0, the largest ratio over the tied fields
+};
+
+/// Collective. A law that is not defined in that state counts as a ratio of 1.
+template <int dim>
+SideRatios side_ratios(const Interface<dim> &interface, const MPI_Comm &communicator);
+
+/// How much stiffer a destination may be that follows a source whose trace it cannot represent.
+inline constexpr double largest_stiffness_of_follower = 3;
+
+/// What a user should know if the destination follows the source and is much stiffer: a stiff body that must
+/// take another one's trace answers every deviation of that trace from its own with its stiffness. Its
+/// deformation stays right, but the flux through the interface errs by the ratio of the stiffnesses.
+std::string words_for_stiff_follower(double stiffness);
+
+} // namespace dovetail

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The numbers of a study: columns of its table, medians, rates, who is best.
+
+#pragma once
+
+#include <dovetail/study/run.h>
+
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dovetail {
+
+/// Name and value, in the order of the report.
+using Numbers = std::vector<std::pair<std::string, double>>;
+
+/// What a report says: counts, "seconds PHASE", "peak memory MiB", the combined relative errors ("error
+/// temperature L2", …) and every number of domains, interfaces and probes under its path.
+///
+/// The combined error of a field in L2, H1 or energy is (sum of errors^2 / sum of norms^2)^1/2 over all
+/// domains that have one; "flux" likewise over the interfaces; "jump" is
+/// (sum of jumps^2)^1/2 / (max |B| (sum of areas)^1/2).
+Numbers numbers_of(const nlohmann::ordered_json &report);
+
+/// NaN if it is not there.
+double find_number(const Numbers &numbers, const std::string &name);
+
+/// Of the middle two if their number is even; NaN of none.
+double median(std::vector<double> values);
+
+/// log2(coarse / fine) per level; NaN unless both errors are positive.
+double rate(double coarse_error, double fine_error, unsigned int levels_between);
+
+/// All runs of one variant, level and number of ranks.
+struct StudyPoint
+{
+  unsigned int level = 0;
+  std::string status;  ///< of the first run that is not converged, else "converged"
+  std::string message; ///< of that run
+  double seconds = std::numeric_limits<double>::quiet_NaN(); ///< median
+  double fastest = std::numeric_limits<double>::quiet_NaN(), slowest = fastest;
+  double tie_share = fastest; ///< of the program's own time, median
+  double error = fastest;     ///< NaN if it is not known
+  Numbers numbers;            ///< of the first run that has a report
+
+  bool is_converged() const { return status == "converged"; }
+  bool is_on_curve() const { return is_converged() && error > 0; } ///< something to plot
+};
+
+/// One line of the picture: a variant on a number of ranks, by level.
+struct StudyCurve
+{
+  std::string name;
+  unsigned int family = 0; ///< those with one value of the first varied list, which have one colour
+  std::vector<StudyPoint> points;
+};
+
+/// @p measure: "temperature L2".
+StudyPoint make_point(const std::vector<const StudyRun *> &repeats, const std::string &measure);
+
+/// Indices of the points that no other one beats in both: less of the first and not more of the second, or
+/// the other way round. In the order of the first.
+std::vector<unsigned int> pareto_front(const std::vector<std::pair<double, double>> &points);
+
+/// "1 % is reached first by mortar at level 2: 0.31 s, 1.4 times faster than the next, Nitsche." for 1, 0.1
+/// and 0.01 %.
+std::vector<std::string> who_is_first(const std::vector<StudyCurve> &curves);
+
+} // namespace dovetail

@@ -1,0 +1,2 @@
+def write(axes, cases, directory):
+    pass

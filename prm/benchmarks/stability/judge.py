@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+# Copyright (C) 2026 by the Dovetail authors
+"""What became of each case of the stability map.
+
+right         error in energy at most twice, error of the flux at most ten times that of the same tie at the axis's benign end,
+              or both below 1e-6
+flux lost     the bodies are right, but the flux through the seam is not
+warned        the answer is off, and a note of the report says so
+not converged, message
+WRONG         the answer is off, and nobody says so
+CRASH         the program broke down, or a number is not finite"""
+
+import collections
+import math
+
+ENERGY, FLUX, SMALL = 2.0, 10.0, 1e-6
+BAD = ("WRONG", "CRASH")
+WORDS = ("coercive", "errs", "oscillates", "swap", "locks")  # of notes that say that the answer may be off
+
+
+def is_finite(number):
+    return isinstance(number, (int, float)) and math.isfinite(number)
+
+
+def judge(all_axes, cases):
+    by_name = {axis.name: axis for axis in all_axes}
+    benign = {(case["axis"], case["tie"]): case for case in cases if case["value"] == by_name[case["axis"]].benign}
+    for case in cases:
+        case["verdict"] = verdict(case, benign.get((case["axis"], case["tie"])))
+
+
+def verdict(case, benign):
+    if case["status"] != "converged":
+        return case["status"]
+    if not is_finite(case["error"]) or not is_finite(case["flux"]):
+        return "CRASH"
+    if benign is None or benign["status"] != "converged":
+        return "right"
+
+    def holds(name, factor):
+        return case[name] <= max(factor * benign[name], SMALL)
+
+    if holds("error", ENERGY) and holds("flux", FLUX):
+        return "right"
+    if (case["margin"] or 0) < 0 or any(word in note for word in WORDS for note in case["notes"]):
+        return "warned"
+    return "flux lost" if holds("error", ENERGY) else "WRONG"
+
+
+def summary(cases):
+    count = collections.Counter(case["verdict"] for case in cases)
+    print(", ".join(f"{name}: {number}" for name, number in sorted(count.items())))
+    for case in cases:
+        if case["verdict"] in BAD:
+            print(f"{case['verdict']}: {case['axis']} = {case['value']}, {case['tie']}: "
+                  + (case.get("text") or f"error {case['error']:.3g}, flux {case['flux']:.3g}"))
+    return 1 if any(case["verdict"] in BAD for case in cases) else 0

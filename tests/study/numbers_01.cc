@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What a study makes of numbers: medians, rates, the Pareto front, combined errors, who is first.
+
+#include <dovetail/study/numbers.h>
+
+#include <iostream>
+
+using namespace dovetail;
+
+namespace {
+
+StudyPoint point(const unsigned int level, const double seconds, const double error,
+                 const std::string &status = "converged")
+{
+  StudyPoint result;
+  result.level = level;
+  result.seconds = seconds;
+  result.error = error;
+  result.status = status;
+  return result;
+}
+
+StudyRun run(const double seconds, const std::string &status = "converged")
+{
+  StudyRun result;
+  result.seconds = seconds;
+  result.status = status;
+  // two bodies: errors 3 and 4 of norms 30 and 40 are 0.1 together; jump 2 on an area of 4 where |T| <= 10 is
+  // 0.1
+  result.report = {
+      {"dofs", 7},
+      {"steps", {{{"newton iterations", 2}, {"linear iterations", {5, 6}}}}},
+      {"seconds", {{"tie", 0.25}, {"total", 1}}},
+      {"peak memory MiB", 100},
+      {"domains",
+       {{"a",
+         {{"cells", 3},
+          {"errors", {{"T", {{"L2", 3}}}}},
+          {"norms", {{"T", {{"L2", 30}}}}},
+          {"minimum", {{"T", -10}}}}},
+        {"b", {{"cells", 4}, {"errors", {{"T", {{"L2", 4}}}}}, {"norms", {{"T", {{"L2", 40}}}}}}}}},
+      {"interfaces", {{"seam", {{"covered source", 4}, {"jump L2", {{"T", 2}}}}}}},
+      {"probes", {{"tip", {1, 2}}, {"gone", nullptr}}}};
+  return result;
+}
+
+} // namespace
+
+int main()
+{
+  std::cout << "median " << median({3, 1, 2}) << ' ' << median({4, 1, 2, 3}) << ' ' << median({}) << '\n';
+  std::cout << "rate " << rate(8, 2, 1) << ' ' << rate(8, 2, 2) << ' ' << rate(8, 0, 1) << '\n';
+
+  std::cout << "front";
+  for (const unsigned int i : pareto_front({{2, 5}, {1, 9}, {3, 5}, {4, 1}, {2, 7}, {1, 9}}))
+    std::cout << ' ' << i;
+  std::cout << "\n\n";
+
+  for (const auto &[name, value] : numbers_of(run(1).report))
+    std::cout << name << " = " << value << '\n';
+
+  const StudyRun first = run(1), second = run(3), third = run(2, "not converged");
+  const StudyPoint good = make_point({&first, &second}, "T L2"),
+                   bad = make_point({&first, &second, &third}, "T L2");
+  std::cout << '\n'
+            << good.status << ' ' << good.seconds << ' ' << good.fastest << ' ' << good.slowest << ' '
+            << good.tie_share << ' ' << good.error << '\n'
+            << bad.status << ' ' << bad.seconds << "\n\n";
+
+  const std::vector<StudyCurve> curves = {
+      {"mortar", 0, {point(0, 1, 0.1), point(1, 2, 0.005), point(2, 8, 0.0005)}},
+      {"Nitsche", 1, {point(0, 1, 0.09), point(1, 2.01, 0.004), point(2, 5, 1e-5, "not converged")}},
+      {"pointwise", 2, {point(0, 0.5, 0.08), point(1, 3, 0.01)}}};
+  for (const std::string &sentence : who_is_first(curves))
+    std::cout << sentence << '\n';
+  std::cout << who_is_first({}).size() << std::endl;
+}

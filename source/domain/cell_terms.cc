@@ -4,6 +4,8 @@
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/quadrature.h>
 
+#include <algorithm>
+
 namespace dovetail {
 
 template <int dim>
@@ -30,8 +32,9 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                   gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
-      open_boundary(domain), state(n), response(n), couples(n * n, false), by_value(n * n, false),
-      shape(n_nodes), gradient(n_nodes), source_of_component(n)
+      open_boundary(domain), state(n), response(n), responses(cell_values.n_quadrature_points, response),
+      uniform_response(n), couples(n * n, false), by_value(n * n, false), shape(n_nodes), gradient(n_nodes),
+      source_of_component(n)
 {
   const auto &fields = domain.fields();
   for (unsigned int f = 0; f < fields.size(); ++f)
@@ -68,8 +71,14 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     evaluate_state<dim>(n, n_nodes, shape.data(), gradient.data(), unknowns.data(), state);
     if (!domain.material.evaluate(state, tangent != nullptr, response))
       return false;
-    add_flux_terms(cell_values.JxW(q), residual, tangent);
+    for (unsigned int c = 0; c < n; ++c)
+      for (unsigned int a = 0; a < n_nodes; ++a)
+        residual[c * n_nodes + a] += (response.flux[c] * gradient[a]) * cell_values.JxW(q);
+    if (tangent)
+      responses[q] = response;
   }
+  if (tangent)
+    add_tangent(*tangent);
   add_source(t, residual);
   if (!flux_conditions.empty() && cell->at_boundary())
     add_boundary_terms(cell, t, unknowns, residual, tangent);
@@ -88,24 +97,51 @@ void CellTerms<dim>::load_point(const dealii::FEValuesBase<dim> &values, const u
 }
 
 template <int dim>
-void CellTerms<dim>::add_flux_terms(const double JxW, std::vector<double> &residual,
-                                    dealii::FullMatrix<double> *tangent)
+bool CellTerms<dim>::has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const
 {
-  for (unsigned int c = 0; c < n; ++c)
-    for (unsigned int a = 0; a < n_nodes; ++a)
-      residual[c * n_nodes + a] += (response.flux[c] * gradient[a]) * JxW;
-  if (tangent == nullptr)
-    return;
+  for (unsigned int pair = 0; pair < n * n; ++pair)
+    if (couples[pair] && (a.by_gradient[pair] != b.by_gradient[pair] ||
+                          (by_value[pair] && a.by_value[pair] != b.by_value[pair])))
+      return false;
+  return true;
+}
 
-  // K_(c,a)(d,b) = grad phi_a . ( dA_c/dgrad B_d . grad phi_b + dA_c/dB_d phi_b )
+template <int dim>
+void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
+{
+  const bool is_translated = cell_values.get_cell_similarity() == dealii::CellSimilarity::translation;
+  const bool is_uniform = std::all_of(responses.begin() + 1, responses.end(), [this](const auto &at_point) {
+    return has_equal_derivatives(at_point, responses[0]);
+  });
+  if (is_uniform && is_translated && has_uniform_tangent &&
+      has_equal_derivatives(responses[0], uniform_response)) {
+    tangent = uniform_tangent;
+    return;
+  }
+  for (const unsigned int q : cell_values.quadrature_point_indices()) {
+    load_point(cell_values, q);
+    add_tangent_at_point(responses[q], cell_values.JxW(q), tangent);
+  }
+  has_uniform_tangent = is_uniform;
+  if (is_uniform) {
+    uniform_tangent = tangent;
+    uniform_response = responses[0];
+  }
+}
+
+/// K_(c,a)(d,b) = grad phi_a . ( dA_c/dgrad B_d . grad phi_b + dA_c/dB_d phi_b )
+template <int dim>
+void CellTerms<dim>::add_tangent_at_point(const Response<dim> &at_point, const double JxW,
+                                          dealii::FullMatrix<double> &tangent) const
+{
   for (unsigned int c = 0; c < n; ++c)
     for (unsigned int d = 0; d < n; ++d)
       if (couples[c * n + d]) {
-        const dealii::Tensor<2, dim> &D = response.by_gradient[c * n + d];
-        const dealii::Tensor<1, dim> &v = response.by_value[c * n + d];
+        const dealii::Tensor<2, dim> &D = at_point.by_gradient[c * n + d];
+        const dealii::Tensor<1, dim> &v = at_point.by_value[c * n + d];
         for (unsigned int a = 0; a < n_nodes; ++a) {
           const dealii::Tensor<1, dim> g = JxW * (gradient[a] * D);
-          double *row = &(*tangent)(c * n_nodes + a, d * n_nodes);
+          double *row = &tangent(c * n_nodes + a, d * n_nodes);
           const double *x = gradient_of_direction[0].data(), *y = gradient_of_direction[1].data(),
                        *z = gradient_of_direction[dim - 1].data();
           for (unsigned int b = 0; b < n_nodes; ++b)

@@ -3,10 +3,15 @@
 
 #include "degree_coarsening.h"
 
+#include <deal.II/base/index_set.h>
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/solver_control.h>
+
 #include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_Import.h>
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
+#include <Epetra_MpiComm.h>
 #include <Teuchos_ParameterList.hpp>
 #include <ml_epetra_utils.h>
 
@@ -16,6 +21,8 @@
 namespace dovetail {
 
 namespace {
+
+using SingleVector = dealii::TrilinosWrappers::MPI::Vector;
 
 /// What a row is: the number of an unknown of the coarse matrix, or
 enum Kind { is_fixed = -1, is_sum = -2 };
@@ -135,30 +142,50 @@ void DegreeCoarsening::make_prolongation(const Sums &sums)
   prolongation->FillComplete(coarse, matrix.RowMap());
 }
 
-/// Powers of diag(A)^-1 A, from a vector that is rough and the same on any number of ranks.
+/// By a few conjugate gradients from a vector that is rough and the same on any number of ranks.
 void DegreeCoarsening::estimate_spectrum()
 {
   const unsigned int n_iterations = 10;
-  Epetra_Vector x(matrix.RowMap()), y(matrix.RowMap());
-  for (int row = 0; row < x.MyLength(); ++row)
-    x[row] = std::sin(1e4 * (1 + matrix.GRID(row) % 1009));
-  for (unsigned int i = 0; i < n_iterations; ++i) {
-    matrix.Multiply(false, x, y);
-    y.Multiply(1., inverse_diagonal, y, 0.);
-    double norm_x = 0, norm_y = 0;
-    x.Norm2(&norm_x);
-    y.Norm2(&norm_y);
-    largest_eigenvalue = norm_y / norm_x;
-    x.Scale(1 / norm_y, y);
-  }
-  largest_eigenvalue *= 1.1; // powers approach it from below
+  struct MatrixAndDiagonal
+  {
+    const Epetra_CrsMatrix &A;
+    const Epetra_Vector &inverse;
+  };
+  struct Product : MatrixAndDiagonal
+  {
+    void vmult(SingleVector &y, const SingleVector &x) const
+    {
+      A.Multiply(false, x.trilinos_vector(), y.trilinos_vector());
+    }
+  };
+  struct Scaling : MatrixAndDiagonal
+  {
+    void vmult(SingleVector &y, const SingleVector &x) const
+    {
+      y.trilinos_vector().Multiply(1., inverse, x.trilinos_vector(), 0.);
+    }
+  };
+  const MatrixAndDiagonal both = {matrix, inverse_diagonal};
+  const auto &communicator = dynamic_cast<const Epetra_MpiComm &>(matrix.Comm());
+  dealii::IndexSet owned(matrix.NumGlobalRows());
+  if (matrix.NumMyRows() > 0)
+    owned.add_range(matrix.GRID(0), matrix.GRID(0) + matrix.NumMyRows());
+  SingleVector x(owned, communicator.Comm()), b(owned, communicator.Comm());
+  for (int row = 0; row < matrix.NumMyRows(); ++row)
+    b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + matrix.GRID(row) % 1009)) / inverse_diagonal[row];
+  dealii::IterationNumberControl control(n_iterations, 1e-30 * b.l2_norm());
+  dealii::SolverCG<SingleVector> solver(control);
+  solver.connect_eigenvalues_slot(
+      [this](const std::vector<double> &eigenvalues) { largest_eigenvalue = eigenvalues.back(); });
+  solver.solve(Product{both}, x, b, Scaling{both});
+  largest_eigenvalue *= 1.1; // approached from below
 }
 
 /// Chebyshev iteration for diag(A)^-1 A on the upper part of its spectrum.
 void DegreeCoarsening::smooth(Epetra_Vector &x, const Epetra_Vector &b, const bool starts_from_zero) const
 {
-  static const unsigned int degree = getenv("CHEB") ? atoi(getenv("CHEB")) : 3;
-  static const double ratio = getenv("RATIO") ? atof(getenv("RATIO")) : 10;
+  const unsigned int degree = 3;
+  const double ratio = 15; // of the largest to the smallest eigenvalue that is smoothed
   const double middle = largest_eigenvalue * (1 + 1 / ratio) / 2,
                half = largest_eigenvalue * (1 - 1 / ratio) / 2;
   double rho = half / middle;

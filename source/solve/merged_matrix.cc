@@ -95,7 +95,8 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
         for (int k = 0; k < n; ++k)
           sorted.emplace_back(column_of[i][j][local[k]], sorted.size());
       }
-      if (!std::is_sorted(sorted.begin(), sorted.end()))
+      const bool is_in_order = std::is_sorted(sorted.begin(), sorted.end());
+      if (!is_in_order)
         std::sort(sorted.begin(), sorted.end());
       indices.resize(sorted.size());
       position_of.resize(sorted.size());
@@ -105,7 +106,9 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
         position_of[sorted[k].second] = k;
       }
       merged->InsertMyValues(first_local[i] + row, indices.size(), zeros.data(), indices.data());
-      position.insert(position.end(), position_of.begin(), position_of.end());
+      in_order.push_back(is_in_order);
+      if (!is_in_order)
+        position.insert(position.end(), position_of.begin(), position_of.end());
     }
   merged->FillComplete(rows, rows);
   merged->OptimizeStorage();
@@ -135,8 +138,11 @@ void MergedMatrix::copy_values(const BlockMatrix &matrix)
         int n_of_block = 0;
         double *of_block = nullptr;
         matrix.block(block_numbers[i], j).trilinos_matrix().ExtractMyRowView(row, n_of_block, of_block);
-        for (int k = 0; k < n_of_block; ++k)
-          values[*next++] = of_block[k];
+        if (in_order[first_local[i] + row])
+          values = std::copy_n(of_block, n_of_block, values);
+        else
+          for (int k = 0; k < n_of_block; ++k)
+            values[*next++] = of_block[k];
       }
     }
 }

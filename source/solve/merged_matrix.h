@@ -48,8 +48,9 @@ private:
   std::unique_ptr<Epetra_CrsMatrix> merged;
   /// Where each rank's part of each block begins, in the block (n_ranks + 1 entries) and merged (n_ranks).
   std::vector<std::vector<int>> begin_in_block, begin_merged;
-  std::vector<int>
-      position; ///< in a merged row, of each entry in the order block row, row, block column, entry
+  std::vector<bool> in_order; ///< the merged row is its parts in the blocks, one after another
+  /// Else, in the merged row, of each entry in the order block row, row, block column, entry.
+  std::vector<int> position;
 };
 
 } // namespace dovetail

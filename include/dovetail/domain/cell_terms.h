@@ -40,7 +40,11 @@ public:
 
 private:
   void add_source(double t, std::vector<double> &residual);
-  void add_flux_terms(double JxW, std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
+  /// The terms of the fluxes' derivatives, or those of the cell before if nothing can have changed.
+  void add_tangent(dealii::FullMatrix<double> &tangent);
+  void add_tangent_at_point(const Response<dim> &at_point, double JxW,
+                            dealii::FullMatrix<double> &tangent) const;
+  bool has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const;
   void add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, double t,
                           const std::vector<double> &unknowns, std::vector<double> &residual,
                           dealii::FullMatrix<double> *tangent);
@@ -55,6 +59,11 @@ private:
   OpenBoundary<dim> open_boundary;
   State<dim> state;
   Response<dim> response;
+  std::vector<Response<dim>> responses; ///< at the points of a cell whose tangent is asked for
+  /// Of the last cell whose points all had one and the same tangent of the laws.
+  dealii::FullMatrix<double> uniform_tangent;
+  Response<dim> uniform_response;
+  bool has_uniform_tangent = false;
   std::vector<bool> couples; ///< whether the flux of component c depends on component d, at c * n + d
   std::vector<bool> by_value;
   std::vector<double> shape;

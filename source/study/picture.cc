@@ -39,12 +39,6 @@ std::string quoted(const std::string &text)
   return result + "'";
 }
 
-std::string shortened(const std::string &name)
-{
-  const std::size_t longest = 44; // letters that fit beside the pictures
-  return name.size() <= longest ? name : name.substr(0, longest - 3) + "...";
-}
-
 /// One of the two pictures: what is to the right in it.
 struct Axis
 {
@@ -62,22 +56,32 @@ double unknowns_of(const StudyPoint &point)
 {
   return find_number(point.numbers, "dofs");
 }
+double fastest_of(const StudyPoint &point)
+{
+  return point.fastest;
+}
+double slowest_of(const StudyPoint &point)
+{
+  return point.slowest;
+}
 double error_of(const StudyPoint &point)
 {
   return point.error;
 }
 
 /// The range of what is plotted, on a logarithmic scale with room on both sides.
-std::pair<double, double> range_of(const std::vector<StudyCurve> &curves, double (*value)(const StudyPoint &),
+std::pair<double, double> range_of(const std::vector<StudyCurve> &curves,
+                                   const std::vector<double (*)(const StudyPoint &)> &values,
                                    const double room)
 {
   double least = std::numeric_limits<double>::max(), largest = 0;
   for (const StudyCurve &curve : curves)
     for (const StudyPoint &point : curve.points)
-      if (point.is_on_curve()) {
-        least = std::min(least, value(point));
-        largest = std::max(largest, value(point));
-      }
+      for (const auto value : values)
+        if (point.is_on_curve()) {
+          least = std::min(least, value(point));
+          largest = std::max(largest, value(point));
+        }
   const double factor = std::pow(std::max(largest / least, 2.), room);
   return {least / factor, largest * factor};
 }
@@ -104,9 +108,11 @@ std::string ticks_of_errors(const double least, const double largest)
 std::string ticks(const double least, const double largest)
 {
   const double decades = std::log10(largest / least);
-  const std::vector<double> digits = decades > 2.2   ? std::vector<double>{1}
-                                     : decades > 0.8 ? std::vector<double>{1, 2, 5}
-                                                     : std::vector<double>{1, 1.5, 2, 3, 4, 5, 7};
+  const std::vector<double> digits =
+      decades > 2.2   ? std::vector<double>{1}
+      : decades > 0.8 ? std::vector<double>{1, 2, 5}
+      : decades > 0.4 ? std::vector<double>{1, 1.5, 2, 3, 4, 5, 7}
+                      : std::vector<double>{1, 1.2, 1.4, 1.6, 1.8, 2, 2.5, 3, 3.5, 4, 4.5, 5, 6, 7, 8, 9};
   std::string list;
   for (int power = std::floor(std::log10(least)); power <= std::log10(largest); ++power)
     for (const double digit : digits) {
@@ -196,8 +202,8 @@ void write_curves(std::ostream &out, const std::vector<StudyCurve> &curves)
   }
 }
 
-/// What the legend says besides the name.
-std::string remark(const StudyCurve &curve)
+/// What the legend says: the name, and whether something went wrong.
+std::string legend(const StudyCurve &curve)
 {
   std::string levels, status;
   bool is_all = true;
@@ -208,9 +214,10 @@ std::string remark(const StudyCurve &curve)
       levels += (levels.empty() ? "" : ", ") + std::to_string(point.level);
       status = point.status == "not converged" ? "did not converge" : point.status;
     }
-  if (levels.empty())
-    return "";
-  return ": " + status + (is_all ? "" : " at level " + levels);
+  const std::size_t longest = 60;
+  const std::string name =
+      curve.name.size() <= longest ? curve.name : curve.name.substr(0, longest - 3) + "...";
+  return name + (levels.empty() ? "" : ": " + status + (is_all ? "" : " at level " + levels));
 }
 
 void write_plot(std::ostream &out, const std::vector<StudyCurve> &curves, const Axis &axis,
@@ -240,7 +247,7 @@ void write_plot(std::ostream &out, const std::vector<StudyCurve> &curves, const 
     out << data << " using " << axis.column << ":6 with linespoints " << colour << " dt " << 1 + member % 5
         << " pt " << shapes[shape % shapes.size()] << " ps " << number(1.6 - 0.2 * std::min(curve.family, 3U))
         << " lw " << number(3 - 0.5 * std::min(curve.family, 3U)) << " "
-        << (with_legend ? "title " + quoted(shortened(curve.name) + remark(curve)) : "notitle");
+        << (with_legend ? "title " + quoted(legend(curve)) : "notitle");
   }
   if (with_legend)
     out << ", \\\n     NaN with lines lw 9 lc rgb '#F0E0A0' title 'Pareto front (left)'";
@@ -251,9 +258,14 @@ void write_script(std::ostream &out, const std::string &title, const std::vector
                   const std::string &measure, const unsigned int dim)
 {
   Axis time{"run time [s]", 3, seconds_of}, unknowns{"unknowns", 2, unknowns_of};
-  for (Axis *axis : {&time, &unknowns})
-    std::tie(axis->least, axis->largest) = range_of(curves, axis->value, 0.06);
-  const auto [least_error, largest_error] = range_of(curves, error_of, 0.05);
+  std::tie(time.least, time.largest) = range_of(curves, {fastest_of, slowest_of}, 0.06);
+  std::tie(unknowns.least, unknowns.largest) = range_of(curves, {unknowns_of}, 0.06);
+  const auto [least_error, largest_error] = range_of(curves, {error_of}, 0.05);
+  std::size_t letters = 20; // the legend makes the picture as wide as it needs
+  for (const StudyCurve &curve : curves)
+    letters = std::max(letters, legend(curve).size());
+  const double width = 1040 + 8.2 * letters, height = 560, enlargement = 1.5;
+  const auto across = [&](const double position) { return number(position / width); };
 
   out << "# Error against run time: gnuplot study.gp writes study.svg and study.png.\n"
          "if (!exists('folder')) folder = '.'\n\n";
@@ -261,36 +273,39 @@ void write_script(std::ostream &out, const std::string &title, const std::vector
   write_front(out, curves);
   out << "set encoding utf8\n"
          "do for [kind in 'svg png'] {\n"
-         "if (kind eq 'svg') { set terminal svg size 1260,560 dynamic background 'white' "
+         "if (kind eq 'svg') { set terminal svg size "
+      << number(width) << "," << height
+      << " dynamic background 'white' "
          "font 'DejaVu Sans,Helvetica,sans-serif,13' }\n"
-         "if (kind eq 'png') { set terminal pngcairo size 1890,840 fontscale 1.4 linewidth 1.4 pointscale "
-         "1.4 "
-         "font 'DejaVu Sans,13' }\n"
+         "if (kind eq 'png') { set terminal pngcairo size "
+      << number(std::round(enlargement * width)) << "," << enlargement * height
+      << " fontscale 1.4 linewidth 1.4 pointscale 1.4 font 'DejaVu Sans,13' }\n"
          "set output folder.'/study.'.kind\n"
          "set multiplot\n"
          "set logscale xy\n"
          "set border 3 lc rgb '#444444'\n"
          "set tics nomirror scale 0.6 tc rgb '#222222'\n"
-         "set grid xtics ytics lc rgb '#D8D8D8' lw 0.7 dt 1\n"
+         "set grid xtics ytics lc rgb '#C8C8C8' lw 0.8 dt 1\n"
          "set tmargin at screen 0.88\n"
          "set bmargin at screen 0.14\n"
-      << "set label 1 " << quoted(title + ": error against run time and unknowns")
-      << " at screen 0.07,0.95 left font ',15' noenhanced\n"
+      << "set label 1 " << quoted(title + ": error against run time and unknowns") << " at screen "
+      << across(88) << ",0.95 left font ',15' noenhanced\n"
       << "set yrange [" << number(least_error) << ":" << number(largest_error) << "]\n"
       << "set ytics " << ticks_of_errors(least_error, largest_error) << "\n\n";
 
   for (const Axis *axis : {&time, &unknowns}) {
     const bool is_first = axis == &time;
-    out << "set lmargin at screen " << (is_first ? "0.07" : "0.45") << "\nset rmargin at screen "
-        << (is_first ? "0.39" : "0.75") << "\nset xrange [" << number(axis->least) << ":"
+    out << "set lmargin at screen " << across(is_first ? 88 : 567) << "\nset rmargin at screen "
+        << across(is_first ? 490 : 945) << "\nset xrange [" << number(axis->least) << ":"
         << number(axis->largest) << "]\nset xtics " << ticks(axis->least, axis->largest) << "\nset xlabel "
         << quoted(axis->label) << "\n";
     if (is_first)
       out << "set ylabel " << quoted("relative error: " + measure) << " noenhanced offset 0.5,0\nunset key\n";
     else
       out << "unset label 1\nunset ylabel\n"
-             "set key at screen 0.77,0.88 left top Left reverse noenhanced samplen 2.2 spacing 1.25 font "
-             "',12'\n";
+             "set key at screen "
+          << across(970) << ",0.88 left top Left reverse noenhanced samplen 2.2 spacing 1.25 font ',"
+          << std::max(6, 12 * 14 / std::max(14, static_cast<int>(curves.size()))) << "'\n";
     if (axis->largest > 10 * axis->least) // else it is the start of the program that is seen
       write_triangles(out, curves, *axis, least_error, largest_error, dim);
     write_plot(out, curves, *axis, is_first, !is_first);

@@ -32,6 +32,7 @@ public:
   }
 
   bool adds_flux() const override { return true; }
+  bool has_constant_tangent() const override { return !coefficient.depends_on_time(); }
 
   void flux(const dealii::Point<dim> &X, const double t, const double *trace, std::vector<double> &flux,
             dealii::FullMatrix<double> &d_flux) const override

@@ -30,6 +30,7 @@ public:
   }
 
   bool adds_flux() const override { return true; }
+  bool has_constant_tangent() const override { return true; } // it has none
 
   void flux(const dealii::Point<dim> &X, const double t, const double *, std::vector<double> &flux,
             dealii::FullMatrix<double> &) const override

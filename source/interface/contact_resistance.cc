@@ -53,6 +53,15 @@ public:
     return Nitsche<dim>::is_symmetric() && !conductance.depends_on_temperature();
   }
   bool is_linear() const override { return !conductance.depends_on_temperature(); }
+  bool has_constant_tangent(const Interface<dim> &interface) const override
+  {
+    return Nitsche<dim>::has_constant_tangent(interface) && !conductance.depends_on_time() &&
+           !stiffness.depends_on_time();
+  }
+  std::string description() const override
+  {
+    return Nitsche<dim>::description() + ", in series with a joint";
+  }
   bool holds(const TiedField &field) const override { return !law_of(field).is_zero(); }
   bool allows_jump(const TiedField & /*field*/) const override { return true; }
   void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,

@@ -149,6 +149,7 @@ struct FaceLocator<dim>::Implementation
   std::vector<BoundingBox<dim>> boxes;
   BoxTree<unsigned int> face_tree;
   BoxTree<unsigned int> rank_tree; ///< the coarse boxes of the other ranks
+  mutable InterfaceWork work;
 };
 
 namespace {
@@ -396,6 +397,7 @@ FaceLocator<dim>::FaceLocator(SideFaces<dim> side, const double search_radius, c
           std::make_unique<Implementation>(std::move(side), search_radius, least_reach, communicator))
 {
   implementation->build_trees();
+  implementation->work.locators = 1;
 }
 
 template <int dim>
@@ -405,6 +407,12 @@ template <int dim>
 const SideFaces<dim> &FaceLocator<dim>::side() const
 {
   return implementation->side;
+}
+
+template <int dim>
+InterfaceWork &FaceLocator<dim>::work() const
+{
+  return implementation->work;
 }
 
 template <int dim>
@@ -426,21 +434,21 @@ FaceLocator<dim>::locate(const std::vector<Query> &queries) const
     return matches;
 
   const auto indices = local.queries_of_other_ranks(queries);
-  std::map<unsigned int, std::vector<double>> sent, answers;
+  OfRanks sent, answers;
   for (const auto &[rank, indices_of_rank] : indices)
     for (const unsigned int i : indices_of_rank) {
       sent[rank].insert(sent[rank].end(), queries[i].X.begin_raw(), queries[i].X.end_raw());
       sent[rank].insert(sent[rank].end(), queries[i].N.begin_raw(), queries[i].N.end_raw());
       sent[rank].push_back(queries[i].face_size);
     }
-  for (const auto &[rank, packed] : Utilities::MPI::some_to_some(local.communicator, sent))
+  for (const auto &[rank, packed] : exchange(sent, local.communicator, local.work))
     answers[rank] = local.answer(packed, candidates);
 
   std::vector<GlobalKey> keys(queries.size());
   for (unsigned int i = 0; i < queries.size(); ++i)
     if (matches[i].face != numbers::invalid_unsigned_int)
       keys[i] = local.side.keys[matches[i].face];
-  for (const auto &[rank, packed] : Utilities::MPI::some_to_some(local.communicator, answers))
+  for (const auto &[rank, packed] : exchange(answers, local.communicator, local.work))
     local.merge(rank, indices.at(rank), packed, matches, keys);
   return matches;
 }
@@ -533,7 +541,7 @@ typename FaceLocator<dim>::NearbyFaces FaceLocator<dim>::faces_near(std::vector<
     packed.insert(packed.end(), upper.begin_raw(), upper.end_raw());
   };
   std::map<unsigned int, std::vector<unsigned int>> indices;
-  std::map<unsigned int, std::vector<double>> sent, answers;
+  OfRanks sent, answers;
   std::vector<unsigned int> all;
   std::vector<double> packed_all;
   for (unsigned int i = 0; i < boxes.size(); ++i) {
@@ -552,10 +560,12 @@ typename FaceLocator<dim>::NearbyFaces FaceLocator<dim>::faces_near(std::vector<
   result.of_box.resize(boxes.size());
   local.unpack_nearby(local.this_rank, all, local.pack_nearby(packed_all), result);
   if (local.n_ranks > 1) {
-    for (const auto &[rank, packed] : Utilities::MPI::some_to_some(local.communicator, sent))
+    const std::size_t n_own = result.faces.size();
+    for (const auto &[rank, packed] : exchange(sent, local.communicator, local.work))
       answers[rank] = local.pack_nearby(packed);
-    for (const auto &[rank, packed] : Utilities::MPI::some_to_some(local.communicator, answers))
+    for (const auto &[rank, packed] : exchange(answers, local.communicator, local.work))
       local.unpack_nearby(rank, indices.at(rank), packed, result);
+    local.work.faces += result.faces.size() - n_own;
   }
   for (std::vector<unsigned int> &of_box : result.of_box)
     std::sort(of_box.begin(), of_box.end(), [&](const unsigned int i, const unsigned int j) {

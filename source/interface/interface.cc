@@ -216,6 +216,7 @@ void Interface<dim>::pair(const MPI_Comm &communicator)
   for (const unsigned int side : {source, destination})
     with_cover[side] = has_conditions(side);
   geometry = std::make_unique<Pairing<dim>>(sides, options, with_cover, communicator);
+  all_work += geometry->work();
   report_uncovered(communicator);
 }
 
@@ -226,8 +227,9 @@ FaceLocator<dim> Interface<dim>::make_locator(const unsigned int side, const MPI
 }
 
 template <int dim>
-void Interface<dim>::keep_reach_of(const Interface &other)
+void Interface<dim>::follow(const Interface &other)
 {
+  all_work += other.all_work;
   options.least_reach = (1 + 1e-6) * other.pairing().coverage().largest_gap;
 }
 
@@ -381,11 +383,23 @@ bool Interface<dim>::is_linear() const
 }
 
 template <int dim>
-bool Interface<dim>::has_constant_tangent() const
+bool Interface<dim>::has_constant_fluxes() const
 {
   return is_linear() && std::none_of(sides.begin(), sides.end(), [](const InterfaceSide<dim> &side) {
            return side.domain->material.depends_on_time();
          });
+}
+
+template <int dim>
+std::string Interface<dim>::description() const
+{
+  const std::array<bool, 2> on = options.integrate_on;
+  const std::string of_tie = method->description();
+  return section.peek("Type") + (of_tie.empty() ? "" : ", " + of_tie) + ", " +
+         (options.quadrature == FaceQuadrature::segments ? "segments" : "mapped points") + " on the " +
+         (on[source] && on[destination] ? "faces of both sides"
+          : on[source]                  ? "source"
+                                        : "destination");
 }
 
 template class Interface<2>;

@@ -63,6 +63,7 @@ Cover<dim> make_cover(const Interface<dim> &interface, const unsigned int side, 
   for (const auto &look : looks)
     queries.push_back(look.query);
   const auto matches = locator.locate(queries);
+  interface.work() += locator.work();
   for (const auto &look : looks)
     cover.nodes.insert(look.node);
   for (unsigned int i = 0; i < looks.size(); ++i)

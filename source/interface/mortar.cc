@@ -52,6 +52,14 @@ public:
   bool has_multipliers() const override { return true; }
   bool needs_forces() const override { return is_dual; }
   bool has_flux() const override { return true; }
+  bool has_constant_tangent(const Interface<dim> &interface) const override
+  {
+    return is_dual || interface.has_constant_fluxes();
+  }
+  std::string description() const override
+  {
+    return is_dual ? "dual multipliers, condensed" : "standard multipliers, unknowns of their own";
+  }
   void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                        const MPI_Comm &communicator) override;
   void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
@@ -226,7 +234,7 @@ template <int dim>
 void Mortar<dim>::begin_step(const Interface<dim> &interface, const double t,
                              const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
 {
-  if (is_dual || (has_begun && interface.has_constant_tangent()))
+  if (is_dual || (has_begun && interface.has_constant_fluxes()))
     return;
   const auto gamma = space->average(penalties(interface, t, unknowns, communicator), communicator);
   for (Term &term : terms)

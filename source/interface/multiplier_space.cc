@@ -25,16 +25,6 @@ constexpr double least_share = 0.2;
 /// Faces of which less is covered are not tied: their mass matrix is singular to rounding.
 constexpr double least_cover = 1e-8;
 
-/// Numbers for each rank, sent if there are several.
-using OfRanks = std::map<unsigned int, std::vector<double>>;
-
-OfRanks send(const OfRanks &numbers, const MPI_Comm &communicator)
-{
-  return dealii::Utilities::MPI::n_mpi_processes(communicator) > 1
-             ? dealii::Utilities::MPI::some_to_some(communicator, numbers)
-             : numbers;
-}
-
 /// The row vector c with c Q = q that minimises sum_i c_i^2 / w_i, for as many columns as it can be right:
 /// those that depend on columns before them are left out.
 std::vector<double> extrapolate(const FullMatrix<double> &Q, const std::vector<double> &q,
@@ -228,8 +218,11 @@ std::map<Index, unsigned int> MultiplierSpace<dim>::owners(const std::set<Index>
   for (const Index dof : dofs)
     asked.add_index(dof - domain.first_dof);
   asked.compress();
+  const bool are_own = (asked & owned).n_elements() == asked.n_elements();
+  std::vector<unsigned int> ranks(asked.n_elements(), dealii::Utilities::MPI::this_mpi_process(communicator));
+  if (dealii::Utilities::MPI::max(are_own ? 0 : 1, communicator) > 0)
+    ranks = dealii::Utilities::MPI::compute_index_owner(owned, asked, communicator);
   std::map<Index, unsigned int> result;
-  const auto ranks = dealii::Utilities::MPI::compute_index_owner(owned, asked, communicator);
   unsigned int i = 0;
   for (const Index dof : dofs)
     result[dof] = ranks[i++];
@@ -260,7 +253,7 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
     auto &numbers = questions[owner_of.at(dof)];
     numbers.insert(numbers.end(), {static_cast<double>(dof), share.covered, share.full});
   }
-  const OfRanks asked = send(questions, communicator);
+  const OfRanks asked = exchange(questions, communicator, interface.work());
   std::map<Index, Shares> sums;
   for (const auto &[rank, numbers] : asked)
     for (unsigned int i = 0; i < numbers.size(); i += 3) {
@@ -287,7 +280,7 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
   for (const auto &[rank, numbers] : asked)
     for (unsigned int i = 0; i < numbers.size(); i += 3)
       answers[rank].push_back(keeps.at(static_cast<Index>(numbers[i])) ? 1 : 0);
-  answers = send(answers, communicator);
+  answers = exchange(answers, communicator, interface.work());
   std::map<Index, bool> result;
   for (const auto &[rank, numbers] : questions)
     for (unsigned int i = 0; i < numbers.size(); i += 3)
@@ -505,7 +498,7 @@ void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Com
     for (const auto &[other, weight] : row.weights)
       of_rank.insert(of_rank.end(), {static_cast<double>(other), weight});
   }
-  for (const auto &[rank, of_rank] : send(numbers, communicator))
+  for (const auto &[rank, of_rank] : exchange(numbers, communicator, interface.work()))
     for (auto next = of_rank.begin(); next != of_rank.end();) {
       Row &row = rows[static_cast<Index>(*next++)];
       row.diagonal += *next++;
@@ -553,7 +546,7 @@ std::map<Index, double> MultiplierSpace<dim>::average(const std::vector<std::vec
     of_rank.insert(of_rank.end(), {static_cast<double>(dof), sum[0], sum[1]});
   }
   std::map<Index, std::array<double, 2>> totals;
-  for (const auto &[rank, of_rank] : send(numbers, communicator))
+  for (const auto &[rank, of_rank] : exchange(numbers, communicator, interface.work()))
     for (unsigned int i = 0; i < of_rank.size(); i += 3) {
       auto &total = totals[static_cast<Index>(of_rank[i])];
       total[0] += of_rank[i + 1];
@@ -579,11 +572,11 @@ void MultiplierSpace<dim>::set_coefficients(const std::map<Index, double> &of_ro
   OfRanks questions, answers;
   for (const auto &[rank, dofs] : asked)
     questions[rank].assign(dofs.begin(), dofs.end());
-  for (const auto &[rank, dofs] : send(questions, communicator))
+  for (const auto &[rank, dofs] : exchange(questions, communicator, interface.work()))
     for (const double dof : dofs)
       answers[rank].push_back(of_rows.at(static_cast<Index>(dof)));
   std::map<Index, double> known;
-  for (const auto &[rank, values] : send(answers, communicator))
+  for (const auto &[rank, values] : exchange(answers, communicator, interface.work()))
     for (unsigned int i = 0; i < values.size(); ++i)
       known[asked.at(rank)[i]] = values[i];
 

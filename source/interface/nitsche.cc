@@ -79,18 +79,54 @@ Nitsche<dim>::Nitsche(const Section &section)
 
 /// Whether weights and penalty are the same in all steps.
 template <int dim>
-bool Nitsche<dim>::is_constant(const Interface<dim> &interface) const
+bool Nitsche<dim>::has_constant_penalty(const Interface<dim> &interface) const
 {
-  return interface.has_constant_tangent() && (penalty_rule != PenaltyRule::value || !value.depends_on_time());
+  return interface.has_constant_fluxes() && (penalty_rule != PenaltyRule::value || !value.depends_on_time());
 }
 
 /// For weights, penalty and the coercivity margin, which is infinite for theta = -1.
+template <int dim>
+bool Nitsche<dim>::needs_eigenvalues() const
+{
+  return weights == Weights::eigenvalue || penalty_rule == PenaltyRule::eigenvalue || theta != -1.;
+}
+
+template <int dim>
+std::string Nitsche<dim>::description() const
+{
+  const std::array<const char *, 5> weights_by = {
+      {"by eigenvalue", "by volume", "equal", "all on the source", "all on the destination"}};
+  const std::array<const char *, 3> penalty_by = {{"by eigenvalue", "by volume", "given"}};
+  const std::string weight = weights_by[static_cast<int>(weights)],
+                    penalty = penalty_by[static_cast<int>(penalty_rule)];
+  std::ostringstream words;
+  words << "Theta = " << theta << ", "
+        << (weight == penalty ? "weights and penalty " + penalty
+                              : "weights " + weight + ", penalty " + penalty)
+        << (own_sides ? ", each side's test functions on it" : "");
+  return words.str();
+}
+
+template <int dim>
+std::vector<std::string> Nitsche<dim>::left_out(const Interface<dim> &interface) const
+{
+  std::vector<std::string> sentences;
+  if (theta == 0)
+    sentences.push_back("derivative of the mean flux on " + interface.name + ": Theta = 0");
+  else if (interface.is_linear())
+    sentences.push_back("second derivatives of the laws on " + interface.name + ": they are linear");
+  if (!needs_eigenvalues())
+    sentences.push_back("trace eigenvalues on " + interface.name +
+                        ": neither weights nor penalty ask for them, and Theta = -1 has no bound");
+  return sentences;
+}
+
 template <int dim>
 void Nitsche<dim>::find_eigenvalues(const Interface<dim> &interface, const double t,
                                     const typename Tie<dim>::Unknowns &values_of,
                                     const MPI_Comm &communicator)
 {
-  if (weights != Weights::eigenvalue && penalty_rule != PenaltyRule::eigenvalue && theta == -1.)
+  if (!needs_eigenvalues())
     return;
   lambda.resize(interface.fields.size());
   for (unsigned int f = 0; f < interface.fields.size(); ++f)
@@ -253,7 +289,7 @@ template <int dim>
 void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
                               const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
 {
-  if (has_begun && is_constant(interface))
+  if (has_begun && has_constant_penalty(interface))
     return;
   if (!has_begun)
     for (const unsigned int side : {source, destination}) {

@@ -117,6 +117,7 @@ Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Opti
       const FaceLocator<dim> locator(faces_of(sides[1 - own]), options.search_radius, options.least_reach,
                                      communicator);
       count(find_points(sides, own, options, faces, locator), faces, own, communicator);
+      all_work += locator.work();
     }
   }
   account.n_uncovered = sum(static_cast<unsigned long>(uncovered.size()), communicator);
@@ -190,6 +191,7 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
   shapes[own] = own_shapes(*sides[own].domain, face_points, faces,
                            dealii::Utilities::MPI::this_mpi_process(communicator));
   shapes[partner] = fetch_shapes(*sides[partner].domain, locator, face_points.matches, communicator);
+  all_work += locator.work();
   count(face_points, faces, own, communicator);
 
   // the points with a partner, sorted by the two cells behind them

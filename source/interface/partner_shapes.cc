@@ -124,15 +124,14 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
     unpack(this_rank, answer(pack(own->second), partner, locator, shapes), own->second, partner, result);
     requests.erase(own);
   }
-  if (dealii::Utilities::MPI::n_mpi_processes(communicator) == 1)
-    return result;
-
-  std::map<unsigned int, std::vector<double>> questions, answers;
-  for (const auto &[rank, of_rank] : requests)
+  OfRanks questions, answers;
+  for (const auto &[rank, of_rank] : requests) {
     questions[rank] = pack(of_rank);
-  for (const auto &[rank, question] : dealii::Utilities::MPI::some_to_some(communicator, questions))
+    locator.work().faces += of_rank.size();
+  }
+  for (const auto &[rank, question] : exchange(questions, communicator, locator.work()))
     answers[rank] = answer(question, partner, locator, shapes);
-  for (const auto &[rank, numbers] : dealii::Utilities::MPI::some_to_some(communicator, answers))
+  for (const auto &[rank, numbers] : exchange(answers, communicator, locator.work()))
     unpack(rank, numbers, requests.at(rank), partner, result);
   return result;
 }

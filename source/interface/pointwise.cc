@@ -36,6 +36,8 @@ public:
 
   std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
   bool is_strong() const override { return true; }
+  bool has_constant_tangent(const Interface<dim> &) const override { return true; }
+  std::string description() const override { return "the destination's unknowns follow the source"; }
   void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                        const MPI_Comm &communicator) override;
   std::vector<std::string> notes() const override;
@@ -135,6 +137,7 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
     queries.push_back(node.query);
   const auto matches = locator.locate(queries);
   const PartnerShapes<dim> shapes = fetch_shapes(*from.domain, locator, matches, communicator);
+  interface.work() += locator.work();
 
   const unsigned int n = from.domain->n_nodes();
   unsigned int n_followers = 0, n_prescribed = 0;

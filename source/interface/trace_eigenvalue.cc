@@ -243,10 +243,9 @@ unsigned int n_other_interfaces(const InterfaceSide<dim> &side, const std::strin
 /// The eigenvalues of the owned cells of one side, from the surface terms of all ranks: for each rank the
 /// indices of faces of the side on this rank, and the lower triangles of M.
 template <int dim>
-std::map<unsigned int, std::vector<double>>
-solve_cells(const Interface<dim> &interface, const unsigned int side, const TiedField &tied, const double t,
-            const typename Tie<dim>::Unknowns &unknowns,
-            const std::map<unsigned int, std::vector<double>> &packed_of_rank)
+OfRanks solve_cells(const Interface<dim> &interface, const unsigned int side, const TiedField &tied,
+                    const double t, const typename Tie<dim>::Unknowns &unknowns,
+                    const OfRanks &packed_of_rank)
 {
   const InterfaceSide<dim> &of_side = interface.sides[side];
   const Domain<dim> &domain = *of_side.domain;
@@ -286,7 +285,8 @@ solve_cells(const Interface<dim> &interface, const unsigned int side, const Tied
                         : undefined;
   }
 
-  std::map<unsigned int, std::vector<double>> answers;
+  interface.work().eigenvalue_problems += cells.size();
+  OfRanks answers;
   for (const auto &[rank, packed] : packed_of_rank)
     for (std::size_t begin = 0; begin < packed.size(); begin += stride)
       answers[rank].push_back(
@@ -371,7 +371,7 @@ std::array<std::vector<double>, 2> eigenvalues_at(const Interface<dim> &interfac
   std::array<std::vector<double>, 2> result;
   for (const unsigned int side : {source, destination}) {
     const auto &cells = pairing.cells[side];
-    std::map<unsigned int, std::vector<double>> questions;
+    OfRanks questions;
     std::map<unsigned int, std::vector<unsigned int>> asked;
     for (unsigned int i = 0; i < cells.size(); ++i) {
       std::vector<double> &packed = questions[cells[i].rank];
@@ -381,11 +381,9 @@ std::array<std::vector<double>, 2> eigenvalues_at(const Interface<dim> &interfac
         for (unsigned int s = 0; s <= r; ++s)
           packed.push_back(M[side][i](r, s));
     }
-    if (dealii::Utilities::MPI::n_mpi_processes(communicator) > 1)
-      questions = dealii::Utilities::MPI::some_to_some(communicator, questions);
-    auto answers = solve_cells(interface, side, field, t, unknowns, questions);
-    if (dealii::Utilities::MPI::n_mpi_processes(communicator) > 1)
-      answers = dealii::Utilities::MPI::some_to_some(communicator, answers);
+    questions = exchange(std::move(questions), communicator, interface.work());
+    const OfRanks answers =
+        exchange(solve_cells(interface, side, field, t, unknowns, questions), communicator, interface.work());
     result[side].resize(cells.size());
     for (const auto &[rank, lambda] : answers)
       for (unsigned int k = 0; k < lambda.size(); ++k)

@@ -80,6 +80,8 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
   solid =
       create<SolidLaw>(solid_section, "The law of the stress; none: the material has no displacement [-]");
   heat = create<HeatLaw>(heat_section, "The law of the heat flux; none: the material has no temperature [-]");
+  name_of_solid = solid_section.peek("Type");
+  name_of_heat = heat_section.peek("Type");
   section.check(solid || heat, "",
                 "has no law: set Type in its subsection Solid, in its subsection Heat, or both.");
 
@@ -140,6 +142,7 @@ bool Material<dim>::evaluate(const State<dim> &state, bool with_derivatives, Res
     const bool expands = expansion_coefficient != 0;
     const double e = expands ? expansion_coefficient * (state.value[c_T] - reference_temperature) : 0;
     SolidLaw::Response local;
+    ++n_evaluations.solid;
     if (!solid->evaluate(deformation_gradient(state), e, with_derivatives, local))
       return false;
     for (unsigned int i = 0; i < dim; ++i) {
@@ -159,6 +162,7 @@ bool Material<dim>::evaluate(const State<dim> &state, bool with_derivatives, Res
 
   if (heat) {
     HeatLaw::Response local;
+    ++n_evaluations.heat;
     if (!heat->evaluate(embed(state.X), state.t, state.value[c_T], embed(state.gradient[c_T]),
                         with_derivatives, local))
       return false;
@@ -259,6 +263,17 @@ template <int dim>
 bool Material<dim>::depends_on_time() const
 {
   return heat && heat->depends_on_time();
+}
+
+template <int dim>
+std::string Material<dim>::description(const unsigned int field) const
+{
+  std::string words = all_fields[field].name == "displacement" ? name_of_solid : name_of_heat;
+  words += is_linear(field) ? ", linear" : ", nonlinear";
+  for (unsigned int other = 0; other < all_fields.size(); ++other)
+    if (other != field && depends(field, other))
+      words += ", depends on the " + all_fields[other].name;
+  return words;
 }
 
 template class Material<2>;

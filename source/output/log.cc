@@ -165,6 +165,18 @@ void Log::summary(const Model<dim> &model)
     line(row);
 }
 
+void Log::plan(const Plan &plan)
+{
+  line();
+  for (const auto &[heading, sentences] :
+       {std::make_pair("plan", &plan.needed), std::make_pair("left out", &plan.left_out)})
+    for (std::size_t i = 0; i < sentences->size(); ++i) {
+      char text[16];
+      std::snprintf(text, sizeof(text), "  %-10s", i == 0 ? heading : "");
+      line(text + (*sentences)[i]);
+    }
+}
+
 void Log::step_begins(const unsigned int step, const unsigned int n_steps, const double time)
 {
   if (n_steps != this->n_steps) {

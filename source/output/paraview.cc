@@ -7,7 +7,9 @@
 #include <dovetail/output/uncovered_points.h>
 
 #include <cctype>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <iomanip>
 #include <sstream>
@@ -42,8 +44,13 @@ std::string file_of(const std::string &stem, const unsigned int step, const std:
 /// Written beside and then renamed, so that a file is whole whenever somebody opens it.
 void write_file(const std::string &name, const std::string &text)
 {
-  std::ofstream(name + ".new") << text;
-  std::rename((name + ".new").c_str(), name.c_str());
+  std::ofstream file(name + ".new");
+  file << text << std::flush;
+  if (!file || std::rename((name + ".new").c_str(), name.c_str()) != 0) {
+    const std::string reason = std::strerror(errno);
+    std::remove((name + ".new").c_str());
+    throw std::runtime_error("cannot write '" + name + "': " + reason);
+  }
 }
 
 std::string escape(const std::string &text)
@@ -82,9 +89,10 @@ void Paraview<dim>::prepare()
   for (unsigned int i = 0; i < model.interfaces.size(); ++i) {
     const auto &pairing = model.interfaces[i]->pairing();
     const std::string file = directory + "/uncovered_" + blocks[model.domains.size() + i].stem + ".vtu";
-    if (pairing.coverage().n_uncovered > 0)
-      UncoveredPoints<dim>(pairing).write_vtu_in_parallel(file, model.communicator);
-    else if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
+    if (pairing.coverage().n_uncovered > 0) {
+      checked([&]() { UncoveredPoints<dim>(pairing).write_vtu_in_parallel(file, model.communicator); });
+      ++n_written;
+    } else if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
       std::remove(file.c_str()); // of an earlier run
   }
 }
@@ -130,6 +138,28 @@ void Paraview<dim>::name_files()
   }
 }
 
+/// What fails on one rank, fails on all.
+template <int dim>
+template <typename Write>
+void Paraview<dim>::checked(const Write &write) const
+{
+  std::string problem;
+  try {
+    write();
+  } catch (const dealii::ExceptionBase &error) {
+    std::ostringstream text;
+    error.print_info(text);
+    problem = dealii::Utilities::trim(text.str());
+    problem = problem.substr(0, problem.find(".\n")); // what follows is meant for programmers
+  } catch (const std::exception &error) {
+    problem = error.what();
+  }
+  for (const std::string &of_rank : dealii::Utilities::MPI::all_gather(model.communicator, problem))
+    if (!of_rank.empty())
+      throw UserError("The files for ParaView cannot be written to '" + directory + "': " + of_rank +
+                      ". Is the disk full, or Directory in the subsection Output not yours to write?");
+}
+
 template <int dim>
 void Paraview<dim>::write(const double time, const Vector &solution)
 {
@@ -139,6 +169,18 @@ void Paraview<dim>::write(const double time, const Vector &solution)
     prepare();
   if (!times.empty() && times.back() == time)
     times.pop_back();
+  checked([&]() { write_blocks(time, solution); });
+  times.push_back(time);
+  checked([&]() {
+    if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
+      write_indices();
+  });
+  n_written += blocks.size() + 2;
+}
+
+template <int dim>
+void Paraview<dim>::write_blocks(const double time, const Vector &solution)
+{
   for (const Block &block : blocks) {
     const std::string file = directory + "/steps/" + file_of(block.stem, times.size(), ".vtu");
     if (block.domain != nullptr) {
@@ -151,9 +193,6 @@ void Paraview<dim>::write(const double time, const Vector &solution)
       block.surface->write_vtu_in_parallel(file, model.communicator);
     }
   }
-  times.push_back(time);
-  if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
-    write_indices();
 }
 
 template <int dim>

@@ -56,8 +56,9 @@ Report::Report(const std::string &directory, const MPI_Comm &communicator)
     content[key] = nlohmann::ordered_json::array();
   content["seconds"] = nlohmann::ordered_json::object();
   content["peak memory MiB"] = 0;
-  content["notes"] = nlohmann::ordered_json::array();
-  content["left out"] = nlohmann::ordered_json::array();
+  content["counters"] = nlohmann::ordered_json::object();
+  for (const char *key : {"notes", "plan", "left out"})
+    content[key] = nlohmann::ordered_json::array();
 }
 
 nlohmann::ordered_json &Report::operator[](const std::string &key)
@@ -104,33 +105,5 @@ const nlohmann::ordered_json &Report::write()
     throw UserError(problem);
   return content;
 }
-
-template <int dim>
-std::vector<std::string> left_out(const Model<dim> &model)
-{
-  std::vector<std::string> sentences;
-  for (const auto &[field, law] : {std::pair("displacement", "solid"), std::pair("temperature", "heat")}) {
-    std::vector<std::string> without;
-    for (const auto &domain : model.domains)
-      if (domain->material.find_field(field) == nullptr)
-        without.push_back(domain->name);
-    const std::string reason = std::string(": no ") + law + " law";
-    if (without.size() == model.domains.size())
-      sentences.push_back(field + reason);
-    else if (!without.empty())
-      sentences.push_back(field + (" of " + comma_separated(without)) + reason);
-  }
-  if (model.interfaces.empty())
-    sentences.push_back("pairing: no interfaces");
-  for (const auto &interface : model.interfaces) {
-    const std::string theta = interface->section.peek("Theta");
-    if (!theta.empty() && std::strtod(theta.c_str(), nullptr) == 0)
-      sentences.push_back("derivative of the mean flux on " + interface->name + ": Theta = 0");
-  }
-  return sentences;
-}
-
-template std::vector<std::string> left_out(const Model<2> &);
-template std::vector<std::string> left_out(const Model<3> &);
 
 } // namespace dovetail

@@ -5,6 +5,7 @@
 
 #include <dovetail/output/measures.h>
 #include <dovetail/output/spectrum.h>
+#include <dovetail/run/counters.h>
 #include <dovetail/scene/scene_text.h>
 
 #include <cmath>
@@ -135,11 +136,37 @@ std::vector<SolveGroup> Simulation<dim>::solve_groups() const
     };
     const auto &blocks = model.numbering->blocks();
     for (unsigned int b = 0; b < blocks.size(); ++b)
-      if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end())
+      if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end()) {
         (blocks[b].is_of_multipliers ? group.multiplier_blocks : group.blocks).push_back(b);
+        group.n_unknowns += blocks[b].end - blocks[b].begin;
+      }
     groups.push_back(std::move(group));
   }
   return groups;
+}
+
+template <int dim>
+Plan Simulation<dim>::plan() const
+{
+  Plan result = make_plan(model, steps.n_steps, linear_solver.description());
+  const std::string pictures = "ParaView files";
+  if (!paraview->is_on())
+    result.left_out.push_back(pictures + ": Paraview = false");
+  else
+    result.needed.push_back(
+        pictures + ": " +
+        (every_steps == 1 ? "every step" : "every " + std::to_string(every_steps) + " steps, and the last"));
+  if (adaptivity.n_cycles == 0)
+    result.left_out.push_back("refinement by the estimated error: Adaptive cycles = 0");
+  else {
+    result.needed.push_back("refinement by the estimated error: " + std::to_string(adaptivity.n_cycles) +
+                            (adaptivity.n_cycles == 1 ? " cycle" : " cycles"));
+    for (const auto &domain : model.domains)
+      if (!domain->can_refine())
+        result.left_out.push_back("refinement of " + domain->name +
+                                  ": triangles and tetrahedra stay as they are");
+  }
+  return result;
 }
 
 template <int dim>
@@ -147,8 +174,8 @@ void Simulation<dim>::check()
 {
   log.title(text->file_name());
   log.summary(model);
-  for (const std::string &sentence : left_out(model))
-    log.line("left out: " + sentence);
+  log.plan(plan());
+  log.line();
 
   unsigned long n_points = 0, n_segments = 0;
   double bytes = 0;
@@ -226,15 +253,22 @@ NewtonResult Simulation<dim>::solve_step()
 {
   NewtonProblem problem;
   problem.is_linear = model.is_linear();
-  problem.assemble = [&](const bool with_tangent) {
+  problem.assemble = [&](const bool asks_for_tangent) {
     const Phases::Scope scope(phases, "assembly");
+    const bool with_tangent = asks_for_tangent && !system->keeps_tangent();
+    has_new_tangent = has_new_tangent || with_tangent;
     return system->assemble(trial, with_tangent) ? system->residual_norm(newton.absolute_tolerance())
                                                  : std::nan("");
   };
   double linear_residual = 0;
   problem.solve = [&]() {
     const Phases::Scope scope(phases, "solve");
-    linear_solver.set_matrix(system->tangent());
+    if (has_new_tangent) {
+      linear_solver.set_matrix(system->tangent());
+      if (problem.is_linear)
+        check_is_held();
+    }
+    has_new_tangent = false;
     const auto n_iterations = linear_solver.solve(update, system->negative_residual());
     if (problem.is_linear)
       linear_residual = system->linear_residual_norm(update);
@@ -259,23 +293,54 @@ NewtonResult Simulation<dim>::solve_step()
   return newton.solve(problem);
 }
 
+/// A linear scene needs no iteration to know that a body is free; a nonlinear one may hold it once it has
+/// moved.
+template <int dim>
+void Simulation<dim>::check_is_held() const
+{
+  if (const auto motion = system->find_free_motion())
+    motion->bodies[0]->section.fail("Boundary conditions",
+                                    "and interfaces do not hold " + motion->in_words() +
+                                        ". Add a condition of Type = value, or a tie, that does.");
+}
+
+template <int dim>
+void Simulation<dim>::begin_step(const double t)
+{
+  if (system->is_outdated(t))
+    set_up(t);
+  const Phases::Scope scope(phases, "setup");
+  system->begin_step(t, solution);
+}
+
 /// One step to time t from the last good solution.
 template <int dim>
 bool Simulation<dim>::advance(const double t)
 {
-  if (system->is_outdated(t))
-    set_up(t);
+  begin_step(t);
   const Vector last_good = solution;
-  {
-    const Phases::Scope scope(phases, "setup");
-    system->begin_step(t, solution);
-  }
   tell_notes();
+  if (model.is_linear())
+    system->constrain(solution);
   const NewtonResult result = solve_step();
   report->add_step(t, result.residuals, result.linear_iterations);
-  if (!result.is_converged)
+  if (result.is_converged)
+    lacks_multipliers = true;
+  else {
+    if (const auto motion = system->find_free_motion(true))
+      if (const std::string note = "nothing holds " + motion->in_words(); report->add_note(note))
+        log.line("  note: " + note);
     solution = last_good;
+  }
   return result.is_converged;
+}
+
+/// After a step that failed: what is measured belongs to the last good one, at time t.
+template <int dim>
+void Simulation<dim>::go_back(const double t)
+{
+  if (lacks_multipliers)
+    begin_step(t);
 }
 
 template <int dim>
@@ -283,8 +348,12 @@ bool Simulation<dim>::run()
 {
   log.title(text->file_name());
   log.summary(model);
+  const Plan planned = plan();
+  log.plan(planned);
   report = std::make_unique<Report>(directory, communicator);
   (*report)["converged"] = false;
+  (*report)["plan"] = planned.needed;
+  (*report)["left out"] = planned.left_out;
   report->write(); // so that an interrupted run does not look like the one before it
   if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0) {
     std::ofstream used(directory + "/used.prm");
@@ -307,18 +376,18 @@ bool Simulation<dim>::run()
     const bool is_last = next >= steps.end_time * (1 - 1e-12);
     log.step_begins(n_done + 1, steps.n_steps, is_last ? steps.end_time : next);
     if (advance(is_last ? steps.end_time : next)) {
-      system->find_multipliers(solution);
       t = is_last ? steps.end_time : next;
       ++n_done;
       log.step_ends();
       write_output(t, n_done, is_last);
       size = std::min(nominal, 2 * size);
-    } else if (steps.is_adaptive && size > nominal / 1024) {
+    } else if (steps.is_adaptive && size > nominal / 1024 && !model.is_linear()) {
       size /= 2;
       log.step_ends("did not converge; half of the step is tried");
     } else {
       log.step_ends("did not converge");
       is_converged = false;
+      go_back(t);
       if (n_done > 0 && n_done % every_steps != 0)
         write_output(t, n_done, true); // the last good step is always kept
       break;
@@ -361,7 +430,7 @@ bool Simulation<dim>::run_cycles(const double t)
       return false;
     }
     n_newton_iterations = result.linear_iterations.size();
-    system->find_multipliers(solution);
+    lacks_multipliers = true;
     write_output(t, 0, true);
     measure(t);
   }
@@ -376,6 +445,7 @@ NewtonResult Simulation<dim>::solve_on_refined_meshes(const ErrorEstimate &estim
     ghosted = solution;
     phases.add("tie", system->seconds_of_ties());
     linear_solver.forget_matrix();
+    take_account();
     system.reset(); // its memory is needed
     const Phases::Scope scope(phases, "mesh");
     solution = model.refine(mark_cells(model, estimate, adaptivity.share), ghosted);
@@ -389,28 +459,50 @@ NewtonResult Simulation<dim>::solve_on_refined_meshes(const ErrorEstimate &estim
   update = solution;
   system = std::make_unique<BlockSystem<dim>>(model);
   set_up(t);
-  {
-    const Phases::Scope scope(phases, "setup");
-    system->begin_step(t, solution);
-  }
+  begin_step(t);
+  if (model.is_linear())
+    system->constrain(solution);
   return solve_step();
+}
+
+/// Before a system goes.
+template <int dim>
+void Simulation<dim>::take_account()
+{
+  assemblies.of_tangent += system->assemblies().of_tangent;
+  assemblies.of_residual += system->assemblies().of_residual;
+}
+
+/// Nobody needs those of a step that is not looked at.
+template <int dim>
+void Simulation<dim>::find_multipliers()
+{
+  if (lacks_multipliers)
+    system->find_multipliers(solution);
+  lacks_multipliers = false;
 }
 
 template <int dim>
 void Simulation<dim>::write_output(const double t, const unsigned int step, const bool is_last)
 {
-  if (!paraview->is_on() || (step % every_steps != 0 && !is_last))
+  if (!paraview->is_on() || !problem_of_output.empty() || (step % every_steps != 0 && !is_last))
     return;
   const Phases::Scope scope(phases, "output");
+  find_multipliers();
   Vector ghosted = system->ghosted_vector();
   ghosted = solution;
-  paraview->write(t, ghosted);
+  try {
+    paraview->write(t, ghosted);
+  } catch (const UserError &error) { // the numbers are still wanted
+    problem_of_output = error.what();
+  }
 }
 
 template <int dim>
 void Simulation<dim>::measure(const double t)
 {
   const Phases::Scope scope(phases, "output");
+  find_multipliers();
   Vector ghosted = system->ghosted_vector();
   ghosted = solution;
   (*report)["dofs"] = model.numbering->n_dofs();
@@ -434,16 +526,14 @@ template <int dim>
 void Simulation<dim>::write_report(const bool is_converged)
 {
   (*report)["converged"] = is_converged;
-  for (const std::string &sentence : left_out(model))
-    report->leave_out(sentence);
-  for (const auto &domain : model.domains)
-    if (adaptivity.n_cycles > 0 && !domain->can_refine())
-      report->leave_out("refinement of " + domain->name + ": triangles and tetrahedra stay as they are");
-  if (!paraview->is_on())
-    report->leave_out("ParaView files: Paraview = false");
+  (*report)["plan"] = plan().needed; // the linear solver may have decided otherwise
   phases.add("tie", system->seconds_of_ties());
+  take_account();
+  (*report)["counters"] = count(model, assemblies, linear_solver, paraview->n_files());
   (*report)["seconds"] = phases.largest_of_ranks(communicator);
   log.finish(report->write(), directory);
+  if (!problem_of_output.empty())
+    throw UserError(problem_of_output);
 }
 
 template class Simulation<2>;

@@ -134,11 +134,13 @@ struct LinearSolver::Group : SolveGroup
   bool is_direct = false;
   bool is_decided = false;
   bool iteration_failed = false;
+  Counts counts;
 
   bool has_multipliers() const { return !multiplier_blocks.empty(); }
   /// What multigrid is built from.
   const MergedMatrix &bodies() const { return has_multipliers() ? *of_bodies : *merged; }
   void take(const Matrix &matrix);
+  bool prefers_direct(unsigned int type, unsigned long n) const;
   void decide(unsigned int type);
   double contrast(const Matrix &matrix) const;
   void make_modes(const Matrix &matrix);
@@ -168,13 +170,18 @@ void LinearSolver::Group::take(const Matrix &matrix)
 
 /// Factorisation wins while the fill is small: measured on two cores, 3D elasticity up to some 6 000
 /// unknowns, 2D up to some 60 000.
+bool LinearSolver::Group::prefers_direct(const unsigned int type, const unsigned long n) const
+{
+  const unsigned long largest = dim == 2 ? 60000 : 6000;
+  return type == 1 || (type == 0 && n <= largest);
+}
+
 void LinearSolver::Group::decide(const unsigned int type)
 {
   if (is_decided)
     return;
   is_decided = true;
-  const unsigned int largest = dim == 2 ? 60000 : 6000;
-  is_direct = type == 1 || (type == 0 && merged->matrix().NumGlobalRows() <= static_cast<int>(largest));
+  is_direct = prefers_direct(type, merged->matrix().NumGlobalRows());
 }
 
 /// Ratio of the largest to the smallest mean diagonal entry of the blocks: how much the bodies differ in
@@ -239,6 +246,7 @@ void LinearSolver::Group::make_multigrid(const Matrix &matrix)
   list.set("null space: dimension", modes->NumVectors());
   list.set("null space: vectors", modes->Values());
   list.set("aggregation: threshold", 0.0); // a positive one drops the couplings of a stiff with a soft body
+  ++counts.multigrids;
   multigrid = std::make_unique<dealii::TrilinosWrappers::PreconditionAMG>();
   multigrid->initialize(bodies().matrix(), list);
 }
@@ -330,6 +338,7 @@ bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
     if (has_multipliers()) // pivots off the diagonal need more space than the analysis foresees, in per cent
       list.sublist("mumps").set("ICNTL(14)", 1000);
     direct->SetParameters(list);
+    ++counts.factorisations;
     if (failed_somewhere(direct->SymbolicFactorization()) ||
         failed_somewhere(direct->NumericFactorization())) {
       direct.reset();
@@ -410,6 +419,7 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
     group.merged->gather(rest, b);
     std::optional<unsigned int> of_group = 0;
     if (b.l2_norm() > 0) {
+      ++group.counts.solves;
       if (!group.is_direct) {
         of_group = group.iterate(*matrix, x, b, relative_tolerance);
         if (!of_group) {
@@ -433,12 +443,23 @@ std::vector<std::string> LinearSolver::description() const
   std::vector<std::string> lines;
   for (const auto &group : groups)
     lines.push_back(group->name + ": " +
-                    (group->is_direct
+                    ((group->is_decided ? group->is_direct : group->prefers_direct(type, group->n_unknowns))
                          ? (group->iteration_failed ? "MUMPS, after the iteration failed" : "MUMPS")
                          : std::string(group->is_symmetric && !group->has_multipliers() ? "CG" : "GMRES") +
                                " with multigrid" +
                                (group->has_multipliers() ? " and Schur complement" : "")));
   return lines;
+}
+
+LinearSolver::Counts LinearSolver::counts() const
+{
+  Counts all;
+  for (const auto &group : groups) {
+    all.solves += group->counts.solves;
+    all.factorisations += group->counts.factorisations;
+    all.multigrids += group->counts.multigrids;
+  }
+  return all;
 }
 
 } // namespace dovetail

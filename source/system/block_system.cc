@@ -232,6 +232,7 @@ void BlockSystem<dim>::make_sparsity(const double t)
 
   dealii::SparsityTools::distribute_sparsity_pattern(pattern, model.numbering->owned, model.communicator,
                                                      relevant);
+  has_tangent = false;
   matrix.clear();
   matrix.reinit(model.numbering->split(model.numbering->owned), pattern, model.communicator, false);
 }
@@ -252,7 +253,8 @@ Vector BlockSystem<dim>::ghosted_vector() const
 template <int dim>
 void BlockSystem<dim>::begin_step(const double t, const Vector &x)
 {
-  make_constraints(t);
+  if (t != time) // else set_up has made them
+    make_constraints(t);
   reset_norms();
   if (model.interfaces.empty())
     return;
@@ -292,6 +294,7 @@ void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
 template <int dim>
 bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
 {
+  ++(with_tangent ? n_assemblies.of_tangent : n_assemblies.of_residual);
   ghosted_scratch = x;
   move_constraints_from(ghosted_scratch);
   right_hand_side = 0;
@@ -319,7 +322,9 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   scale.assign(local_scale.begin(), local_scale.begin() + fields.size());
   if (with_tangent)
     magnitude.assign(local_scale.begin() + fields.size(), local_scale.end());
-  return dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
+  is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
+  has_tangent = with_tangent ? is_defined : has_tangent;
+  return is_defined;
 }
 
 template <int dim>
@@ -605,17 +610,40 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx)
 }
 
 template <int dim>
-void BlockSystem<dim>::distribute(Vector &dx) const
+std::optional<FreeMotion<dim>> BlockSystem<dim>::find_free_motion(const bool in_any_case) const
 {
-  ghosted_scratch = dx;
-  for (const auto &line : update_constraints.get_lines())
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time)))
+      if (const auto motion = dovetail::find_free_motion(model, fields[f], matrix, update_constraints))
+        return motion;
+  return {};
+}
+
+/// x_i = sum w x_j + b_i
+template <int dim>
+void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vector &x) const
+{
+  ghosted_scratch = x;
+  for (const auto &line : lines.get_lines())
     if (model.numbering->owned.is_element(line.index)) {
       double value = line.inhomogeneity;
       for (const auto &[other, weight] : line.entries)
         value += weight * ghosted_scratch(other);
-      dx(line.index) = value;
+      x(line.index) = value;
     }
-  dx.compress(dealii::VectorOperation::insert);
+  x.compress(dealii::VectorOperation::insert);
+}
+
+template <int dim>
+void BlockSystem<dim>::distribute(Vector &dx) const
+{
+  apply(update_constraints, dx);
+}
+
+template <int dim>
+void BlockSystem<dim>::constrain(Vector &x) const
+{
+  apply(constraints, x);
 }
 
 template class BlockSystem<2>;

@@ -215,7 +215,7 @@ Vector Model<dim>::refine(const std::vector<std::vector<bool>> &marked, const Ve
 
   for (auto &interface : interfaces) { // what a tie has frozen belongs to points that are no more
     auto renewed = std::make_unique<Interface<dim>>(interface->name, interface->section, domains, toggles);
-    renewed->keep_reach_of(*interface);
+    renewed->follow(*interface);
     interface = std::move(renewed);
   }
   tell_other_interfaces();
@@ -322,6 +322,22 @@ bool Model<dim>::is_linear() const
     if (!interface->tie().is_linear())
       return false;
   return true;
+}
+
+template <int dim>
+bool Model<dim>::has_constant_tangent() const
+{
+  if (!is_linear())
+    return false;
+  for (const auto &domain : domains) {
+    if (domain->material.depends_on_time())
+      return false;
+    for (const auto &condition : domain->conditions())
+      if (!condition->has_constant_tangent())
+        return false;
+  }
+  return std::all_of(interfaces.begin(), interfaces.end(),
+                     [](const auto &interface) { return interface->tie().has_constant_tangent(*interface); });
 }
 
 template <int dim>

@@ -44,6 +44,8 @@ public:
   {
   }
   virtual bool is_linear() const { return true; } ///< the flux is affine in the trace
+  /// Whether d_flux is the same in all steps; if so, a linear scene assembles it once.
+  virtual bool has_constant_tangent() const { return !adds_flux(); }
 
   /// Whether the condition keeps the value of the field from drifting by a constant.
   virtual bool removes_constants() const { return false; }

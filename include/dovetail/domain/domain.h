@@ -105,9 +105,7 @@ public:
 
   /// Of all relevant unknowns, in the numbering of the DoFHandler; closed.
   dealii::AffineConstraints<double> hanging_nodes() const;
-  /// In global unknowns, for those that this rank owns.
-  void add_hanging_nodes(ConstraintLines &lines) const;
-  /// Hanging nodes and prescribed values at time @p t, likewise.
+  /// Hanging nodes and prescribed values at time @p t in global unknowns, for those that this rank owns.
   void add_constraints(double t, ConstraintLines &lines) const;
 
   bool can_refine() const; ///< cells of its mesh can be divided one by one
@@ -126,6 +124,7 @@ private:
   void read_given(const Section &section);
   void read_conditions(const Section &section, const Toggles &toggles);
   void check_conditions() const;
+  void add_hanging_nodes(ConstraintLines &lines) const;
   void collect_boundary_faces(const MPI_Comm &communicator);
   void choose_element();
   void measure_box(const MPI_Comm &communicator);

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/interface/exchange.h>
 #include <dovetail/interface/face_shape.h>
 
 #include <deal.II/base/mpi.h>
@@ -127,6 +128,9 @@ public:
   ~FaceLocator();
 
   const SideFaces<dim> &side() const;
+
+  /// What it has cost so far; those who ask it add to that.
+  InterfaceWork &work() const;
 
   /// Whether the closest point of a face makes it a partner: it must face the point (angle below 90 degrees),
   /// lie within the search radius and, where the closest point is clamped to the rim of the face, be off

@@ -33,14 +33,19 @@ public:
   /// Find the partners; obeys `Uncovered`. Collective.
   void pair(const MPI_Comm &communicator);
   const Pairing<dim> &pairing() const { return *geometry; }
+  /// What it has cost so far; whoever works for it adds to that.
+  InterfaceWork &work() const { return all_work; }
   /// Finds points on the faces of a side as pair() does.
   FaceLocator<dim> make_locator(unsigned int side, const MPI_Comm &communicator) const;
-  /// What another interface has tied stays tied: for the next one on meshes that have been refined.
-  void keep_reach_of(const Interface &other);
+  /// For the next one on meshes that have been refined: what the one before has tied stays tied, and its work
+  /// counts.
+  void follow(const Interface &other);
   GapExtension gap_extension() const { return options.gap_extension; }
 
   Tie<dim> &tie() const { return *method; }
   bool has_toggle() const { return !toggle.empty(); }
+  /// The tie, where its points lie, and what joins them: "Nitsche, Theta = 1, …, segments on the source".
+  std::string description() const;
   /// An error if this and another interface, both active @p when, tie one field on the same pair of
   /// boundaries (by their ids; with the same shift).
   void check_against(const Interface &other, const std::string &when) const;
@@ -70,7 +75,7 @@ public:
   /// Whether the fluxes of the tied fields are affine in the unknowns.
   bool is_linear() const;
   /// Whether the derivatives of these fluxes are the same in all steps.
-  bool has_constant_tangent() const;
+  bool has_constant_fluxes() const;
   bool is_symmetric() const ///< the terms of the tie, if the laws are
   {
     return method->is_symmetric() && options.gap_extension != GapExtension::trial;
@@ -89,6 +94,7 @@ private:
   std::string toggle;
   std::unique_ptr<Tie<dim>> method;
   std::unique_ptr<Pairing<dim>> geometry;
+  mutable InterfaceWork all_work;
 };
 
 } // namespace dovetail

@@ -33,6 +33,12 @@ public:
   bool adds_terms() const override { return true; }
   bool is_symmetric() const override { return theta == 1. && !own_sides; }
   bool is_balanced() const override { return !own_sides; }
+  bool has_constant_tangent(const Interface<dim> &interface) const override
+  {
+    return this->is_linear() && has_constant_penalty(interface);
+  }
+  std::string description() const override;
+  std::vector<std::string> left_out(const Interface<dim> &interface) const override;
   void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
                   const MPI_Comm &communicator) override;
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
@@ -90,7 +96,8 @@ private:
   };
 
   static double read_multiplier(const Section &section, PenaltyRule rule);
-  bool is_constant(const Interface<dim> &interface) const;
+  bool needs_eigenvalues() const;
+  bool has_constant_penalty(const Interface<dim> &interface) const;
   void find_eigenvalues(const Interface<dim> &interface, double t,
                         const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator);
   void evaluate_stiffness(const Interface<dim> &interface, unsigned int q, double t,

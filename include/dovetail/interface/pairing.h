@@ -154,6 +154,7 @@ public:
 
   const Coverage &coverage() const { return account; }
   double seconds_of_search() const { return search_seconds; } ///< locating partners, this rank
+  const InterfaceWork &work() const { return all_work; }      ///< for the pairing itself
 
 private:
   void integrate(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own, const Options &options,
@@ -176,6 +177,7 @@ private:
   std::array<double, 2> face_size; ///< of the sides, mean
   Coverage account;
   double search_seconds = 0;
+  InterfaceWork all_work;
 };
 
 } // namespace dovetail

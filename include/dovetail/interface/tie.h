@@ -136,6 +136,15 @@ public:
   /// What a user should know about this tie, if anything; after add_constraints, the same on all ranks.
   virtual std::vector<std::string> notes() const { return {}; }
 
+  /// Whether the derivatives of all terms are the same in all steps; if so, a linear scene assembles them
+  /// once.
+  virtual bool has_constant_tangent(const Interface<dim> & /*interface*/) const { return false; }
+
+  /// For the plan: what distinguishes it from others of its Type, "Theta = 1, …", and "what: why" it can do
+  /// without at this interface.
+  virtual std::string description() const { return {}; }
+  virtual std::vector<std::string> left_out(const Interface<dim> & /*interface*/) const { return {}; }
+
   virtual bool is_symmetric() const { return true; } ///< if the laws are
   virtual bool is_linear() const { return true; }    ///< the terms are affine in the unknowns if the laws are
   /// Whether a constant of the field that one side has and the other not costs anything: then what keeps one

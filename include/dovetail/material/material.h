@@ -84,12 +84,24 @@ public:
   bool is_symmetric(unsigned int field) const; ///< own block of the tangent is symmetric
   bool depends_on_time() const;
 
+  /// "Fourier, linear"
+  std::string description(unsigned int field) const;
+
+  /// How often the laws have been asked at points of this rank.
+  struct Evaluations
+  {
+    unsigned long solid = 0, heat = 0;
+  };
+  const Evaluations &evaluations() const { return n_evaluations; }
+
 private:
   std::vector<Field> all_fields;
   std::unique_ptr<SolidLaw> solid;
   std::unique_ptr<HeatLaw> heat;
   double expansion_coefficient = 0; ///< alpha [1/K]
   double reference_temperature = 0; ///< T0 [K]
+  std::string name_of_solid, name_of_heat;
+  mutable Evaluations n_evaluations;
 };
 
 } // namespace dovetail

@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include <dovetail/system/model.h>
+#include <dovetail/output/plan.h>
 
 #include <nlohmann/json.hpp>
 
@@ -26,6 +26,9 @@ public:
   /// Tables of domains and interfaces; collective. @pre The model is paired.
   template <int dim>
   void summary(const Model<dim> &model);
+
+  /// What will be done, and what not and why.
+  void plan(const Plan &plan);
 
   void step_begins(unsigned int step, unsigned int n_steps, double time);
   /// Iteration 0 is the start: no linear iterations then.

@@ -37,8 +37,10 @@ public:
   bool is_on() const { return writes; }
 
   /// Add a time step, or write the last one anew if it has this time; solution.pvd is whole after each.
-  /// Collective; @p solution is ghosted. @pre The model is paired.
+  /// Collective; @p solution is ghosted. @pre The model is paired. @throw UserError on all ranks if a file
+  /// cannot be written.
   void write(double time, const Vector &solution);
+  unsigned int n_files() const { return n_written; } ///< so far, those written anew counted again
 
   void forget_meshes() { blocks.clear(); } ///< they have changed
 
@@ -53,9 +55,11 @@ private:
 
   void read_fields(const Section &output);
   void prepare(); ///< blocks and the directory, before the first step is written
-  void make_blocks();
+  void write_blocks(double time, const Vector &solution);
   void name_files();
   void write_indices() const;
+  template <typename Write>
+  void checked(const Write &write) const;
 
   const Model<dim> &model;
   const std::string directory;
@@ -63,6 +67,7 @@ private:
   std::set<std::string> fields;
   std::vector<Block> blocks;
   std::vector<double> times;
+  unsigned int n_written = 0;
 };
 
 } // namespace dovetail

@@ -5,7 +5,9 @@
 
 #pragma once
 
-#include <dovetail/system/model.h>
+#include <dovetail/scene/user_error.h>
+
+#include <deal.II/base/mpi.h>
 
 #include <nlohmann/json.hpp>
 
@@ -22,7 +24,7 @@ public:
   Report(const std::string &directory, const MPI_Comm &communicator);
 
   /// The value of one of the keys: dofs, converged, domains, interfaces, probes, steps, adaptive
-  /// cycles, seconds, left out.
+  /// cycles, seconds, counters, plan, left out.
   nlohmann::ordered_json &operator[](const std::string &key);
 
   /// A key that only some scenes have.
@@ -44,10 +46,6 @@ private:
   MPI_Comm communicator;
   nlohmann::ordered_json content;
 };
-
-/// Sentences about what a model does without: laws, interfaces, terms of a tie.
-template <int dim>
-std::vector<std::string> left_out(const Model<dim> &model);
 
 /// Make a directory on rank 0 and wait for it. Collective. @throw UserError on all ranks if that fails.
 void make_directory(const std::string &directory, const MPI_Comm &communicator);

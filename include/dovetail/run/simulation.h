@@ -7,6 +7,7 @@
 
 #include <dovetail/output/log.h>
 #include <dovetail/output/paraview.h>
+#include <dovetail/output/plan.h>
 #include <dovetail/output/probes.h>
 #include <dovetail/output/report.h>
 #include <dovetail/run/phases.h>
@@ -53,13 +54,19 @@ public:
 
 private:
   std::vector<SolveGroup> solve_groups() const;
+  Plan plan() const;
   void set_initial_values();
   void set_up(double t);
   void tell_notes();
+  void begin_step(double t);
   bool advance(double t);
+  void go_back(double t);
+  void take_account();
   NewtonResult solve_step();
+  void check_is_held() const;
   bool run_cycles(double t);
   NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t);
+  void find_multipliers();
   void write_output(double t, unsigned int step, bool is_last);
   void measure(double t);
   void measure_spectrum_of_groups();
@@ -83,6 +90,10 @@ private:
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<Report> report;
   Vector solution, trial, update;
+  bool has_new_tangent = false;                     ///< that the linear solver has not seen
+  bool lacks_multipliers = false;                   ///< those of the solution have not been looked for
+  std::string problem_of_output = {};               ///< why no more pictures are written
+  typename BlockSystem<dim>::Assemblies assemblies; ///< of systems that are no more
 };
 
 /// Read every entry that a scene can have, for the reference (@p text from SceneText::for_documentation).

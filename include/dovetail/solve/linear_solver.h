@@ -29,6 +29,7 @@ struct SolveGroup
   bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
   unsigned int dim = 3;
   unsigned int degree = 1;
+  unsigned long n_unknowns = 0; ///< of all ranks; for the plan
   /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks
   /// together or by itself; asked for only if multigrid is used.
   std::function<std::vector<std::vector<double>>(unsigned int block, bool of_all_blocks)> near_null_space;
@@ -57,8 +58,14 @@ public:
   /// failed. A group whose iteration fails is solved directly, now and from then on.
   std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side);
 
-  /// What each group is solved with, for the plan: "displacement: CG with multigrid".
+  /// What each group is solved with, or will be, for the plan: "displacement: CG with multigrid".
   std::vector<std::string> description() const;
+
+  struct Counts
+  {
+    unsigned long solves = 0, factorisations = 0, multigrids = 0;
+  };
+  Counts counts() const; ///< of all groups
 
 private:
   struct Group;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/system/free_motion.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
@@ -19,7 +20,9 @@ namespace dovetail {
 
 /// The nonlinear system R(x) = 0 on the constraints of hanging nodes, prescribed values and ties. Newton's
 /// update dx solves K dx = -R with the constraints that make x + dx satisfy those of the current time, so
-/// prescribed values enter through the tangent and not by a jump at the boundary nodes.
+/// prescribed values enter through the tangent and not by a jump at the boundary nodes. In a linear scene
+/// constrain() moves x first and dx is what is left; the two are the same there, but the second needs no
+/// local matrices, so a tangent that does not change is kept.
 template <int dim>
 class BlockSystem
 {
@@ -36,6 +39,18 @@ public:
 
   /// R(x), and the tangent. @return false, on all ranks alike, if a law is not defined at x.
   bool assemble(const Vector &x, bool with_tangent);
+
+  /// Whether the tangent of the last assembly is that of every state and time until set_up is called again.
+  bool keeps_tangent() const { return has_tangent && model.has_constant_tangent(); }
+  /// Make @p x satisfy the constraints of the current time, by moving the constrained unknowns alone.
+  void constrain(Vector &x) const;
+
+  /// How often assemble() has been called with and without the tangent.
+  struct Assemblies
+  {
+    unsigned long of_tangent = 0, of_residual = 0;
+  };
+  const Assemblies &assemblies() const { return n_assemblies; }
 
   const dealii::TrilinosWrappers::BlockSparseMatrix &tangent() const { return matrix; }
   const Vector &negative_residual() const { return right_hand_side; }
@@ -61,6 +76,9 @@ public:
   {
     return update_constraints.is_constrained(dof);
   }
+  /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
+  /// nothing where all bodies are surely held, unless @p in_any_case.
+  std::optional<FreeMotion<dim>> find_free_motion(bool in_any_case = false) const;
   /// Complete @p dx by the constrained unknowns.
   void distribute(Vector &dx) const;
 
@@ -90,6 +108,7 @@ private:
   template <typename Visit>
   void for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const;
   bool has_multipliers() const;
+  void apply(const dealii::AffineConstraints<double> &lines, Vector &x) const;
   Vector forces(const Vector &x);
   void scatter(const std::vector<double> &residual, const std::vector<dealii::types::global_dof_index> &dofs,
                bool with_tangent);
@@ -110,6 +129,8 @@ private:
   bool constraints_move = false;
   std::vector<bool> toggles_of_set_up;
   SparseMatrix matrix;
+  bool has_tangent = false; ///< since set_up
+  Assemblies n_assemblies;
   Vector right_hand_side;
   mutable Vector ghosted_scratch;
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;

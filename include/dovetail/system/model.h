@@ -47,6 +47,7 @@ public:
   std::vector<std::vector<std::string>> field_groups() const;
 
   bool is_linear() const;                            ///< one Newton iteration is exact
+  bool has_constant_tangent() const;                 ///< likewise, and it changes with toggles only
   bool is_symmetric(const std::string &field) const; ///< the field's own block of the tangent
   bool allows_jumps(const std::string &field) const; ///< some interface lets its sides come apart
   unsigned int degree() const;                       ///< the largest of the domains

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/run/counters.h>
+
+namespace dovetail {
+
+template <int dim>
+nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem<dim>::Assemblies &assemblies,
+                             const LinearSolver &solver, const unsigned int n_files)
+{
+  const auto sum = [&](const unsigned long of_rank) {
+    return dealii::Utilities::MPI::sum(of_rank, model.communicator);
+  };
+  typename Material<dim>::Evaluations evaluations;
+  for (const auto &material : model.materials) {
+    evaluations.solid += material->evaluations().solid;
+    evaluations.heat += material->evaluations().heat;
+  }
+  typename Tie<dim>::FluxVariations variations;
+  InterfaceWork work;
+  for (const auto &interface : model.interfaces) {
+    variations.first += interface->tie().flux_variations().first;
+    variations.second += interface->tie().flux_variations().second;
+    work += interface->work();
+  }
+  nlohmann::ordered_json counters = {{"tangent assemblies", assemblies.of_tangent},
+                                     {"residual assemblies", assemblies.of_residual},
+                                     {"linear solves", solver.counts().solves},
+                                     {"factorisations", solver.counts().factorisations},
+                                     {"multigrids", solver.counts().multigrids},
+                                     {"solid law evaluations", sum(evaluations.solid)},
+                                     {"heat law evaluations", sum(evaluations.heat)},
+                                     {"first flux variations", sum(variations.first)},
+                                     {"second flux variations", sum(variations.second)},
+                                     {"trace eigenvalue problems", sum(work.eigenvalue_problems)},
+                                     {"face locators", work.locators},
+                                     {"faces exchanged", sum(work.faces)},
+                                     {"messages of interfaces", sum(work.messages)},
+                                     {"bytes of interfaces", sum(work.bytes)},
+                                     {"ParaView files", n_files}};
+  for (const auto &interface : model.interfaces)
+    counters["interfaces"][interface->name] = {{"face locators", interface->work().locators},
+                                               {"faces exchanged", sum(interface->work().faces)},
+                                               {"messages", sum(interface->work().messages)},
+                                               {"bytes", sum(interface->work().bytes)}};
+  return counters;
+}
+
+template nlohmann::ordered_json count(const Model<2> &, const BlockSystem<2>::Assemblies &,
+                                      const LinearSolver &, unsigned int);
+template nlohmann::ordered_json count(const Model<3> &, const BlockSystem<3>::Assemblies &,
+                                      const LinearSolver &, unsigned int);
+
+} // namespace dovetail

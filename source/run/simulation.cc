@@ -322,7 +322,17 @@ bool Simulation<dim>::advance(const double t)
   tell_notes();
   if (model.is_linear())
     system->constrain(solution);
-  const NewtonResult result = solve_step();
+  NewtonResult result = solve_step();
+  const unsigned int largest_number_of_passes = 5;
+  for (unsigned int pass = 1;
+       pass < largest_number_of_passes && result.is_converged && system->refreeze(t, solution); ++pass) {
+    log.line("  penalties no longer fit the solution: solved again from here");
+    const NewtonResult next = solve_step();
+    result.is_converged = next.is_converged;
+    result.residuals.insert(result.residuals.end(), next.residuals.begin(), next.residuals.end());
+    result.linear_iterations.insert(result.linear_iterations.end(), next.linear_iterations.begin(),
+                                    next.linear_iterations.end());
+  }
   report->add_step(t, result.residuals, result.linear_iterations);
   if (result.is_converged)
     lacks_multipliers = true;

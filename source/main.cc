@@ -144,6 +144,8 @@ void skip_network_if_alone()
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   setenv("OMPI_MCA_pml", "ob1", 0);
   setenv("OMPI_MCA_btl", "self", 0);
+  // all such processes would share one directory, and one that ends removes it while another starts
+  setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
 }
 
 /// A study starts each of its runs as a process of its own, which may use MPI; itself it must not.

@@ -273,7 +273,7 @@ void Nitsche<dim>::warn_if_not_coercive(const Interface<dim> &interface, const M
 template <int dim>
 void Nitsche<dim>::note_large_penalty(const MPI_Comm &communicator)
 {
-  const double largest_excess = 50;
+  const double largest_excess = 18;
   const double of_all = dealii::Utilities::MPI::max(excess, communicator);
   if (has_joint() || !sentences.empty() || of_all < largest_excess)
     return;
@@ -334,6 +334,33 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
       first_gamma.push_back(of_point.gamma);
   warn_if_not_coercive(interface, communicator);
   note_large_penalty(communicator);
+}
+
+/// The penalty of the beginning of a step may be far too small at its end, where a conductivity k(T) has
+/// grown by decades: then the form is not coercive, and Newton may find a solution that is none. The margin
+/// of the report is that of the penalty that was used, with the eigenvalues of the solution.
+template <int dim>
+bool Nitsche<dim>::refreeze(const Interface<dim> &interface, const double t,
+                            const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
+{
+  if (has_constant_penalty(interface) || parameters.empty())
+    return false;
+  const std::vector<Parameters> used = parameters;
+  Nitsche<dim>::begin_step(interface, t, values_of, communicator);
+  bool is_outdated = false;
+  for (unsigned int i = 0; i < used.size(); ++i)
+    is_outdated = is_outdated || parameters[i].gamma > largest_growth * used[i].gamma ||
+                  used[i].gamma > largest_decrease * parameters[i].gamma;
+  if (dealii::Utilities::MPI::max(static_cast<int>(is_outdated), communicator) != 0)
+    return true;
+  parameters = used;
+  range = {};
+  const Pairing<dim> &pairing = interface.pairing();
+  for (const auto &group : pairing.groups)
+    for (unsigned int q = group.begin; q < group.end; ++q)
+      for (unsigned int f = 0; f < interface.fields.size(); ++f)
+        note_margin(f, group, parameters[f * pairing.n_points() + q], 1.);
+  return false;
 }
 
 /// a and b at a point.

@@ -4,8 +4,8 @@
 #include <dovetail/run/simulation.h>
 
 #include <dovetail/output/measures.h>
-#include <dovetail/run/counters.h>
 #include <dovetail/output/spectrum.h>
+#include <dovetail/run/counters.h>
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/study/options.h>
 
@@ -333,10 +333,20 @@ bool Simulation<dim>::advance(const double t)
 {
   begin_step(t);
   const Vector last_good = solution;
+  tell_notes();
   if (model.is_linear())
     system->constrain(solution);
-  tell_notes();
-  const NewtonResult result = solve_step();
+  NewtonResult result = solve_step();
+  const unsigned int largest_number_of_passes = 5;
+  for (unsigned int pass = 1;
+       pass < largest_number_of_passes && result.is_converged && system->refreeze(t, solution); ++pass) {
+    log.line("  penalties no longer fit the solution: solved again from here");
+    const NewtonResult next = solve_step();
+    result.is_converged = next.is_converged;
+    result.residuals.insert(result.residuals.end(), next.residuals.begin(), next.residuals.end());
+    result.linear_iterations.insert(result.linear_iterations.end(), next.linear_iterations.begin(),
+                                    next.linear_iterations.end());
+  }
   report->add_step(t, result.residuals, result.linear_iterations);
   if (result.is_converged)
     lacks_multipliers = true;

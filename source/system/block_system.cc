@@ -285,14 +285,34 @@ void BlockSystem<dim>::begin_step(const double t, const Vector &x)
   ghosted_scratch = x;
   for (const auto &interface : model.interfaces)
     if (interface->is_active(t))
-      interface->tie().begin_step(
-          *interface, t,
-          [&](const std::vector<dealii::types::global_dof_index> &dofs, std::vector<double> &values) {
-            values.resize(dofs.size());
-            ghosted_scratch.extract_subvector_to(dofs.begin(), dofs.end(), values.begin());
-          },
-          model.communicator);
+      interface->tie().begin_step(*interface, t, ghosted_values(), model.communicator);
   tie_seconds += timer.wall_time();
+}
+
+template <int dim>
+bool BlockSystem<dim>::refreeze(const double t, const Vector &x)
+{
+  if (model.is_linear() || model.interfaces.empty())
+    return false;
+  dealii::Timer timer;
+  ghosted_scratch = x;
+  bool is_any_outdated = false;
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t) &&
+        interface->tie().refreeze(*interface, t, ghosted_values(), model.communicator))
+      is_any_outdated = true;
+  tie_seconds += timer.wall_time();
+  return is_any_outdated;
+}
+
+/// Of ghosted_scratch.
+template <int dim>
+typename Tie<dim>::Unknowns BlockSystem<dim>::ghosted_values() const
+{
+  return [this](const std::vector<dealii::types::global_dof_index> &dofs, std::vector<double> &values) {
+    values.resize(dofs.size());
+    ghosted_scratch.extract_subvector_to(dofs.begin(), dofs.end(), values.begin());
+  };
 }
 
 /// The update's constraints from those of x: dx_i = sum w dx_j + (b_i + sum w x_j - x_i).

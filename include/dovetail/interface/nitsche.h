@@ -41,6 +41,8 @@ public:
   std::vector<std::string> left_out(const Interface<dim> &interface) const override;
   void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
                   const MPI_Comm &communicator) override;
+  bool refreeze(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+                const MPI_Comm &communicator) override;
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent) override;
@@ -145,6 +147,7 @@ private:
   std::vector<Parameters> parameters;        ///< at field * n_points + point
   std::vector<double> first_gamma;           ///< of the first step, likewise
   static constexpr double least_share = 0.1; ///< of it that a softened material keeps
+  static constexpr double largest_growth = 1.5, largest_decrease = 10; ///< of a penalty in a step
   bool has_begun = false, has_warned = false;
   /// By field and side, of the cells behind the points; empty if nothing needs them.
   std::vector<std::array<std::vector<double>, 2>> lambda;

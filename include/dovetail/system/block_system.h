@@ -36,6 +36,9 @@ public:
 
   /// Prescribed values of time @p t; weights and penalties of the ties frozen at @p x.
   void begin_step(double t, const Vector &x);
+  /// After a step has converged at @p x: freeze those weights and penalties anew that do not fit it any more.
+  /// Collective. @return whether there were any; then the step must be solved on.
+  bool refreeze(double t, const Vector &x);
 
   /// R(x), and the tangent. @return false, on all ranks alike, if a law is not defined at x.
   bool assemble(const Vector &x, bool with_tangent);
@@ -98,6 +101,7 @@ public:
   } ///< set-up of constraints and terms of interfaces, this rank
 
 private:
+  typename Tie<dim>::Unknowns ghosted_values() const;
   using SparseMatrix = dealii::TrilinosWrappers::BlockSparseMatrix;
 
   void make_relevant_set(double t);

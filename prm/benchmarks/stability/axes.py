@@ -2,6 +2,8 @@
 # Copyright (C) 2026 by the Dovetail authors
 """What the stability map varies: ties and axes. A case is a scene and the entries that replace those in it."""
 
+import math
+
 import exact
 
 SEAM = "Interface seam/"
@@ -30,13 +32,15 @@ VERY_STIFF = 1e8  # times k / L: a joint that is as good as tied
 
 class Axis:
     """values: what is varied; benign: the value the others are compared with; entries(value): entries of the scene;
-    small: values of the small map; measure: the error of the bodies that counts."""
+    small: values of the small map; measure: the error of the bodies that counts; allowed: how many times that of the benign
+    value it may be; with_flux: whether the flux is judged."""
 
     def __init__(self, name, title, scene, values, benign, entries, small=(), ties=None, label="", log=True,
-                 measure="energy", spectrum=True, field="temperature"):
+                 measure="energy", spectrum=True, field="temperature", allowed=2.0, with_flux=True):
         self.name, self.title, self.scene, self.values, self.benign = name, title, scene, values, benign
         self.entries, self.small, self.ties, self.label, self.log = entries, small, ties or list(ALL), label, log
         self.measure, self.spectrum, self.field = measure, spectrum, field
+        self.allowed, self.with_flux = allowed, with_flux
 
 
 def box(nx, ny, x0, y0, x1, y1):
@@ -68,6 +72,16 @@ def squares(physics, k=(1.0, 1.0), n=(6, 9), length=1.0, gap=0.0, across=None):
             entries.update(body(domain, "displacement", mesh, exact.elastic(k[side], 0.3, length), ["end"]))
     if gap:
         entries[SEAM + "Search radius"] = "0.5"
+    return entries
+
+
+def sizes(physics, ratio):
+    """The finer side is refined towards the seam; its cells there are squares."""
+    entries = squares(physics, n=(3, 3))
+    if ratio != 1:
+        domain, seam = ("right", "0") if ratio > 1 else ("left", "1")
+        entries[f"Domain {domain}/Mesh/Refine at boundary ids"] = seam
+        entries[f"Domain {domain}/Mesh/Local refinements"] = str(round(abs(math.log2(ratio))))
     return entries
 
 
@@ -128,6 +142,7 @@ def neo_hookean(strain):
 
 def rotation(degrees, steps):
     entries = both("displacement", (exact.rotation(degrees), None), (["end"], []))
+    entries["Steps/Adaptive"] = "true"
     entries["Steps/Number of steps"] = str(steps)
     return entries
 
@@ -150,12 +165,12 @@ for physics, field in (("heat", "temperature"), ("elastic", "displacement")):
         add(f"contrast_{finer}_finer", f"Contrast of {words}, destination to source; {n[0]} faces of the source on {n[1]}",
             CONTRASTS, 1.0, lambda c, n=n, p=physics: squares(p, (1.0, c), n), small=(1e-10, 1.0, 1e10),
             label="k of the destination / k of the source")
-    add("multigrid", f"Contrast of {words}, solved by multigrid; 12 faces of the source on 18", decades(-8, 8, 4), 1.0,
-        lambda c, p=physics: {**squares(p, (1.0, c), (12, 18)), "Linear solver/Type": "multigrid"}, ties=FEW, spectrum=False,
+    add("multigrid", f"Contrast of {words}, solved by multigrid; 32 faces of the source on 48", decades(-8, 8, 4), 1.0,
+        lambda c, p=physics: {**squares(p, (1.0, c), (32, 48)), "Linear solver/Type": "multigrid"}, ties=FEW, spectrum=False,
         label="k of the destination / k of the source")
-    add("size", "Size of the faces, source to destination; 3 faces on the coarse side", [1 / 64, 1 / 8, 1.0, 8.0, 64.0], 1.0,
-        lambda r, p=physics: squares(p, n=(3, 3 * round(r)) if r >= 1 else (3 * round(1 / r), 3), across=(3, 3)),
-        small=(1 / 64, 64.0), label="size of a face, source / destination", spectrum=False)
+    add("size", "Size of the faces at the seam, source to destination; 3 faces on the coarse side",
+        [1 / 64, 1 / 8, 1.0, 8.0, 64.0], 1.0, lambda r, p=physics: sizes(p, r), small=(1 / 64, 64.0),
+        label="size of a face, source / destination", spectrum=False)
     add("slivers", "Slivers: part of a face that faces another one", [0.5, 1e-3, 1e-6, 1e-9], 0.5,
         lambda part, p=physics: slivers(p, part), small=(1e-9,), label="sliver / face")
     add("penalty", "Penalty, in units of the automatic one", [1e-3, 0.1, 0.4, 1.0, 10.0, 1e3, 1e6], 1.0,
@@ -172,9 +187,10 @@ AXES += [
          decades(-10, 10, 5), 1.0, lambda c: cubes((1.0, c)), small=(1e10,), ties=FEW, spectrum=False,
          label="k of the destination / k of the source"),
     Axis("layers", "Two tied layers in bending: length to thickness of a layer", "layers", [10.0, 100.0, 1000.0], 10.0,
-         layers, small=(1000.0,), label="length / thickness", field="displacement"),
+         layers, small=(1000.0,), label="length / thickness", field="displacement", allowed=10.0, with_flux=False),
     Axis("matching_layers", "The same on matching meshes", "layers", [10.0, 100.0, 1000.0], 10.0,
-         lambda ratio: layers(ratio, (12, 12)), ties=FEW, label="length / thickness", field="displacement"),
+         lambda ratio: layers(ratio, (12, 12)), ties=FEW, label="length / thickness", field="displacement",
+         allowed=10.0, with_flux=False),
     Axis("conductivity", "Conductivity k(T) over m decades, one step, halved if it does not converge", "conductivity",
          [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 0.0, conductivity, small=(6.0,), label="m", log=False, ties=FEW, spectrum=False),
     Axis("neo_hookean", "Neo-Hookean, one step: strain", "neo_hookean", [0.05, 0.25, 0.5], 0.05, neo_hookean,
@@ -182,7 +198,7 @@ AXES += [
     Axis("rotation", "Rigid rotation, held at one end, by 20 degrees a step", "rotation", [20, 60, 90, 120, 180], 20,
          lambda degrees: rotation(degrees, max(1, degrees // 20)), small=(180,), label="degrees", log=False, measure="H1",
          field="displacement", spectrum=False, ties=FEW),
-    Axis("rotation_one_step", "Rigid rotation, held at one end, in one step", "rotation", [20, 60, 90, 120, 180], 20,
+    Axis("rotation_one_step", "Rigid rotation, held at one end, in one step that may be halved", "rotation", [20, 60, 90, 120, 180], 20,
          lambda degrees: rotation(degrees, 1), label="degrees", log=False, measure="H1", field="displacement", spectrum=False,
          ties=FEW),
 ]

@@ -2,8 +2,8 @@
 # Copyright (C) 2026 by the Dovetail authors
 """What became of each case of the stability map.
 
-right         error in energy at most twice, error of the flux at most ten times that of the same tie at the axis's benign end,
-              or both below 1e-6
+right         error in energy at most twice (or what the axis allows), error of the flux at most ten times that of the same tie
+              at the axis's benign end, or both below 1e-6
 flux lost     the bodies are right, but the flux through the seam is not
 warned        the answer is off, and a note of the report says so
 not converged, message
@@ -13,7 +13,7 @@ CRASH         the program broke down, or a number is not finite"""
 import collections
 import math
 
-ENERGY, FLUX, SMALL = 2.0, 10.0, 1e-6
+FLUX, SMALL = 10.0, 1e-6
 BAD = ("WRONG", "CRASH")
 WORDS = ("coercive", "errs", "oscillates", "swap", "locks")  # of notes that say that the answer may be off
 
@@ -26,10 +26,10 @@ def judge(all_axes, cases):
     by_name = {axis.name: axis for axis in all_axes}
     benign = {(case["axis"], case["tie"]): case for case in cases if case["value"] == by_name[case["axis"]].benign}
     for case in cases:
-        case["verdict"] = verdict(case, benign.get((case["axis"], case["tie"])))
+        case["verdict"] = verdict(by_name[case["axis"]], case, benign.get((case["axis"], case["tie"])))
 
 
-def verdict(case, benign):
+def verdict(axis, case, benign):
     if case["status"] != "converged":
         return case["status"]
     if not is_finite(case["error"]) or not is_finite(case["flux"]):
@@ -40,11 +40,11 @@ def verdict(case, benign):
     def holds(name, factor):
         return case[name] <= max(factor * benign[name], SMALL)
 
-    if holds("error", ENERGY) and holds("flux", FLUX):
+    if holds("error", axis.allowed) and (not axis.with_flux or holds("flux", FLUX)):
         return "right"
     if (case["margin"] or 0) < 0 or any(word in note for word in WORDS for note in case["notes"]):
         return "warned"
-    return "flux lost" if holds("error", ENERGY) else "WRONG"
+    return "flux lost" if holds("error", axis.allowed) else "WRONG"
 
 
 def summary(cases):

@@ -4,18 +4,14 @@
 #include "picture.h"
 #include "process.h"
 #include "progress.h"
+#include "scene_of_study.h"
 #include "table.h"
+#include "variants.h"
 
-#include <dovetail/scene/scene_text.h>
 #include <dovetail/study/study.h>
-
-#include <deal.II/base/utilities.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <cstdint>
-#include <dlfcn.h>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -25,14 +21,6 @@
 namespace dovetail {
 
 namespace {
-
-using Given = std::map<std::string, std::string>; ///< path -> value
-
-std::string find_given(const Given &given, const std::string &path, const std::string &otherwise = "")
-{
-  const auto found = given.find(path);
-  return found == given.end() || found->second.empty() ? otherwise : found->second;
-}
 
 /// For names of directories.
 std::string plain(const std::string &name)
@@ -50,72 +38,18 @@ std::string plain(const std::string &name)
   return result.substr(0, result.find_last_not_of('_') + 1);
 }
 
-/// FNV-1a of what is in a file (Fowler, Noll and Vo 1991).
-std::string content_hash(const std::string &file)
-{
-  static std::map<std::string, std::string> known;
-  if (const auto found = known.find(file); found != known.end())
-    return found->second;
-  std::ifstream in(file, std::ios::binary);
-  std::uint64_t hash = 14695981039346656037U;
-  for (std::istreambuf_iterator<char> letter(in), end; letter != end; ++letter)
-    hash = (hash ^ static_cast<unsigned char>(*letter)) * 1099511628211U;
-  return known[file] = std::to_string(hash);
-}
-
-/// The version, and when the library that holds this function was built.
-std::string stamp_of_program()
-{
-  std::string stamp = DOVETAIL_VERSION;
-  Dl_info library;
-  std::error_code error;
-  if (dladdr(reinterpret_cast<void *>(&run_study), &library) != 0 && library.dli_fname != nullptr) {
-    const auto time = std::filesystem::last_write_time(library.dli_fname, error);
-    if (!error)
-      stamp += " " + std::to_string(time.time_since_epoch().count());
-  }
-  return stamp;
-}
-
-std::string fingerprint_of(const Given &given, const unsigned int ranks)
-{
-  std::string text = "program " + stamp_of_program() + "\nranks " + std::to_string(ranks) + "\n";
-  for (const auto &[path, value] : given)
-    if (path.rfind("Study/", 0) != 0 && path != "Output/Directory") {
-      text += path + " = " + value + "\n";
-      const std::string name = path.substr(path.rfind('/') + 1);
-      if ((name == "File" || name == "Reference") && !value.empty())
-        text += "  content " + content_hash(value) + "\n";
-    }
-  return text;
-}
-
 std::string count_of(const std::size_t n, const std::string &singular)
 {
   return std::to_string(n) + " " + singular + (n == 1 ? "" : "s");
 }
 
-/// From the line "2D, 230 unknowns on 1 rank" of a log.
-unsigned long count_of_unknowns(const std::string &log)
-{
-  std::ifstream in(log);
-  for (std::string line; std::getline(in, line);)
-    if (line.find(" unknowns on ") != std::string::npos && line.find("D, ") != std::string::npos)
-      return std::strtoul(line.c_str() + line.find("D, ") + 3, nullptr, 10);
-  return 0;
-}
-
 class Study
 {
 public:
-  Study(const std::string &scene, const std::vector<std::string> &overrides);
+  Study(const std::string &file, const std::vector<std::string> &overrides);
   bool run();
 
 private:
-  std::vector<std::string> overrides_of(const Variant &variant, unsigned int level) const;
-  void check(Variant &variant) const;
-  void check_variants();
-  bool leave_out_unknown_entry(Variant &variant) const;
   void plan_runs();
   void do_run(StudyRun &run, StudyProgress &progress);
   void make_reference(StudyProgress &progress);
@@ -127,13 +61,9 @@ private:
   void write_table_of_runs() const;
   void conclude() const;
 
-  const std::string scene;
-  const std::vector<std::string> overrides;
-  const std::shared_ptr<SceneText> text;
-  const Section section;
-  const Given given;
-  StudyOptions options;
-  const std::string directory;
+  const SceneOfStudy scene;
+  const StudyOptions &options;
+  const std::string &directory;
   const unsigned int dim;
   std::vector<unsigned int> ranks;
   std::vector<Variant> variants;
@@ -141,117 +71,12 @@ private:
   std::string errors_against; ///< in words, or empty
 };
 
-Study::Study(const std::string &scene, const std::vector<std::string> &overrides)
-    : scene(scene), overrides(overrides), text(SceneText::from_file(scene, overrides)),
-      section(SceneText::root(text).subsection("Study")), given(text->given()), options(section),
-      directory(find_given(given, "Output/Directory", "output/" + text->name())), dim(section.dimension()),
-      ranks(options.ranks), variants(product(options.vary))
+Study::Study(const std::string &file, const std::vector<std::string> &overrides)
+    : scene(file, overrides), options(scene.options), directory(scene.directory),
+      dim(scene.section.dimension()), ranks(options.ranks)
 {
   if (ranks.empty())
     ranks = {launched_ranks()};
-  name_variants(options.vary, text->name(), variants);
-}
-
-/// What is set for a run besides what the person has set: refinements count from those of the variant.
-std::vector<std::string> Study::overrides_of(const Variant &variant, const unsigned int level) const
-{
-  std::vector<std::string> result = overrides;
-  for (const std::string &path : variant.left_out)
-    if (given.count(path) > 0)
-      result.push_back(path + "=");
-  for (const auto &[path, value] : variant.entries)
-    result.push_back(path + "=" + value);
-  const Given with_variant = SceneText::from_file(scene, result)->given();
-  if (level > 0)
-    for (const std::string &domain :
-         dealii::Utilities::split_string_list(find_given(with_variant, "Domains"), ',')) {
-      const std::string path = "Domain " + domain + "/Mesh/Refinements";
-      const std::string own = find_given(with_variant, path, "0");
-      if (own.find_first_not_of("0123456789") == std::string::npos && own.size() < 4)
-        result.push_back(path + "=" + std::to_string(std::stoul(own) + level));
-    } // else the reader complains about it
-  if (find_given(with_variant, "Output/Paraview").empty())
-    result.push_back("Output/Paraview=false");
-  if (!options.reference.empty())
-    result.push_back("Output/Reference=" + options.reference);
-  return result;
-}
-
-/// What `--check` says of a variant at the coarsest level.
-void Study::check(Variant &variant) const
-{
-  std::vector<std::string> command = {this_program(), "--check"};
-  for (const std::string &assignment : overrides_of(variant, options.levels.front()))
-    command.insert(command.end(), {"--set", assignment});
-  command.push_back(scene);
-  const std::string log = directory + "/check.log", errors = directory + "/check.errors";
-  const Outcome outcome = run_process(command, log, errors, [] {});
-  variant.complaint = outcome.status == 1 ? last_words(errors) : "";
-  variant.n_unknowns = count_of_unknowns(log);
-  std::filesystem::remove(log);
-  std::filesystem::remove(errors);
-}
-
-/// An entry that a variant does not know, like Theta of a mortar tie, is left out of that variant; variants
-/// that are alike then are one. What no variant knows is an error, and so is an input that is wrong in all of
-/// them.
-void Study::check_variants()
-{
-  std::map<std::string, std::string> unknown; // and what was said about it
-  for (Variant &variant : variants) {
-    check(variant);
-    while (leave_out_unknown_entry(variant)) {
-      for (const std::string &path : variant.left_out)
-        unknown.emplace(path, variant.complaint); // the last one is new
-      check(variant);
-    }
-  }
-  for (const auto &[path, complaint] : unknown)
-    if (std::none_of(variants.begin(), variants.end(), [&, path = path](const Variant &variant) {
-          return variant.complaint.empty() && variant.left_out.count(path) == 0;
-        }))
-      section.fail("Vary", "leaves '" + path + "' unknown in every variant. " + complaint);
-  if (std::none_of(variants.begin(), variants.end(), [](const auto &v) { return v.complaint.empty(); }))
-    throw UserError(variants.front().complaint);
-
-  name_variants(options.vary, text->name(), variants);
-  std::vector<Variant> different;
-  for (const Variant &variant : variants)
-    if (std::none_of(different.begin(), different.end(),
-                     [&](const Variant &other) { return other.entries == variant.entries; })) {
-      different.push_back(variant);
-      for (const std::string &path : variant.left_out)
-        std::cout << "  left out: " << path << " of " << variant.name << ", which does not know it\n";
-      if (!variant.complaint.empty())
-        std::cout << "  " << variant.name << ": wrong input: " << variant.complaint << '\n';
-    }
-  variants = different;
-}
-
-/// @return whether the complaint is about an entry that can be left out: one that the variant sets, or one of
-/// the scene that belongs to another `Type` than the variant's.
-bool Study::leave_out_unknown_entry(Variant &variant) const
-{
-  const std::string &complaint = variant.complaint;
-  const std::string before = ": the entry '", after = "' is not known here";
-  const std::size_t begin = complaint.find(before), end = complaint.find(after);
-  if (end == std::string::npos)
-    return false;
-  for (auto entry = variant.entries.begin(); entry != variant.entries.end(); ++entry)
-    if (complaint.find("--set '" + entry->first + "=" + entry->second + "'") != std::string::npos) {
-      variant.left_out.insert(entry->first);
-      variant.entries.erase(entry);
-      return true;
-    }
-  if (begin == std::string::npos)
-    return false;
-  const std::string section_of_entry = complaint.substr(0, complaint.find(", "));
-  const std::string path =
-      section_of_entry + "/" + complaint.substr(begin + before.size(), end - begin - before.size());
-  const bool varies_type =
-      std::any_of(variant.entries.begin(), variant.entries.end(),
-                  [&](const auto &entry) { return entry.first == section_of_entry + "/Type"; });
-  return varies_type && given.count(path) > 0 && variant.left_out.insert(path).second;
 }
 
 /// Small levels first; what is compared runs side by side in time.
@@ -267,7 +92,7 @@ void Study::plan_runs()
           run.level = level;
           run.ranks = n_ranks;
           run.repeat = repeat;
-          run.overrides = overrides_of(variants[v], level);
+          run.overrides = scene.overrides_of(variants[v], level);
           std::string name = plain(variants[v].name) + "_level_" + std::to_string(level);
           if (n_ranks > 1)
             name += "_ranks_" + std::to_string(n_ranks);
@@ -305,7 +130,7 @@ void Study::do_run(StudyRun &run, StudyProgress &progress)
 {
   progress.begin(run);
   StudyRun result = run;
-  perform(result, scene, [&] { progress.tick(); });
+  perform(result, scene.file, [&] { progress.tick(); });
   progress.end();
   run = result;
   write_table_of_runs();
@@ -329,7 +154,7 @@ void Study::make_reference(StudyProgress &progress)
   });
   for (StudyRun *run : candidates) {
     run->overrides.push_back("Output/Samples=" + file);
-    run->fingerprint = fingerprint_of(SceneText::from_file(scene, run->overrides)->given(), run->ranks);
+    run->fingerprint = scene.fingerprint(run->overrides, run->ranks);
     if (std::filesystem::exists(file))
       recall(*run);
     if (!run->is_done())
@@ -347,12 +172,9 @@ void Study::make_reference(StudyProgress &progress)
 void Study::perform_runs()
 {
   StudyProgress progress(runs, dim);
-  const bool has_exact = std::any_of(given.begin(), given.end(), [](const auto &entry) {
-    return entry.first.find("/Exact/") != std::string::npos && !entry.second.empty();
-  });
   if (!options.reference.empty())
     errors_against = options.reference;
-  else if (has_exact)
+  else if (scene.has_exact())
     errors_against = "Exact";
   else if (options.levels.size() > 1)
     make_reference(progress);
@@ -360,7 +182,7 @@ void Study::perform_runs()
   unsigned int n_recalled = 0;
   for (StudyRun &run : runs)
     if (!run.is_done()) {
-      run.fingerprint = fingerprint_of(SceneText::from_file(scene, run.overrides)->given(), run.ranks);
+      run.fingerprint = scene.fingerprint(run.overrides, run.ranks);
       recall(run);
       n_recalled += run.is_done();
     }
@@ -386,14 +208,14 @@ std::string Study::measure() const
     for (const std::string &name : known)
       if (name.size() > 3 && name.substr(name.size() - 3) == " L2")
         return name;
-  section.check(options.measure.empty() || known.empty() ||
-                    std::count(known.begin(), known.end(), options.measure) > 0,
-                "Error",
-                "is '" + options.measure + "', which no run has measured. Known: " + comma_separated([&] {
-                  const std::set<std::string> names(known.begin(), known.end());
-                  return std::vector<std::string>(names.begin(), names.end());
-                }()) +
-                    ".");
+  scene.section.check(
+      options.measure.empty() || known.empty() || std::count(known.begin(), known.end(), options.measure) > 0,
+      "Error",
+      "is '" + options.measure + "', which no run has measured. Known: " + comma_separated([&] {
+        const std::set<std::string> names(known.begin(), known.end());
+        return std::vector<std::string>(names.begin(), names.end());
+      }()) +
+          ".");
   return options.measure;
 }
 
@@ -450,7 +272,7 @@ void Study::conclude() const
     words += "  " + sentence + "\n";
   std::ofstream(directory + "/study.txt") << words;
   std::cout << '\n' << words << '\n';
-  const std::string obstacle = draw_study(directory, text->name(), all, measure_name, dim);
+  const std::string obstacle = draw_study(directory, scene.name, all, measure_name, dim);
   std::cout << "  results: " << directory << "/study.csv"
             << (obstacle.empty() ? ", study.txt, study.svg, study.png" : ", study.txt") << std::endl;
   if (!obstacle.empty())
@@ -464,8 +286,8 @@ bool Study::run()
   if (error)
     throw UserError("The directory '" + directory + "' for the results cannot be made: " + error.message() +
                     ". Set Directory in the subsection Output to a place where you may write.");
-  std::cout << "\nDovetail " DOVETAIL_VERSION ": study of " << scene << std::endl;
-  check_variants();
+  std::cout << "\nDovetail " DOVETAIL_VERSION ": study of " << scene.file << std::endl;
+  variants = checked_variants(scene);
   plan_runs();
   std::cout << count_of(variants.size(), "variant") << ", " << count_of(options.levels.size(), "level")
             << (ranks.size() > 1 ? ", " + count_of(ranks.size(), "number") + " of ranks" : "")

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Copyright (C) 2026 by the Dovetail authors
 #
-# Writes exact.prm beside this file: the exact displacement u_i = prod_d sin(pi x_d + phi_id) of the cube, the body force
+# Writes exact.inc beside this file: the exact displacement u_i = prod_d sin(pi x_d + phi_id) of the cube, the body force
 # b = -Div(lambda tr(eps) I + 2 mu eps) that belongs to it, E = 1 and nu = 0.3, and the prescribed values.
 #
 #     python3 prm/benchmarks/performance/cube/exact.py          needs sympy
@@ -41,5 +41,5 @@ for side in ("left", "right"):
               "  subsection Source", "    set displacement = " + text(force), "  end",
               "  subsection Boundary condition outer", "    set Field      = displacement",
               "    set Expression = " + text(u), "  end", "end", ""]
-with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "exact.prm"), "w", encoding="utf-8") as file:
+with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "exact.inc"), "w", encoding="utf-8") as file:
     file.write("\n".join(lines))

@@ -262,7 +262,7 @@ void Elasticity::print(const unsigned int n_iterations, const double error, cons
 {
   Utilities::System::MemoryStats memory;
   Utilities::System::get_memory_stats(memory);
-  const double MiB = Utilities::MPI::max(memory.VmHWM / 1024., communicator);
+  const double MiB = Utilities::MPI::sum(memory.VmHWM / 1024., communicator);
   ConditionalOStream out(std::cout, Utilities::MPI::this_mpi_process(communicator) == 0);
   out << "unknowns " << dof_handler.n_dofs() << "  error " << error << "  iterations " << n_iterations;
   for (const auto &[name, time] : timer.get_summary_data(TimerOutput::total_wall_time))
@@ -279,7 +279,7 @@ void Elasticity::run()
   const unsigned int n_iterations = solve();
   double error = 0;
   {
-    TimerOutput::Scope scope(timer, "error");
+    TimerOutput::Scope scope(timer, "measure");
     error = relative_error();
   }
   print(n_iterations, error, all.wall_time());

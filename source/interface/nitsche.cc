@@ -345,22 +345,30 @@ bool Nitsche<dim>::refreeze(const Interface<dim> &interface, const double t,
 {
   if (has_constant_penalty(interface) || parameters.empty())
     return false;
-  const std::vector<Parameters> used = parameters;
+  std::vector<Parameters> used = parameters;
   Nitsche<dim>::begin_step(interface, t, values_of, communicator);
-  bool is_outdated = false;
-  for (unsigned int i = 0; i < used.size(); ++i)
-    is_outdated = is_outdated || parameters[i].gamma > largest_growth * used[i].gamma ||
-                  used[i].gamma > largest_decrease * parameters[i].gamma;
-  if (dealii::Utilities::MPI::max(static_cast<int>(is_outdated), communicator) != 0)
-    return true;
-  parameters = used;
+  std::swap(parameters, used);
+  const std::vector<Parameters> &of_solution = used;
+  double growth = 0, decrease = 0;
+  for (unsigned int i = 0; i < parameters.size(); ++i) {
+    growth = std::max(growth, of_solution[i].gamma / parameters[i].gamma);
+    decrease = std::max(decrease, parameters[i].gamma / of_solution[i].gamma);
+  }
+
+  const auto range_of_solution = range;
   range = {};
   const Pairing<dim> &pairing = interface.pairing();
   for (const auto &group : pairing.groups)
     for (unsigned int q = group.begin; q < group.end; ++q)
       for (unsigned int f = 0; f < interface.fields.size(); ++f)
         note_margin(f, group, parameters[f * pairing.n_points() + q], 1.);
-  return false;
+  const bool is_outdated = (range.coercivity_margin < 0 && growth > small_growth) ||
+                           growth > largest_growth || decrease > largest_decrease;
+  if (dealii::Utilities::MPI::max(static_cast<int>(is_outdated), communicator) == 0)
+    return false;
+  parameters = of_solution;
+  range = range_of_solution;
+  return true;
 }
 
 /// a and b at a point.

@@ -147,7 +147,8 @@ private:
   std::vector<Parameters> parameters;        ///< at field * n_points + point
   std::vector<double> first_gamma;           ///< of the first step, likewise
   static constexpr double least_share = 0.1; ///< of it that a softened material keeps
-  static constexpr double largest_growth = 1.5, largest_decrease = 10; ///< of a penalty in a step
+  /// Of a penalty in a step: harmless, too much, too much.
+  static constexpr double small_growth = 1.5, largest_growth = 10, largest_decrease = 100;
   bool has_begun = false, has_warned = false;
   /// By field and side, of the cells behind the points; empty if nothing needs them.
   std::vector<std::array<std::vector<double>, 2>> lambda;

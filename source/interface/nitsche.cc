@@ -343,7 +343,7 @@ template <int dim>
 bool Nitsche<dim>::refreeze(const Interface<dim> &interface, const double t,
                             const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
 {
-  if (has_constant_penalty(interface) || parameters.empty())
+  if (has_constant_penalty(interface))
     return false;
   std::vector<Parameters> used = parameters;
   Nitsche<dim>::begin_step(interface, t, values_of, communicator);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/interface/refreezable.h>
 
 #include <limits>
 
@@ -24,7 +25,7 @@ namespace dovetail {
 /// exact: for theta != 0 and a nonlinear law it holds the second derivative of A, contracted with e. Weights
 /// and penalty are frozen at the beginning of a step.
 template <int dim>
-class Nitsche : public Tie<dim>
+class Nitsche : public Tie<dim>, public Refreezable<dim>
 {
 public:
   explicit Nitsche(const Section &section);

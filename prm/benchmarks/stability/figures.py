@@ -172,7 +172,8 @@ def write(all_axes, cases, directory, page=None):
         print("No pictures: gnuplot is not installed (Debian: apt-get install gnuplot-nox).")
     for axis in all_axes:
         if axis.name in tables and has_gnuplot:
-            picture(axis, cases, directory, "svg")
+            if not page:
+                picture(axis, cases, directory, "svg")
             if page and f"pictures/{axis.name}.png" in open(page, encoding="utf-8").read():
                 os.makedirs(os.path.join(os.path.dirname(page), "pictures"), exist_ok=True)
                 picture(axis, cases, os.path.join(os.path.dirname(page), "pictures"), "png")

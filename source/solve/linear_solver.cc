@@ -239,9 +239,10 @@ void LinearSolver::Group::make_multigrid(const Matrix &matrix)
   }
   if (!modes)
     make_modes(matrix);
+  const bool coarsens_degree = degree > 1 && is_symmetric && !has_multipliers() && linear_part != nullptr;
   dealii::TrilinosWrappers::PreconditionAMG::AdditionalData data;
   data.elliptic = is_symmetric;
-  data.higher_order_elements = degree > 1 && !linear_part;
+  data.higher_order_elements = degree > 1 && !coarsens_degree;
   data.smoother_sweeps = 2;
   data.smoother_type = is_symmetric ? "Chebyshev" : "ILU";
   Teuchos::ParameterList list;
@@ -252,8 +253,7 @@ void LinearSolver::Group::make_multigrid(const Matrix &matrix)
   list.set("null space: vectors", modes->Values());
   list.set("aggregation: threshold", 0.0); // a positive one drops the couplings of a stiff with a soft body
   ++counts.multigrids;
-  if (degree > 1 && is_symmetric && !has_multipliers() && linear_part) {
-    list.set("smoother: sweeps", 2);
+  if (coarsens_degree) {
     by_degree = std::make_unique<DegreeCoarsening>(merged->matrix(), linear_sums(matrix), *modes, list);
     return;
   }

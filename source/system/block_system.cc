@@ -3,8 +3,6 @@
 
 #include <dovetail/system/block_system.h>
 
-#include <dovetail/interface/refreezable.h>
-
 #include <dovetail/compatibility.h>
 #include <dovetail/system/constraints.h>
 
@@ -300,8 +298,9 @@ bool BlockSystem<dim>::refreeze(const double t, const Vector &x)
   ghosted_scratch = x;
   bool is_any_outdated = false;
   for (const auto &interface : model.interfaces)
-    if (auto *tie = dynamic_cast<Refreezable<dim> *>(&interface->tie()); tie && interface->is_active(t))
-      is_any_outdated = tie->refreeze(*interface, t, ghosted_values(), model.communicator) || is_any_outdated;
+    if (interface->is_active(t) &&
+        interface->tie().refreeze(*interface, t, ghosted_values(), model.communicator))
+      is_any_outdated = true;
   tie_seconds += timer.wall_time();
   return is_any_outdated;
 }

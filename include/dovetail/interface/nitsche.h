@@ -6,7 +6,6 @@
 #pragma once
 
 #include <dovetail/interface/interface.h>
-#include <dovetail/interface/refreezable.h>
 
 #include <limits>
 
@@ -25,7 +24,7 @@ namespace dovetail {
 /// exact: for theta != 0 and a nonlinear law it holds the second derivative of A, contracted with e. Weights
 /// and penalty are frozen at the beginning of a step.
 template <int dim>
-class Nitsche : public Tie<dim>, public Refreezable<dim>
+class Nitsche : public Tie<dim>
 {
 public:
   explicit Nitsche(const Section &section);

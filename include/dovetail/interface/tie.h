@@ -108,6 +108,14 @@ public:
   {
   }
 
+  /// After a step has converged at time @p t: if what begin_step() has frozen fits the solution no more,
+  /// freeze it anew. Collective. @return whether it did, on all ranks alike: then the step must be solved on.
+  virtual bool refreeze(const Interface<dim> & /*interface*/, double /*t*/, const Unknowns & /*unknowns*/,
+                        const MPI_Comm & /*communicator*/)
+  {
+    return false;
+  }
+
   /// Residual and, if @p tangent is not nullptr, its exact derivative over the points of a group; both come
   /// in as zero. @return false if a law is not defined at the state of a point.
   virtual bool assemble(const Interface<dim> & /*interface*/, const typename Pairing<dim>::Group & /*group*/,

@@ -162,12 +162,14 @@ template <int dim>
 void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
 {
   for (unsigned int c = 0; c < n; ++c)
-    if (const auto &[source, component] = source_of_component[c]; source != nullptr)
+    if (const auto &[source, component] = source_of_component[c]; source != nullptr) {
+      source->values(cell_values.get_quadrature_points(), t, component, source_at_points);
       for (const unsigned int q : cell_values.quadrature_point_indices()) {
-        const double f = source->value(cell_values.quadrature_point(q), t, component) * cell_values.JxW(q);
+        const double f = source_at_points[q] * cell_values.JxW(q);
         for (unsigned int a = 0; a < n_nodes; ++a)
           residual[c * n_nodes + a] -= f * cell_values.shape_value(a, q);
       }
+    }
 }
 
 template <int dim>

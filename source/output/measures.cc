@@ -44,13 +44,18 @@ void add_squares(const Domain<dim> &domain, const Field &field, const Expression
                  const dealii::FEValues<dim> &values, const std::vector<double> &unknowns, Squares &squares)
 {
   const unsigned int n = domain.n_nodes();
+  std::array<std::vector<double>, dim> exact_value;
+  std::array<std::vector<dealii::Tensor<1, dim>>, dim> exact_gradient;
+  for (unsigned int c = 0; c < field.n_components; ++c) {
+    exact.values(values.get_quadrature_points(), t, c, exact_value[c]);
+    exact.gradients(values.get_quadrature_points(), t, c, domain.typical_length(), exact_gradient[c]);
+  }
   std::array<double, dim> error{};
   std::array<dealii::Tensor<1, dim>, dim> error_of_gradient;
   for (const unsigned int q : values.quadrature_point_indices()) {
-    const auto &X = values.quadrature_point(q);
     for (unsigned int c = 0; c < field.n_components; ++c) {
-      const double B = exact.value(X, t, c);
-      const dealii::Tensor<1, dim> gradient = exact.gradient(X, t, c, domain.typical_length());
+      const double B = exact_value[c][q];
+      const dealii::Tensor<1, dim> &gradient = exact_gradient[c][q];
       error[c] = -B;
       error_of_gradient[c] = -gradient;
       squares.norm += B * B * values.JxW(q);

@@ -34,7 +34,9 @@ struct Expression::Implementation
   void define_names(mu::Parser &parser);
   void note_used_variables(const mu::Parser &parser);
   std::optional<unsigned int> put_on_tape(const mu::Parser &parser, const std::string &formula);
-  const std::vector<double> &variables();
+  const std::vector<double> &variables(); ///< for the tape
+  template <int dim>
+  void set_points(const std::vector<Point<dim>> &X, double t);
   std::string known_variables() const;
 
   std::string text;
@@ -179,6 +181,7 @@ void Expression::Implementation::note_used_variables(const mu::Parser &parser)
 
 const std::vector<double> &Expression::Implementation::variables()
 {
+  for_tape.resize(5);
   std::copy(position.begin(), position.end(), for_tape.begin());
   for_tape[3] = time;
   for_tape[4] = temperature;
@@ -195,7 +198,7 @@ std::optional<unsigned int> Expression::Implementation::put_on_tape(const mu::Pa
       position = {{sample, 0.7 - sample, 1.1 * sample}};
       time = 1.7 * sample;
       temperature = 0.9 + sample;
-      const double expected = parser.Eval(), value = tape.value(*on_tape, variables());
+      const double expected = parser.Eval(), value = *tape.values(*on_tape, variables(), 1);
       const bool agrees = std::isfinite(expected)
                               ? std::abs(value - expected) <= 1e-10 * std::abs(expected) + 1e-14
                               : !std::isfinite(value);
@@ -280,8 +283,53 @@ double Expression::value(const Point<dim> &X, const double t, const unsigned int
     implementation->position[d] = X[d];
   implementation->time = t;
   implementation->temperature = T;
-  return formula.on_tape ? implementation->tape.value(*formula.on_tape, implementation->variables())
+  return formula.on_tape ? *implementation->tape.values(*formula.on_tape, implementation->variables(), 1)
                          : formula.parser->Eval();
+}
+
+template <int dim>
+void Expression::Implementation::set_points(const std::vector<Point<dim>> &X, const double t)
+{
+  const unsigned int n = X.size();
+  for_tape.resize(5 * n);
+  for (unsigned int d = 0; d < 3; ++d)
+    for (unsigned int i = 0; i < n; ++i)
+      for_tape[d * n + i] = d < dim ? X[i][d] : 0;
+  std::fill_n(for_tape.begin() + 3 * n, n, t);
+  std::fill_n(for_tape.begin() + 4 * n, n, 0.);
+}
+
+template <int dim>
+void Expression::values(const std::vector<Point<dim>> &X, const double t, const unsigned int component,
+                        std::vector<double> &result) const
+{
+  result.resize(X.size());
+  if (const auto on_tape = implementation->components[component].on_tape) {
+    implementation->set_points(X, t);
+    std::copy_n(implementation->tape.values(*on_tape, implementation->for_tape, X.size()), X.size(),
+                result.begin());
+  } else
+    for (unsigned int i = 0; i < X.size(); ++i)
+      result[i] = value(X[i], t, component);
+}
+
+template <int dim>
+void Expression::gradients(const std::vector<Point<dim>> &X, const double t, const unsigned int component,
+                           const double length, std::vector<Tensor<1, dim>> &result) const
+{
+  result.assign(X.size(), Tensor<1, dim>());
+  const auto on_tape = implementation->components[component].on_tape;
+  if (on_tape) {
+    implementation->set_points(X, t);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (const double *derivative =
+              implementation->tape.derivatives(*on_tape, d, implementation->for_tape, X.size()))
+        for (unsigned int i = 0; i < X.size(); ++i)
+          result[i][d] = derivative[i];
+  }
+  for (unsigned int i = 0; i < X.size(); ++i)
+    if (!on_tape || !std::isfinite(result[i].norm_square()))
+      result[i] = gradient(X[i], t, component, length);
 }
 
 template <int dim>
@@ -294,9 +342,11 @@ Tensor<1, dim> Expression::gradient(const Point<dim> &X, const double t, const u
 
   if (const auto on_tape = implementation->components[component].on_tape) {
     value(X, t, component);
-    const auto exact = implementation->tape.gradient(*on_tape, implementation->variables());
-    for (unsigned int d = 0; d < dim; ++d)
-      gradient[d] = exact[d];
+    for (unsigned int d = 0; d < dim; ++d) {
+      const double *derivative =
+          implementation->tape.derivatives(*on_tape, d, implementation->variables(), 1);
+      gradient[d] = derivative == nullptr ? 0 : *derivative;
+    }
     if (std::isfinite(gradient.norm_square()))
       return gradient;
   }
@@ -332,6 +382,18 @@ template double Expression::value(const Point<3> &, double, unsigned int, double
 template Tensor<1, 1> Expression::gradient(const Point<1> &, double, unsigned int, double) const;
 template Tensor<1, 2> Expression::gradient(const Point<2> &, double, unsigned int, double) const;
 template Tensor<1, 3> Expression::gradient(const Point<3> &, double, unsigned int, double) const;
+template void Expression::values(const std::vector<Point<1>> &, double, unsigned int,
+                                 std::vector<double> &) const;
+template void Expression::gradients(const std::vector<Point<1>> &, double, unsigned int, double,
+                                    std::vector<Tensor<1, 1>> &) const;
+template void Expression::values(const std::vector<Point<2>> &, double, unsigned int,
+                                 std::vector<double> &) const;
+template void Expression::gradients(const std::vector<Point<2>> &, double, unsigned int, double,
+                                    std::vector<Tensor<1, 2>> &) const;
+template void Expression::values(const std::vector<Point<3>> &, double, unsigned int,
+                                 std::vector<double> &) const;
+template void Expression::gradients(const std::vector<Point<3>> &, double, unsigned int, double,
+                                    std::vector<Tensor<1, 3>> &) const;
 template std::array<double, 2> Expression::temperature_derivatives(const Point<1> &, double, unsigned int,
                                                                    double) const;
 template std::array<double, 2> Expression::temperature_derivatives(const Point<2> &, double, unsigned int,

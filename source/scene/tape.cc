@@ -154,179 +154,226 @@ private:
 
 std::optional<unsigned int> Tape::add(const std::string &formula)
 {
-  const auto nodes_before = nodes;
+  const unsigned int n_before = nodes.size();
   const auto node = TapeParser(*this, formula).parse();
-  if (!node)
-    nodes = nodes_before;
-  else
-    results.push_back(*node);
   present.clear();
-  for (Node &each : nodes)
-    each.argument = std::nan("");
-  values.resize(nodes.size());
-  gradients.resize(nodes.size());
-  return node ? std::optional<unsigned int>(results.size() - 1) : std::nullopt;
+  if (!node) {
+    nodes.resize(n_before);
+    return {};
+  }
+  results.push_back(*node);
+  return results.size() - 1;
+}
+
+double Tape::combine(const Operation operation, const double first, const double second)
+{
+  switch (operation) {
+  case Operation::sum:
+    return first + second;
+  case Operation::difference:
+    return first - second;
+  case Operation::product:
+    return first * second;
+  case Operation::quotient:
+    return first / second;
+  default:
+    return second == 2 ? first * first : std::pow(first, second);
+  }
 }
 
 unsigned int Tape::find_or_add(const Operation operation, const unsigned int first, const unsigned int second,
                                const double constant, const Function function)
 {
-  const auto is_constant = [this](const unsigned int node) {
-    return nodes[node].operation == Operation::constant;
-  };
-  Node node = {operation, function, first, second, constant, std::nan(""), 0};
-  const bool is_binary = operation != Operation::constant && operation != Operation::variable &&
-                         operation != Operation::function && operation != Operation::slope;
-  if (is_binary && is_constant(first) && is_constant(second)) { // 2*pi
-    values.assign(nodes.size(), 0.);
-    for (const unsigned int of : {first, second})
-      values[of] = nodes[of].constant;
-    double value = 0;
-    evaluate(node, value);
-    return find_or_add(Operation::constant, 0, 0, value);
-  }
+  const bool is_leaf = operation == Operation::constant || operation == Operation::variable;
+  const bool is_binary = !is_leaf && operation != Operation::function && operation != Operation::slope;
+  if (is_binary && nodes[first].operation == Operation::constant &&
+      nodes[second].operation == Operation::constant) // 2*pi
+    return find_or_add(Operation::constant, 0, 0,
+                       combine(operation, nodes[first].constant, nodes[second].constant));
   for (unsigned int i = 0; i < nodes.size(); ++i)
     if (nodes[i].operation == operation && nodes[i].function == function && nodes[i].first == first &&
         nodes[i].second == second && nodes[i].constant == constant)
       return i;
+
+  Node node;
+  node.operation = operation;
+  node.function = function;
+  node.first = first;
+  node.second = second;
+  node.constant = constant;
+  node.last_argument = std::nan("");
+  for (unsigned int d = 0; d < 3; ++d)
+    node.depends[d] = is_leaf ? operation == Operation::variable && first == d
+                              : nodes[first].depends[d] || (is_binary && nodes[second].depends[d]);
   nodes.push_back(node);
   return nodes.size() - 1;
 }
 
-void Tape::move_to(const std::vector<double> &variables)
+const double *Tape::values(const unsigned int result, const std::vector<double> &variables,
+                           const unsigned int n_points)
 {
-  if (variables != present) {
+  if (n != n_points || variables != present) {
     present = variables;
+    n = n_points;
     n_values = n_gradients = 0;
   }
-}
-
-double Tape::value(const unsigned int result, const std::vector<double> &variables)
-{
-  move_to(variables);
   for (; n_values <= results[result]; ++n_values)
-    evaluate(nodes[n_values], values[n_values]);
-  return values[results[result]];
+    evaluate(nodes[n_values]);
+  return nodes[results[result]].values.data();
 }
 
-std::array<double, 3> Tape::gradient(const unsigned int result, const std::vector<double> &variables)
+const double *Tape::derivatives(const unsigned int result, const unsigned int variable,
+                                const std::vector<double> &variables, const unsigned int n_points)
 {
-  value(result, variables);
+  values(result, variables, n_points);
   for (; n_gradients <= results[result]; ++n_gradients)
-    differentiate(nodes[n_gradients], values[n_gradients], gradients[n_gradients]);
-  return gradients[results[result]];
+    differentiate(nodes[n_gradients]);
+  const Node &node = nodes[results[result]];
+  return node.depends[variable] ? node.gradient[variable].data() : nullptr;
 }
 
-void Tape::evaluate(Node &node, double &value)
+void Tape::evaluate(Node &node)
 {
-  const double a =
-      node.operation == Operation::constant || node.operation == Operation::variable ? 0 : values[node.first];
-  switch (node.operation) {
-  case Operation::constant:
-    value = node.constant;
+  node.values.resize(n);
+  double *const value = node.values.data();
+  if (node.operation == Operation::constant) {
+    std::fill(value, value + n, node.constant);
     return;
-  case Operation::variable:
-    value = present[node.first];
-    return;
-  case Operation::sum:
-    value = a + values[node.second];
-    return;
-  case Operation::difference:
-    value = a - values[node.second];
-    return;
-  case Operation::product:
-    value = a * values[node.second];
-    return;
-  case Operation::quotient:
-    value = a / values[node.second];
-    return;
-  case Operation::power:
-    value = values[node.second] == 2 ? a * a : std::pow(a, values[node.second]);
-    return;
-  case Operation::slope:
-    value = nodes[node.first].slope;
-    return;
-  case Operation::function:
-    break;
   }
-  if (a == node.argument)
-    return; // value and slope are right
-  node.argument = a;
-  switch (node.function) {
-  case Function::none:
+  if (node.operation == Operation::variable) {
+    std::copy_n(present.begin() + node.first * n, n, value);
+    return;
+  }
+  if (node.operation == Operation::slope) {
+    node.values = nodes[node.first].slopes;
+    return;
+  }
+  if (node.operation == Operation::function) {
+    evaluate_function(node, nodes[node.first].values);
+    return;
+  }
+  const double *const a = nodes[node.first].values.data(), *const b = nodes[node.second].values.data();
+  switch (node.operation) { // loops that the compiler vectorises
+  case Operation::sum:
+    for (unsigned int i = 0; i < n; ++i)
+      value[i] = a[i] + b[i];
     break;
-  case Function::sine:
-    value = std::sin(a); // the compiler makes one call of both
-    node.slope = std::cos(a);
+  case Operation::difference:
+    for (unsigned int i = 0; i < n; ++i)
+      value[i] = a[i] - b[i];
     break;
-  case Function::tangent:
-    value = std::tan(a);
-    node.slope = 1 + value * value;
+  case Operation::product:
+    for (unsigned int i = 0; i < n; ++i)
+      value[i] = a[i] * b[i];
     break;
-  case Function::exponential:
-    value = node.slope = std::exp(a);
-    break;
-  case Function::logarithm:
-    value = std::log(a);
-    node.slope = 1 / a;
-    break;
-  case Function::root:
-    value = std::sqrt(a);
-    node.slope = 0.5 / value;
-    break;
-  case Function::sinh:
-    value = std::sinh(a);
-    node.slope = std::cosh(a);
-    break;
-  case Function::cosh:
-    value = std::cosh(a);
-    node.slope = std::sinh(a);
-    break;
-  case Function::tanh:
-    value = std::tanh(a);
-    node.slope = 1 - value * value;
-    break;
+  default:
+    for (unsigned int i = 0; i < n; ++i)
+      value[i] = combine(node.operation, a[i], b[i]);
   }
 }
 
-void Tape::differentiate(const Node &node, const double value, std::array<double, 3> &gradient) const
+void Tape::evaluate_function(Node &node, const std::vector<double> &arguments)
 {
-  const auto combine = [&](const double by_first, const double by_second) {
-    for (unsigned int d = 0; d < 3; ++d)
-      gradient[d] = by_first * gradients[node.first][d] + by_second * gradients[node.second][d];
-  };
-  const auto chain = [&](const double slope, const unsigned int argument) {
-    for (unsigned int d = 0; d < 3; ++d)
-      gradient[d] = slope * gradients[argument][d];
-  };
-  switch (node.operation) {
-  case Operation::constant:
-    gradient = {};
-    return;
-  case Operation::variable:
-    gradient = {};
-    if (node.first < 3)
-      gradient[node.first] = 1;
-    return;
-  case Operation::sum:
-    return combine(1, 1);
-  case Operation::difference:
-    return combine(1, -1);
-  case Operation::product:
-    return combine(values[node.second], values[node.first]);
-  case Operation::quotient:
-    return combine(1 / values[node.second], -value / values[node.second]);
-  case Operation::power: {
-    const double base = values[node.first], exponent = values[node.second];
-    const double by_base = exponent == 0 ? 0 : exponent * std::pow(base, exponent - 1);
-    if (nodes[node.second].operation == Operation::constant)
-      return chain(by_base, node.first);
-    return combine(by_base, base > 0 ? value * std::log(base) : 0);
+  node.slopes.resize(n);
+  double &value = node.last_value, &slope = node.last_slope;
+  for (unsigned int i = 0; i < n; ++i) {
+    const double a = arguments[i];
+    if (a != node.last_argument) {
+      node.last_argument = a;
+      switch (node.function) {
+      case Function::none:
+        break;
+      case Function::sine:
+        value = std::sin(a); // the compiler makes one call of both
+        slope = std::cos(a);
+        break;
+      case Function::tangent:
+        value = std::tan(a);
+        slope = 1 + value * value;
+        break;
+      case Function::exponential:
+        value = slope = std::exp(a);
+        break;
+      case Function::logarithm:
+        value = std::log(a);
+        slope = 1 / a;
+        break;
+      case Function::root:
+        value = std::sqrt(a);
+        slope = 0.5 / value;
+        break;
+      case Function::sinh:
+        value = std::sinh(a);
+        slope = std::cosh(a);
+        break;
+      case Function::cosh:
+        value = std::cosh(a);
+        slope = std::sinh(a);
+        break;
+      case Function::tanh:
+        value = std::tanh(a);
+        slope = 1 - value * value;
+        break;
+      }
+    }
+    node.values[i] = value;
+    node.slopes[i] = slope;
   }
-  case Operation::function:
-    return chain(node.slope, node.first);
-  case Operation::slope: // of a sine
-    return chain(-values[node.first], nodes[node.first].first);
+}
+
+/// The derivatives by the operands, then the chain rule.
+void Tape::differentiate(Node &node)
+{
+  if (!node.depends[0] && !node.depends[1] && !node.depends[2])
+    return;
+  if (node.operation == Operation::variable) {
+    node.gradient[node.first].assign(n, 1.);
+    return;
+  }
+  const bool is_slope = node.operation == Operation::slope; // of a sine: the argument is the sine's
+  const bool is_unary = is_slope || node.operation == Operation::function;
+  const Node &first = nodes[is_slope ? nodes[node.first].first : node.first],
+             &second = nodes[is_unary ? 0 : node.second];
+  by_first.resize(n);
+  by_second.resize(n);
+  for (unsigned int i = 0; i < n; ++i) {
+    const double a = first.values[i], b = is_unary ? 0 : second.values[i], value = node.values[i];
+    switch (node.operation) {
+    case Operation::sum:
+    case Operation::difference:
+      by_first[i] = 1;
+      by_second[i] = node.operation == Operation::sum ? 1 : -1;
+      break;
+    case Operation::product:
+      by_first[i] = b;
+      by_second[i] = a;
+      break;
+    case Operation::quotient:
+      by_first[i] = 1 / b;
+      by_second[i] = -value / b;
+      break;
+    case Operation::power:
+      by_first[i] = b == 2 ? 2 * a : b == 0 ? 0 : b * std::pow(a, b - 1);
+      by_second[i] = a > 0 && second.operation != Operation::constant ? value * std::log(a) : 0;
+      break;
+    case Operation::function:
+      by_first[i] = node.slopes[i];
+      break;
+    default:
+      by_first[i] = -nodes[node.first].values[i];
+    }
+  }
+  for (unsigned int d = 0; d < 3; ++d) {
+    if (!node.depends[d])
+      continue;
+    node.gradient[d].assign(n, 0.);
+    double *const result = node.gradient[d].data();
+    if (first.depends[d])
+      for (unsigned int i = 0; i < n; ++i)
+        result[i] += by_first[i] * first.gradient[d][i];
+    if (!is_unary && second.depends[d])
+      for (unsigned int i = 0; i < n; ++i)
+        result[i] += by_second[i] * second.gradient[d][i];
   }
 }
 

@@ -28,10 +28,12 @@ public:
   /// @return the number of the formula's result, or nothing if it holds something the tape does not know.
   std::optional<unsigned int> add(const std::string &formula);
 
-  /// At the given variables, which are compared with those of the call before.
-  double value(unsigned int result, const std::vector<double> &variables);
-  /// By the first three variables.
-  std::array<double, 3> gradient(unsigned int result, const std::vector<double> &variables);
+  /// At @p n_points points, whose variables stand one variable after another: [variable][point]. They are
+  /// compared with those of the call before. @return [point]
+  const double *values(unsigned int result, const std::vector<double> &variables, unsigned int n_points);
+  /// By one of the first three variables. @return [point], or nullptr if the result does not depend on it.
+  const double *derivatives(unsigned int result, unsigned int variable, const std::vector<double> &variables,
+                            unsigned int n_points);
 
 private:
   friend class TapeParser;
@@ -44,20 +46,23 @@ private:
     Function function;
     unsigned int first, second; ///< numbers of nodes before this one, or of a variable
     double constant;
-    double argument, slope; ///< of a function: those of its present value
+    bool depends[3] = {false, false, false};         ///< on the first three variables
+    double last_argument, last_value, last_slope;    ///< of a function, where it was evaluated last
+    std::vector<double> values, slopes, gradient[3]; ///< [point]
   };
 
   unsigned int find_or_add(Operation operation, unsigned int first, unsigned int second = 0,
                            double constant = 0, Function function = Function::none);
-  void move_to(const std::vector<double> &variables);
-  void evaluate(Node &node, double &value);
-  void differentiate(const Node &node, const double value, std::array<double, 3> &gradient) const;
+  static double combine(Operation operation, double first, double second);
+  void evaluate(Node &node);
+  void evaluate_function(Node &node, const std::vector<double> &arguments);
+  void differentiate(Node &node);
 
   std::vector<std::string> names;
   std::vector<Node> nodes;
   std::vector<unsigned int> results;
-  std::vector<double> present, values;
-  std::vector<std::array<double, 3>> gradients;
+  std::vector<double> present, by_first, by_second;
+  unsigned int n = 0;                         ///< points
   unsigned int n_values = 0, n_gradients = 0; ///< so many nodes are up to date
 };
 

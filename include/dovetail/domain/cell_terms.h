@@ -71,6 +71,7 @@ private:
   std::array<std::vector<double>, dim> gradient_of_direction; ///< the same by direction, for the inner loop
   std::vector<const Condition<dim> *> flux_conditions;
   std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
+  std::vector<double> source_at_points;
 };
 
 } // namespace dovetail

@@ -30,8 +30,11 @@ void check(const unsigned int n)
   const SceneModel<dim> scene(
       set("Materials", "heat") + set("Domains", "left, right") + set("Interfaces", "seam") +
       subsection("Material heat", subsection("Heat", set("Type", "Fourier") + set("Conductivity", "1"))) +
-      subsection("Domain left",
-                 set("Material", "heat") + box(cells("2") + " : 0, 0" + side + " : 1, 1" + end)) +
+      subsection("Domain left", set("Material", "heat") + set("Boundary conditions", "held") +
+                                    subsection("Boundary condition held",
+                                               set("Type", "value") + set("Field", "temperature") +
+                                                   set("Boundary ids", "0") + set("Expression", "0")) +
+                                    box(cells("2") + " : 0, 0" + side + " : 1, 1" + end)) +
       subsection("Domain right",
                  set("Material", "heat") + box(cells(many) + " : 1, 0" + side + " : 2, 1" + end)) +
       subsection("Interface seam",

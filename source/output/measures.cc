@@ -38,24 +38,38 @@ struct Squares
   double error = 0, error_of_gradient = 0, norm = 0, norm_of_gradient = 0;
 };
 
+/// Values and gradients of the exact solution at the points of a cell, by component of the domain.
+template <int dim>
+struct ExactSolution
+{
+  std::vector<std::vector<double>> value;
+  std::vector<std::vector<dealii::Tensor<1, dim>>> gradient;
+
+  void evaluate(const Domain<dim> &domain, const std::vector<dealii::Point<dim>> &X, const double t)
+  {
+    value.resize(domain.n_components());
+    gradient.resize(domain.n_components());
+    for (const Field &field : domain.fields())
+      if (const Expression *exact = domain.exact().find(field.name))
+        for (unsigned int c = 0; c < field.n_components; ++c) {
+          exact->values(X, t, c, value[field.first_component + c]);
+          exact->gradients(X, t, c, domain.typical_length(), gradient[field.first_component + c]);
+        }
+  }
+};
+
 /// The share of one cell, for one field.
 template <int dim>
-void add_squares(const Domain<dim> &domain, const Field &field, const Expression &exact, const double t,
+void add_squares(const Domain<dim> &domain, const Field &field, const ExactSolution<dim> &exact,
                  const dealii::FEValues<dim> &values, const std::vector<double> &unknowns, Squares &squares)
 {
   const unsigned int n = domain.n_nodes();
-  std::array<std::vector<double>, dim> exact_value;
-  std::array<std::vector<dealii::Tensor<1, dim>>, dim> exact_gradient;
-  for (unsigned int c = 0; c < field.n_components; ++c) {
-    exact.values(values.get_quadrature_points(), t, c, exact_value[c]);
-    exact.gradients(values.get_quadrature_points(), t, c, domain.typical_length(), exact_gradient[c]);
-  }
   std::array<double, dim> error{};
   std::array<dealii::Tensor<1, dim>, dim> error_of_gradient;
   for (const unsigned int q : values.quadrature_point_indices()) {
     for (unsigned int c = 0; c < field.n_components; ++c) {
-      const double B = exact_value[c][q];
-      const dealii::Tensor<1, dim> &gradient = exact_gradient[c][q];
+      const double B = exact.value[field.first_component + c][q];
+      const dealii::Tensor<1, dim> &gradient = exact.gradient[field.first_component + c][q];
       error[c] = -B;
       error_of_gradient[c] = -gradient;
       squares.norm += B * B * values.JxW(q);
@@ -107,7 +121,8 @@ public:
   std::vector<const Field *> known;
   std::map<std::string, Squares> squares;
 
-  void add_cell(const dealii::FEValues<dim> &values, const std::vector<double> &unknowns)
+  void add_cell(const dealii::FEValues<dim> &values, const ExactSolution<dim> &exact,
+                const std::vector<double> &unknowns)
   {
     for (const unsigned int q : values.quadrature_point_indices()) {
       for (unsigned int a = 0; a < shape.size(); ++a) {
@@ -117,7 +132,7 @@ public:
       evaluate_state<dim>(domain.n_components(), shape.size(), shape.data(), gradient.data(), unknowns.data(),
                           of_solution);
       of_solution.X = of_exact.X = values.quadrature_point(q);
-      set_exact_state();
+      set_exact_state(exact, q);
       bool is_defined = domain.material.evaluate(of_solution, false, response);
       is_defined = domain.material.evaluate(of_exact, false, exact_response) && is_defined;
       for (const Field *field : known)
@@ -126,15 +141,13 @@ public:
   }
 
 private:
-  void set_exact_state()
+  void set_exact_state(const ExactSolution<dim> &exact, const unsigned int q)
   {
-    for (const Field &field : domain.fields())
-      if (const Expression *exact = domain.exact().find(field.name))
-        for (unsigned int c = 0; c < field.n_components; ++c) {
-          const unsigned int i = field.first_component + c;
-          of_exact.value[i] = exact->value(of_exact.X, of_exact.t, c);
-          of_exact.gradient[i] = exact->gradient(of_exact.X, of_exact.t, c, domain.typical_length());
-        }
+    for (unsigned int i = 0; i < exact.value.size(); ++i)
+      if (!exact.value[i].empty()) {
+        of_exact.value[i] = exact.value[i][q];
+        of_exact.gradient[i] = exact.gradient[i][q];
+      }
   }
 
   void add_point(const Field &field, const double JxW)
@@ -166,6 +179,7 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
                                dealii::update_values | dealii::update_gradients |
                                    dealii::update_quadrature_points | dealii::update_JxW_values);
   std::map<std::string, Squares> squares;
+  ExactSolution<dim> exact;
   EnergySquares<dim> energy(domain, t);
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;
@@ -174,11 +188,12 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
       values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
       domain.cell_dofs(cell, dofs);
       gather(solution, dofs, unknowns);
+      exact.evaluate(domain, values.get_quadrature_points(), t);
       for (const Field &field : domain.fields())
-        if (const Expression *exact = domain.exact().find(field.name))
-          add_squares(domain, field, *exact, t, values, unknowns, squares[field.name]);
+        if (domain.exact().find(field.name) != nullptr)
+          add_squares(domain, field, exact, values, unknowns, squares[field.name]);
       if (!energy.known.empty())
-        energy.add_cell(values, unknowns);
+        energy.add_cell(values, exact, unknowns);
     }
 
   // coupled or at finite strain, the products of fluxes and gradients may be negative

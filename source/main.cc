@@ -146,6 +146,7 @@ void skip_network_if_alone()
   setenv("OMPI_MCA_btl", "self", 0);
   // all such processes would share one directory, and one that ends removes it while another starts
   setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
+  setenv("OMPI_MCA_sharedfp", "^sm", 0); // it would look for that directory
 }
 
 /// A study starts each of its runs as a process of its own, which may use MPI; itself it must not.

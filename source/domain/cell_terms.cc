@@ -69,8 +69,10 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     state.X = cell_values.quadrature_point(q);
     load_point(cell_values, q);
     evaluate_state<dim>(n, n_nodes, shape.data(), gradient.data(), unknowns.data(), state);
-    if (!domain.material.evaluate(state, tangent != nullptr, response))
+    if (!domain.material.evaluate(state, tangent != nullptr, response)) {
+      has_uniform_tangent = false; // what comes next is compared with this cell
       return false;
+    }
     for (unsigned int c = 0; c < n; ++c)
       for (unsigned int a = 0; a < n_nodes; ++a)
         residual[c * n_nodes + a] += (response.flux[c] * gradient[a]) * cell_values.JxW(q);

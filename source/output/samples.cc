@@ -111,6 +111,8 @@ std::vector<Samples::Part> read_parts(const ordered_json &list, const unsigned i
   for (const auto &described : list) {
     Samples::Part part;
     part.name = described.at("name");
+    part.source = described.value("source", "");
+    part.destination = described.value("destination", "");
     part.n_points = described.at("points");
     part.n_numbers = dim + 1;
     for (const auto &field : described.at("fields")) {
@@ -141,6 +143,15 @@ Samples parse(const std::string &line, const unsigned int dim, unsigned long lon
 
 } // namespace
 
+template <int dim>
+std::string side_in_words(const InterfaceSide<dim> &side)
+{
+  std::string words = side.domain->name + " :";
+  for (const auto id : side.boundary_ids)
+    words += " " + std::to_string(id);
+  return words;
+}
+
 const Samples::Part *Samples::find(const std::vector<Part> &parts, const std::string &name)
 {
   for (const Part &part : parts)
@@ -166,6 +177,8 @@ void write_samples(const Model<dim> &model, const Vector &solution, const double
   for (const auto &interface : model.interfaces) {
     numbers.push_back(sample_interface(*interface, solution, t));
     ordered_json part = describe(interface->name, interface->fields, n_components);
+    part["source"] = side_in_words(interface->sides[source]);
+    part["destination"] = side_in_words(interface->sides[destination]);
     part["points"] = count_points(numbers.back(), dim + 1 + n_components, communicator);
     header["interfaces"].push_back(part);
   }
@@ -244,6 +257,8 @@ std::vector<double> read_points(const std::string &file, const Samples::Part &pa
   return numbers;
 }
 
+template std::string side_in_words(const InterfaceSide<2> &);
+template std::string side_in_words(const InterfaceSide<3> &);
 template void write_samples(const Model<2> &, const Vector &, double, const std::string &);
 template void write_samples(const Model<3> &, const Vector &, double, const std::string &);
 

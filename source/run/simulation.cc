@@ -327,13 +327,9 @@ void Simulation<dim>::begin_step(const double t)
   system->begin_step(t, solution);
 }
 
-/// One step to time t from the last good solution.
 template <int dim>
-bool Simulation<dim>::advance(const double t)
+NewtonResult Simulation<dim>::solve_until_penalties_fit(const double t)
 {
-  begin_step(t);
-  const Vector last_good = solution;
-  tell_notes();
   if (model.is_linear())
     system->constrain(solution);
   NewtonResult result = solve_step();
@@ -347,15 +343,22 @@ bool Simulation<dim>::advance(const double t)
     result.linear_iterations.insert(result.linear_iterations.end(), next.linear_iterations.begin(),
                                     next.linear_iterations.end());
   }
+  return result;
+}
+
+/// One step to time t from the last good solution.
+template <int dim>
+bool Simulation<dim>::advance(const double t)
+{
+  begin_step(t);
+  tell_notes();
+  const NewtonResult result = solve_until_penalties_fit(t);
   report->add_step(t, result.residuals, result.linear_iterations);
   if (result.is_converged)
     lacks_multipliers = true;
-  else {
-    if (const auto motion = system->find_free_motion(true))
-      if (const std::string note = "nothing holds " + motion->in_words(); report->add_note(note))
-        log.line("  note: " + note);
-    solution = last_good;
-  }
+  else if (const auto motion = system->find_free_motion(true))
+    if (const std::string note = "nothing holds " + motion->in_words(); report->add_note(note))
+      log.line("  note: " + note);
   can_be_halved = may_be_halved(result);
   residuals_of_failure = result.is_converged ? std::vector<double>() : result.residuals;
   return result.is_converged;
@@ -416,17 +419,30 @@ bool Simulation<dim>::run()
     const double next = std::min(t + size, steps.end_time);
     const bool is_last = next >= steps.end_time * (1 - 1e-12);
     log.step_begins(n_done + 1, steps.n_steps, is_last ? steps.end_time : next);
-    if (advance(is_last ? steps.end_time : next)) {
+    const Vector last_good = solution;
+    bool is_good = false;
+    try {
+      is_good = advance(is_last ? steps.end_time : next);
+    } catch (const UserError &error) { // toggles, or formulas in t: the steps before it are kept
+      if (n_done == 0)
+        throw;
+      problem_of_step = error.what();
+      can_be_halved = false;
+    }
+    if (is_good) {
       t = is_last ? steps.end_time : next;
       ++n_done;
       log.step_ends();
       write_output(t, n_done, is_last);
       size = std::min(nominal, 2 * size);
-    } else if (can_be_halved && size > nominal / 1024) {
+      continue;
+    }
+    solution = last_good;
+    if (can_be_halved && size > nominal / 1024) {
       size /= 2;
       log.step_ends("did not converge; half of the step is tried");
     } else {
-      log.step_ends("did not converge");
+      log.step_ends(problem_of_step.empty() ? "did not converge" : "cannot be done");
       is_converged = false;
       go_back(t);
       if (n_done > 0 && n_done % every_steps != 0)
@@ -437,7 +453,7 @@ bool Simulation<dim>::run()
   measure(t);
   if (is_converged)
     is_converged = run_cycles(t);
-  compare(t);
+  compare(t, is_converged);
   if (with_spectrum && is_converged)
     measure_spectrum_of_groups();
   else if (with_spectrum)
@@ -502,9 +518,7 @@ NewtonResult Simulation<dim>::solve_on_refined_meshes(const ErrorEstimate &estim
   system = std::make_unique<BlockSystem<dim>>(model);
   set_up(t);
   begin_step(t);
-  if (model.is_linear())
-    system->constrain(solution);
-  return solve_step();
+  return solve_until_penalties_fit(t);
 }
 
 /// Before a system goes.
@@ -555,14 +569,14 @@ void Simulation<dim>::measure(const double t)
 
 /// With a run that is more exact, or for runs that are less so.
 template <int dim>
-void Simulation<dim>::compare(const double t)
+void Simulation<dim>::compare(const double t, const bool is_converged)
 {
   if (!reference->is_on())
     return;
   const Phases::Scope scope(phases, "comparison");
   Vector ghosted = system->ghosted_vector();
   ghosted = solution;
-  reference->compare(ghosted, t, (*report)["domains"], (*report)["interfaces"]);
+  reference->compare(ghosted, t, is_converged, (*report)["domains"], (*report)["interfaces"]);
   if (reference->has_reference())
     (*report)["errors against"] = reference->file();
 }
@@ -588,8 +602,9 @@ void Simulation<dim>::write_report(const bool is_converged)
   (*report)["counters"] = count(model, assemblies, linear_solver, paraview->n_files());
   (*report)["seconds"] = phases.largest_of_ranks(communicator);
   log.finish(report->write(), directory);
-  if (!problem_of_output.empty())
-    throw UserError(problem_of_output);
+  for (const std::string &problem : {problem_of_step, problem_of_output})
+    if (!problem.empty())
+      throw UserError(problem);
 }
 
 template class Simulation<2>;

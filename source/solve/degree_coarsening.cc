@@ -175,9 +175,12 @@ void DegreeCoarsening::estimate_spectrum()
     b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + matrix.GRID(row) % 1009)) / inverse_diagonal[row];
   dealii::IterationNumberControl control(n_iterations, 1e-30 * b.l2_norm());
   dealii::SolverCG<SingleVector> solver(control);
-  solver.connect_eigenvalues_slot(
-      [this](const std::vector<double> &eigenvalues) { largest_eigenvalue = eigenvalues.back(); });
+  solver.connect_eigenvalues_slot([this](const std::vector<double> &eigenvalues) {
+    if (!eigenvalues.empty())
+      largest_eigenvalue = eigenvalues.back();
+  });
   solver.solve(Product{both}, x, b, Scaling{both});
+  AssertThrow(largest_eigenvalue > 0, dealii::ExcMessage("The matrix is not positive definite."));
   largest_eigenvalue *= 1.1; // approached from below
 }
 
@@ -193,9 +196,8 @@ void DegreeCoarsening::smooth(Epetra_Vector &x, const Epetra_Vector &b, const bo
     const bool is_zero = k == 0 && starts_from_zero;
     if (is_zero)
       x.PutScalar(0.);
-    else {
+    else
       matrix.Multiply(false, x, residual);
-    }
     const double next = 1 / (2 * middle / half - rho);
     const double of_residual = k == 0 ? 1 / middle : 2 * next / half, of_direction = k == 0 ? 0 : next * rho;
     if (k > 0)

@@ -50,11 +50,12 @@ void add_domain_errors(const ordered_json &domains, std::vector<std::string> &na
       for (const auto &[field, errors] : domain["errors"].items())
         for (const auto &[norm, error] : errors.items()) {
           const std::string name = "error " + field + " " + norm;
-          if (!domain["norms"].contains(field) || !error.is_number())
+          if (!domain["norms"].contains(field))
             continue;
           if (ratios.count(name) == 0)
             names.push_back(name);
-          ratios[name].error += std::pow(error.get<double>(), 2);
+          // what is undefined in one domain (null) is so in all
+          ratios[name].error += std::pow(number_at(errors, norm.c_str()), 2);
           ratios[name].norm += std::pow(number_at(domain["norms"][field], norm.c_str()), 2);
         }
 }
@@ -63,14 +64,13 @@ void add_interface_errors(const ordered_json &interfaces, std::vector<std::strin
 {
   for (const auto &interface : interfaces)
     if (interface.contains("flux error L2") && interface.contains("flux norm L2"))
-      for (const auto &[field, error] : interface["flux error L2"].items())
-        if (error.is_number()) {
-          const std::string name = "error " + field + " flux";
-          if (ratios.count(name) == 0)
-            names.push_back(name);
-          ratios[name].error += std::pow(error.get<double>(), 2);
-          ratios[name].norm += std::pow(number_at(interface["flux norm L2"], field.c_str()), 2);
-        }
+      for (const auto &[field, error] : interface["flux error L2"].items()) {
+        const std::string name = "error " + field + " flux";
+        if (ratios.count(name) == 0)
+          names.push_back(name);
+        ratios[name].error += std::pow(number_at(interface["flux error L2"], field.c_str()), 2);
+        ratios[name].norm += std::pow(number_at(interface["flux norm L2"], field.c_str()), 2);
+      }
 }
 
 /// Jumps against the largest value of the field times the root of the area.
@@ -266,8 +266,10 @@ std::vector<std::string> who_is_first(const std::vector<StudyCurve> &curves)
                 seconds_text(point->seconds);
     if (reaching.size() > 1) {
       const double ratio = reaching[1].second->seconds / point->seconds;
-      sentence += (ratio < 1.05 ? ", about as fast as" : ", " + to_text(ratio) + " times faster than") +
-                  " the next, " + reaching[1].first->name + ".";
+      sentence +=
+          (ratio < 1.05 ? ", about as fast as"
+                        : ", " + to_text(ratio, ratio < 9.95 ? "%.2g" : "%.0f") + " times faster than") +
+          " the next, " + reaching[1].first->name + ".";
     } else
       sentence += curves.size() > 1 ? "; no other reaches it." : ".";
     sentences.push_back(sentence);

@@ -74,6 +74,8 @@ void recall(StudyRun &run)
   const std::string status = kept.value("status", "");
   if (report.empty() && (status == "converged" || status == "not converged"))
     return;
+  if (status == "failed") // perhaps the machine's fault
+    return;
   run.status = status;
   run.message = kept.value("message", "");
   run.seconds = kept.value("seconds wall", 0.);

@@ -190,8 +190,10 @@ void Study::perform_runs()
     progress.line(std::to_string(n_recalled) + " of " + std::to_string(runs.size()) +
                   " runs were there already");
   for (StudyRun &run : runs)
-    if (!run.is_done())
+    if (!run.is_done()) {
       do_run(run, progress);
+      measure(); // an error as soon as it is known what there is
+    }
   write_table_of_runs();
 }
 

@@ -23,7 +23,8 @@ namespace dovetail {
 /// of the weight that is left out is "reference points outside".
 ///
 /// The flux of an interface is compared at this run's points; that of the reference comes from an affine fit
-/// to its nearest points, which errs by O(h_ref^2).
+/// to its nearest points, which errs by O(h_ref^2). Its sides may be swapped; if they are others, there is no
+/// comparison.
 template <int dim>
 class Reference
 {
@@ -35,17 +36,18 @@ public:
   bool has_reference() const { return reference.has_value(); }
   const std::string &file() const { return reference_file; }
 
-  /// Write the samples and replace "errors" and "norms" of the domains and "flux error L2" of the interfaces
-  /// in the report's parts. Collective; @p solution is ghosted.
-  void compare(const Vector &solution, double t, nlohmann::ordered_json &domains,
+  /// Write the samples, unless the solution is not converged, and replace "errors" and "norms" of the domains
+  /// and "flux error L2" of the interfaces in the report's parts. Collective; @p solution is ghosted.
+  void compare(const Vector &solution, double t, bool is_converged, nlohmann::ordered_json &domains,
                nlohmann::ordered_json &interfaces) const;
 
 private:
   void check_fields(const Section &output) const;
   void compare_domain(const Domain<dim> &domain, const Samples::Part &part, const Vector &solution,
                       nlohmann::ordered_json &result) const;
-  void compare_interface(const Interface<dim> &interface, const Samples::Part &part, const Vector &solution,
-                         double t, nlohmann::ordered_json &result) const;
+  /// @param sign -1 if what is the source here was the destination there
+  void compare_interface(const Interface<dim> &interface, const Samples::Part &part, double sign,
+                         const Vector &solution, double t, nlohmann::ordered_json &result) const;
 
   const Model<dim> &model;
   std::string samples_file, reference_file;

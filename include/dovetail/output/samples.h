@@ -23,6 +23,7 @@ struct Samples
   struct Part
   {
     std::string name;
+    std::string source, destination;                          ///< of an interface: side_in_words()
     std::vector<std::pair<std::string, unsigned int>> fields; ///< and their numbers of components
     unsigned long n_points = 0;
     unsigned int n_numbers = 0;      ///< per point
@@ -32,6 +33,10 @@ struct Samples
 
   static const Part *find(const std::vector<Part> &parts, const std::string &name);
 };
+
+/// "left : 1", to know a side again in another run.
+template <int dim>
+std::string side_in_words(const InterfaceSide<dim> &side);
 
 /// Collective; @p solution is ghosted. @throw UserError if the file cannot be written.
 template <int dim>

@@ -67,13 +67,14 @@ private:
   void go_back(double t);
   void take_account();
   NewtonResult solve_step();
+  NewtonResult solve_until_penalties_fit(double t);
   void check_is_held() const;
   bool run_cycles(double t);
   NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t);
   void find_multipliers();
   void write_output(double t, unsigned int step, bool is_last);
   void measure(double t);
-  void compare(double t);
+  void compare(double t, bool is_converged);
   void measure_spectrum_of_groups();
   void write_report(bool is_converged);
 
@@ -100,7 +101,8 @@ private:
   std::vector<double> residuals_of_failure;         ///< of the step before, if it failed, too
   bool has_new_tangent = false;                     ///< that the linear solver has not seen
   bool lacks_multipliers = false;                   ///< those of the solution have not been looked for
-  std::string problem_of_output = {};               ///< why no more pictures are written
+  std::string problem_of_step;                      ///< wrong input that a later step has found
+  std::string problem_of_output;                    ///< why no more pictures are written
   typename BlockSystem<dim>::Assemblies assemblies; ///< of systems that are no more
 };
 

@@ -271,8 +271,11 @@ NewtonResult Simulation<dim>::solve_step()
     const Phases::Scope scope(phases, "assembly");
     const bool with_tangent = asks_for_tangent && !system->keeps_tangent();
     has_new_tangent = has_new_tangent || with_tangent;
-    return system->assemble(trial, with_tangent) ? system->residual_norm(newton.absolute_tolerance())
-                                                 : std::nan("");
+    const bool is_defined = system->assemble(trial, with_tangent);
+    if (is_first_assembly)
+      loads = {{system->negative_residual().l2_norm(), system->largest_move()}};
+    is_first_assembly = false;
+    return is_defined ? system->residual_norm(newton.absolute_tolerance()) : std::nan("");
   };
   double linear_residual = 0;
   problem.solve = [&]() {
@@ -325,6 +328,7 @@ void Simulation<dim>::begin_step(const double t)
     set_up(t);
   const Phases::Scope scope(phases, "setup");
   system->begin_step(t, solution);
+  is_first_assembly = true;
 }
 
 template <int dim>
@@ -356,27 +360,35 @@ bool Simulation<dim>::advance(const double t)
   report->add_step(t, result.residuals, result.linear_iterations);
   if (result.is_converged)
     lacks_multipliers = true;
-  else if (const auto motion = system->find_free_motion(true))
-    if (const std::string note = "nothing holds " + motion->in_words(); report->add_note(note))
-      log.line("  note: " + note);
-  can_be_halved = may_be_halved(result);
-  residuals_of_failure = result.is_converged ? std::vector<double>() : result.residuals;
+  can_be_halved = may_be_halved();
+  loads_of_failure = result.is_converged ? std::nullopt : std::optional(loads);
   return result.is_converged;
 }
 
-/// A smaller step of a linear scene fails in the same way. So does one if nothing depends on t: it has the
-/// same residuals as the one twice as large, of which the first is 1 in any case.
+/// Perhaps a body is free: the tangent of the last good state knows.
 template <int dim>
-bool Simulation<dim>::may_be_halved(const NewtonResult &failed) const
+void Simulation<dim>::explain_failure()
+{
+  if (!system->assemble(solution, true))
+    return;
+  if (const auto motion = system->find_free_motion(true))
+    if (const std::string note = "nothing holds " + motion->in_words(); report->add_note(note))
+      log.line("  note: " + note);
+}
+
+/// A smaller step of a linear scene fails in the same way. So does one if nothing depends on t: then the
+/// loads at the last good state are those of the step twice as large.
+template <int dim>
+bool Simulation<dim>::may_be_halved() const
 {
   if (!steps.is_adaptive || model.is_linear())
     return false;
-  const auto &now = failed.residuals, &before = residuals_of_failure;
-  if (now.size() != before.size() || now.size() < 2 || !std::isfinite(now[1]))
+  if (!loads_of_failure)
     return true;
-  return !std::equal(now.begin(), now.end(), before.begin(), [](const double one, const double other) {
-    return std::isnan(one) ? std::isnan(other) : std::abs(one - other) <= 1e-6 * other;
-  });
+  for (const unsigned int i : {0, 1})
+    if (std::abs(loads[i] - (*loads_of_failure)[i]) > 1e-12 * loads[i])
+      return true;
+  return false;
 }
 
 /// After a step that failed: what is measured belongs to the last good one, at time t.
@@ -439,11 +451,13 @@ bool Simulation<dim>::run()
     }
     solution = last_good;
     if (can_be_halved && size > nominal / 1024) {
-      size /= 2;
+      size = (next - t) / 2; // the last step may have been shorter than size
       log.step_ends("did not converge; half of the step is tried");
     } else {
       log.step_ends(problem_of_step.empty() ? "did not converge" : "cannot be done");
       is_converged = false;
+      if (problem_of_step.empty())
+        explain_failure();
       go_back(t);
       if (n_done > 0 && n_done % every_steps != 0)
         write_output(t, n_done, true); // the last good step is always kept

@@ -332,6 +332,7 @@ void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
   largest_move = dealii::Utilities::MPI::max(largest_move, model.communicator);
   largest_value = dealii::Utilities::MPI::max(largest_value, model.communicator);
   constraints_move = largest_move > 1e-14 * largest_value;
+  move = largest_move;
 }
 
 template <int dim>

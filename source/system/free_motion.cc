@@ -9,6 +9,7 @@
 #include <deal.II/lac/lapack_full_matrix.h>
 
 #include <cmath>
+#include <limits>
 
 namespace dovetail {
 
@@ -46,6 +47,38 @@ std::vector<Mode> modes_of_bodies(const Model<dim> &model, const std::string &fi
       }
     }
   return modes;
+}
+
+/// Of a symmetric matrix; the eigenvectors are columns.
+std::pair<dealii::Vector<double>, dealii::FullMatrix<double>>
+eigenvectors(const dealii::FullMatrix<double> &matrix)
+{
+  dealii::LAPACKFullMatrix<double> copy(matrix.m(), matrix.n());
+  copy = matrix;
+  dealii::Vector<double> values;
+  dealii::FullMatrix<double> vectors;
+  const double all = std::numeric_limits<double>::max();
+  copy.compute_eigenvalues_symmetric(-all, all, 0., values, vectors);
+  return {values, vectors};
+}
+
+/// Columns V with V^T M V = 1. A body with few free unknowns has rigid motions that are alike: the directions
+/// in which M is small are left out.
+dealii::FullMatrix<double> orthonormal_basis(const dealii::FullMatrix<double> &M)
+{
+  const double least = 1e-6;
+  if (M.m() == 0)
+    return {};
+  const auto [values, vectors] = eigenvectors(M);
+  std::vector<unsigned int> chosen;
+  for (unsigned int i = 0; i < values.size(); ++i)
+    if (values[i] > least)
+      chosen.push_back(i);
+  dealii::FullMatrix<double> basis(M.m(), chosen.size());
+  for (unsigned int k = 0; k < M.m(); ++k)
+    for (unsigned int l = 0; l < chosen.size(); ++l)
+      basis(k, l) = vectors(k, chosen[l]) / std::sqrt(values[chosen[l]]);
+  return basis;
 }
 
 /// |diag K| times a vector
@@ -152,24 +185,27 @@ std::optional<FreeMotion<dim>> find_free_motion(const Model<dim> &model, const s
     if (mass(i, i) > 0)
       free.push_back(i);
   const unsigned int n_free = free.size();
-  if (n_free == 0)
-    return {};
-  dealii::LAPACKFullMatrix<double> G(n_free, n_free), M(n_free, n_free);
+  dealii::FullMatrix<double> G(n_free, n_free), M(n_free, n_free);
   for (unsigned int i = 0; i < n_free; ++i)
     for (unsigned int j = 0; j < n_free; ++j) {
       const double scale = 1 / std::sqrt(mass(free[i], free[i]) * mass(free[j], free[j]));
       G(i, j) = (energy(free[i], free[j]) + energy(free[j], free[i])) / 2 * scale;
       M(i, j) = mass(free[i], free[j]) * scale;
-      if (!std::isfinite(G(i, j)))
+      if (!std::isfinite(G(i, j)) || !std::isfinite(M(i, j)))
         return {};
     }
-  std::vector<dealii::Vector<double>> vectors(n_free);
-  G.compute_generalized_eigenvalues_symmetric(M, vectors);
-  for (unsigned int i = 0; i < n_free; ++i)
-    if (std::abs(G.eigenvalue(i).real()) < rounding) {
+  const dealii::FullMatrix<double> basis = orthonormal_basis(M);
+  if (basis.n() == 0)
+    return {};
+  dealii::FullMatrix<double> of_basis(basis.n(), basis.n());
+  of_basis.triple_product(G, basis, basis, true, false);
+  const auto [values, vectors] = eigenvectors(of_basis);
+  for (unsigned int i = 0; i < values.size(); ++i)
+    if (std::abs(values[i]) < rounding) {
       dealii::Vector<double> shares(n);
       for (unsigned int k = 0; k < n_free; ++k)
-        shares[free[k]] = vectors[i][k];
+        for (unsigned int l = 0; l < basis.n(); ++l)
+          shares[free[k]] += basis(k, l) * vectors(l, i);
       return describe(model, field, modes, shares);
     }
   return {};

@@ -63,12 +63,13 @@ private:
   void begin_step(double t);
   void tell_notes();
   bool advance(double t);
-  bool may_be_halved(const NewtonResult &failed) const;
+  bool may_be_halved() const;
   void go_back(double t);
   void take_account();
   NewtonResult solve_step();
   NewtonResult solve_until_penalties_fit(double t);
   void check_is_held() const;
+  void explain_failure();
   bool run_cycles(double t);
   NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t);
   void find_multipliers();
@@ -97,13 +98,15 @@ private:
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<Report> report;
   Vector solution, trial, update;
-  bool can_be_halved = true;                        ///< the step that has failed
-  std::vector<double> residuals_of_failure;         ///< of the step before, if it failed, too
-  bool has_new_tangent = false;                     ///< that the linear solver has not seen
-  bool lacks_multipliers = false;                   ///< those of the solution have not been looked for
-  std::string problem_of_step;                      ///< wrong input that a later step has found
-  std::string problem_of_output;                    ///< why no more pictures are written
-  typename BlockSystem<dim>::Assemblies assemblies; ///< of systems that are no more
+  bool can_be_halved = true;     ///< the step that has failed
+  bool is_first_assembly = true; ///< of a step
+  std::array<double, 2> loads{}; ///< norms at its beginning: of the residual, of what is prescribed
+  std::optional<std::array<double, 2>> loads_of_failure; ///< of the step before, if it failed, too
+  bool has_new_tangent = false;                          ///< that the linear solver has not seen
+  bool lacks_multipliers = false;                        ///< those of the solution have not been looked for
+  std::string problem_of_step;                           ///< wrong input that a later step has found
+  std::string problem_of_output;                         ///< why no more pictures are written
+  typename BlockSystem<dim>::Assemblies assemblies;      ///< of systems that are no more
 };
 
 /// Read every entry that a scene can have, for the reference (@p text from SceneText::for_documentation).

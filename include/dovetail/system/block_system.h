@@ -76,6 +76,7 @@ public:
 
   /// Whether the last assembled right-hand side moves prescribed values.
   bool moves_constraints() const { return constraints_move; }
+  double largest_move() const { return move; } ///< of a prescribed value, likewise
   /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
   /// nothing where all bodies are surely held, unless @p in_any_case.
   std::optional<FreeMotion<dim>> find_free_motion(bool in_any_case = false) const;
@@ -135,6 +136,7 @@ private:
   dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx
   bool constraints_move = false;
+  double move = 0;
   std::vector<bool> toggles_of_set_up;
   SparseMatrix matrix;
   bool has_tangent = false; ///< since set_up

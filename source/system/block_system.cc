@@ -608,7 +608,10 @@ double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
   for (unsigned int f = 0; f < fields.size(); ++f) {
     // terms that cancel leave rounding: those of a cell among cells, and within a cell those of K x
     const double of_cells = std::sqrt(scale[f]), of_tangent = std::sqrt(magnitude[f]);
-    if (residuals[f] <= std::max({1e-13 * of_cells, 1e-15 * of_tangent, absolute_tolerance}))
+    const double noise = std::max(1e-13 * of_cells, 1e-15 * of_tangent);
+    if (!is_of_multipliers[f] && noise > largest_noise * largest[f] && largest[f] > 0)
+      return std::numeric_limits<double>::quiet_NaN(); // a state so far off that its residual says nothing
+    if (residuals[f] <= std::max(noise, absolute_tolerance))
       continue;
     const double reference =
         std::min(largest[f], largest_of_reference * std::max({at_start[f], of_cells, of_tangent}));

@@ -602,6 +602,7 @@ double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
   }
   if (at_start.empty()) {
     at_start = norms;
+    noise_at_start.clear();
     accept_residual();
   }
   double relative = 0;
@@ -609,7 +610,10 @@ double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
     // terms that cancel leave rounding: those of a cell among cells, and within a cell those of K x
     const double of_cells = std::sqrt(scale[f]), of_tangent = std::sqrt(magnitude[f]);
     const double noise = std::max(1e-13 * of_cells, 1e-15 * of_tangent);
-    if (!is_of_multipliers[f] && noise > largest_noise * largest[f] && largest[f] > 0)
+    if (noise_at_start.size() == f)
+      noise_at_start.push_back(noise);
+    if (!is_of_multipliers[f] && noise > largest_noise * largest[f] &&
+        noise > largest_growth * noise_at_start[f] && noise_at_start[f] > 0)
       return std::numeric_limits<double>::quiet_NaN(); // a state so far off that its residual says nothing
     if (residuals[f] <= std::max(noise, absolute_tolerance))
       continue;

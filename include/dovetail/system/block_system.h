@@ -151,6 +151,7 @@ private:
   std::vector<double> scale, magnitude, largest; ///< per field; magnitude: of the last tangent
   std::vector<double> norms, at_start;           ///< likewise: of the last residual, of the first of the step
   static constexpr double largest_growth = 1e6, largest_of_reference = 100;
+  std::vector<double> noise_at_start;          ///< per field, of this step
   static constexpr double largest_noise = 100; ///< over the largest accepted residual of the step
   double tie_seconds = 0;
 };

@@ -11,13 +11,13 @@
 
 namespace dovetail {
 
-namespace {
-
 bool stdout_is_terminal()
 {
   const char *terminal = std::getenv("TERM");
   return isatty(1) != 0 && terminal != nullptr && std::strcmp(terminal, "dumb") != 0;
 }
+
+namespace {
 
 std::string to_text(const double value, const char *format = "%.4g")
 {

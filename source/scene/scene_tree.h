@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include <dovetail/scene/path.h>
+
 #include <map>
 #include <string>
 #include <vector>
@@ -69,15 +71,9 @@ FileTexts read_files(const std::string &file);
 SceneTree parse_prm(const std::string &file, const FileTexts &texts);
 SceneTree parse_json(const std::string &file, const FileTexts &texts);
 
-/// Apply "PATH=value" as given by --set; without a value the entry is taken away.
+/// Apply "PATH=value" as given by --set; without a value an entry that is there is taken away.
 void apply_override(SceneTree &tree, const std::string &assignment);
 
-std::string join_path(const std::string &path, const std::string &name);
-std::string parent_path(const std::string &path);
-std::string last_name(const std::string &path);
-
-/// @p name without surrounding blanks and with single ones inside.
-std::string tidy_name(const std::string &name);
 /// @throw UserError unless @p name and @p value can be written to a .prm file and found by a path.
 void check_writable(const std::string &name, const std::string &value, const Location &location);
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/scene/path.h>
 #include <dovetail/study/options.h>
 
 #include <deal.II/base/utilities.h>
 
 #include <algorithm>
 #include <set>
-#include <sstream>
 
 namespace dovetail {
 
@@ -27,16 +27,6 @@ std::vector<std::string> split(const std::string &text, const char separator)
   return parts;
 }
 
-/// With single blanks between the words.
-std::string tidy_name(const std::string &name)
-{
-  std::istringstream words(name);
-  std::string word, tidy;
-  while (words >> word)
-    tidy += (tidy.empty() ? "" : " ") + word;
-  return tidy;
-}
-
 /// 'Interface seam / Theta' as 'Interface seam/Theta'.
 std::string tidy_path(const std::string &text)
 {
@@ -46,7 +36,7 @@ std::string tidy_path(const std::string &text)
       throw UserError(
           "has the path '" + text +
           "', which is not understood. Write it as for --set, for instance Interface seam/Theta.");
-    path += (path.empty() ? "" : "/") + tidy_name(name);
+    path = join_path(path, tidy_name(name));
   }
   return path;
 }
@@ -69,11 +59,6 @@ VariedEntries parse_list(const std::string &text)
     result.values.push_back(value);
   }
   return result;
-}
-
-std::string last_name(const std::string &path)
-{
-  return path.substr(path.rfind('/') + 1); // npos + 1 is 0
 }
 
 template <typename T>

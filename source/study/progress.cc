@@ -3,24 +3,16 @@
 
 #include "progress.h"
 
+#include <dovetail/output/log.h>
 #include <dovetail/study/numbers.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <iostream>
-#include <unistd.h>
 
 namespace dovetail {
 
 namespace {
-
-bool stdout_is_terminal()
-{
-  const char *terminal = std::getenv("TERM");
-  return isatty(1) != 0 && terminal != nullptr && std::strcmp(terminal, "dumb") != 0;
-}
 
 /// Median of the runs that are done and that @p fits.
 template <typename Predicate>

@@ -189,10 +189,13 @@ void Study::perform_runs()
   if (n_recalled > 0)
     progress.line(std::to_string(n_recalled) + " of " + std::to_string(runs.size()) +
                   " runs were there already");
+  unsigned int level = options.levels.front();
   for (StudyRun &run : runs)
     if (!run.is_done()) {
+      if (run.level > level)
+        measure(); // an error before the finer runs, which take longer; one variant alone may not know it
+      level = run.level;
       do_run(run, progress);
-      measure(); // an error as soon as it is known what there is
     }
   write_table_of_runs();
 }

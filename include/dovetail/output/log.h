@@ -13,6 +13,9 @@
 
 namespace dovetail {
 
+/// Whether somebody looks who wants progress bars.
+bool stdout_is_terminal();
+
 /// Writes to the standard output of rank 0; on a terminal with a progress bar over the steps below the last
 /// line.
 class Log

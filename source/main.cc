@@ -3,8 +3,11 @@
 //
 // The command line: arguments, one catch, the dimension dispatched once.
 
+#include <dovetail/output/launcher.h>
+#include <dovetail/output/new_file.h>
 #include <dovetail/run/simulation.h>
 #include <dovetail/scene/scene_text.h>
+#include <dovetail/scene/shortened.h>
 #include <dovetail/scene/user_error.h>
 #include <dovetail/study/study.h>
 
@@ -12,9 +15,14 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
+#include <fcntl.h>
 #include <iostream>
+#include <poll.h>
 #include <string>
+#include <thread>
 #include <vector>
 
 /// OpenBLAS, where it is the BLAS: the ranks are the parallelism, its threads would only fight for the cores.
@@ -138,15 +146,45 @@ std::string reason(const std::exception &error)
 /// would take it 0.3 s. What the environment says already stays.
 void skip_network_if_alone()
 {
-  for (const char *of_launcher : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
-    if (std::getenv(of_launcher) != nullptr)
-      return;
+  if (is_launched())
+    return;
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   setenv("OMPI_MCA_pml", "ob1", 0);
   setenv("OMPI_MCA_btl", "self", 0);
   // all such processes would share one directory, and one that ends removes it while another starts
   setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   setenv("OMPI_MCA_sharedfp", "^sm", 0); // it would look for that directory
+}
+
+void ignore_signals_of_writing()
+{
+  for (const int signal : {SIGPIPE, SIGXFSZ})
+    std::signal(signal, SIG_IGN);
+}
+
+/// What is printed must not land in a file that is opened in the place of a closed standard stream. And when
+/// nobody reads the log any more, or a file grows beyond a limit, writing fails and is told as other
+/// failures: no signal ends the run.
+void be_robust_against_surroundings()
+{
+  for (const int stream : {0, 1, 2})
+    if (fcntl(stream, F_GETFD) < 0)
+      open("/dev/null", stream == 0 ? O_RDONLY : O_WRONLY);
+  ignore_signals_of_writing();
+}
+
+/// Done, unless what was printed is lost. Whoever has stopped reading (head, less) did not want it.
+Status status_of_log(const Status status)
+{
+  std::cout.flush();
+  if (std::cout)
+    return status;
+  pollfd output = {1, 0, 0};
+  if (poll(&output, 1, 0) > 0 && (output.revents & POLLERR) != 0)
+    return status;
+  std::cerr << "Error: What was printed to the standard output is not complete. Is the disk full?"
+            << std::endl;
+  return status == done ? failed : status;
 }
 
 /// A study starts each of its runs as a process of its own, which may use MPI; itself it must not.
@@ -159,25 +197,38 @@ Status study(const int argc, char **argv)
 {
   try {
     const Arguments arguments = parse(argc, argv);
-    return run_study(needs_scene(arguments), arguments.overrides) ? done : not_converged;
+    return status_of_log(run_study(needs_scene(arguments), arguments.overrides) ? done : not_converged);
   } catch (const UserError &error) {
     if (is_first_of_launched())
-      std::cerr << "Error: " << error.what() << std::endl;
+      std::cerr << "Error: " << shortened(error.what()) << std::endl;
     return wrong_input;
+  } catch (const OutputError &error) {
+    std::cerr << "Error: " << shortened(error.what()) << std::endl;
+    return failed;
   } catch (const std::exception &error) {
-    std::cerr << "Dovetail stopped: " << reason(error) << std::endl;
+    std::cerr << "Dovetail stopped: " << shortened(reason(error)) << std::endl;
     return failed;
   }
+}
+
+/// mpirun ends a job with the first rank that fails, and may lose what it has not read until then.
+void tell(const std::string &error)
+{
+  std::cerr << "Error: " << shortened(error) << std::endl;
+  if (is_launched())
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
 }
 
 } // namespace
 
 int main(int argc, char **argv)
 {
+  be_robust_against_surroundings();
   if (asks_for_study(argc, argv))
     return study(argc, argv);
   skip_network_if_alone();
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  ignore_signals_of_writing(); // libraries have set handlers of their own
   if (openblas_set_num_threads != nullptr)
     openblas_set_num_threads(1);
   dealii::deal_II_exceptions::suppress_stacktrace_in_exceptions();
@@ -188,13 +239,18 @@ int main(int argc, char **argv)
   } catch (const UserError &error) {
     // thrown on all ranks alike
     if (is_first_rank)
-      std::cerr << "Error: " << error.what() << std::endl;
+      tell(error.what());
     MPI_Barrier(MPI_COMM_WORLD);
     return wrong_input;
+  } catch (const OutputError &error) { // likewise
+    if (is_first_rank)
+      tell(error.what());
+    MPI_Barrier(MPI_COMM_WORLD);
+    return failed;
   } catch (const std::exception &error) {
     // perhaps on one rank only: the others may wait for it
     std::cerr << "Dovetail stopped on rank " << dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD)
-              << ": " << reason(error) << std::endl;
+              << ": " << shortened(reason(error)) << std::endl;
     if (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) > 1)
       MPI_Abort(MPI_COMM_WORLD, failed);
     return failed;
@@ -204,5 +260,5 @@ int main(int argc, char **argv)
     return failed;
   }
   MPI_Barrier(MPI_COMM_WORLD); // an early exit of one rank would end the others before they have written
-  return status;
+  return is_first_rank ? status_of_log(status) : status;
 }

@@ -11,14 +11,17 @@
 //
 // EXPRESSION is operands joined by ` + `, ` - `, ` * `, ` / ` from left to right; an operand is a number or
 // the path of a value in the report, like interfaces/seam/jump L2/temperature or steps/-1/newton iterations
-// (-1: the last). Arrays are taken component by component.
+// (-1: the last). Arrays are taken component by component. A field of a domain that is not in balance adds a
+// line.
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -149,6 +152,45 @@ void rate(const std::vector<nlohmann::json> &reports, const std::string &express
   }
   std::cout << '\n';
 }
+// The largest component, as a size.
+double largest(const nlohmann::json &value)
+{
+  double result = 0;
+  for (const nlohmann::json &component : value.is_array() ? value : nlohmann::json::array({value}))
+    result = std::max(result, component.is_number() ? std::abs(component.get<double>()) : INFINITY);
+  return result;
+}
+
+// Newton's method ends at its tolerance; the sum of nodal residuals may be some times their norm.
+double allowed_imbalance(const nlohmann::json &report)
+{
+  const auto &steps = report.at("steps");
+  for (const auto &step : steps)
+    if (step.at("newton iterations") > 1)
+      return std::max(1e-10, 10 * steps.back().at("residuals").back().get<double>());
+  return 1e-10;
+}
+
+// Prints what of the balance of a run that has converged does not hold to 1e-10 of what flows (nonlinear: to
+// 1e-9).
+void check_balance(const nlohmann::json &report)
+{
+  if (!report.at("converged"))
+    return;
+  std::map<std::string, double>
+      flows; // of a field, in any body: a body at rest has the rounding of the others
+  for (const auto &[domain, fields] : report.at("balance").items())
+    for (const auto &[field, balance] : fields.items())
+      flows[field] = std::max({flows[field], largest(balance.at("in")), largest(balance.at("out"))});
+  for (const auto &[domain, fields] : report.at("balance").items())
+    for (const auto &[field, balance] : fields.items()) {
+      const double own = std::max(largest(balance.at("in")), largest(balance.at("out")));
+      const double bound = std::max(
+          {allowed_imbalance(report) * own, 1e-14 * flows[field], balance.value("rounding", 0.), 1e-16});
+      if (!(largest(balance.at("imbalance")) <= bound))
+        std::cout << "no balance of the " << field << " of " << domain << ": " << balance.dump() << '\n';
+    }
+}
 } // namespace
 
 int main(int argc, char **argv)
@@ -169,6 +211,8 @@ int main(int argc, char **argv)
       else
         check(reports, expression);
     }
+    for (const nlohmann::json &report : reports)
+      check_balance(report);
     if (!any)
       throw std::runtime_error("the scene has no comment `# check: …`, so nothing would be compared");
   } catch (const std::exception &error) {

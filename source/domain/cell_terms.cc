@@ -3,8 +3,11 @@
 
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/quadrature.h>
+#include <dovetail/scene/undefined.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace dovetail {
 
@@ -61,6 +64,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
                               dealii::FullMatrix<double> *tangent)
 {
   std::fill(residual.begin(), residual.end(), 0.);
+  force_sizes.assign(n * n_nodes, 0.);
   if (tangent)
     *tangent = 0;
   state.t = t;
@@ -75,7 +79,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     }
     for (unsigned int c = 0; c < n; ++c)
       for (unsigned int a = 0; a < n_nodes; ++a)
-        residual[c * n_nodes + a] += (response.flux[c] * gradient[a]) * cell_values.JxW(q);
+        add(c * n_nodes + a, (response.flux[c] * gradient[a]) * cell_values.JxW(q), residual);
     if (tangent)
       responses[q] = response;
   }
@@ -84,7 +88,26 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   add_source(t, residual);
   if (!flux_conditions.empty() && cell->at_boundary())
     add_boundary_terms(cell, t, unknowns, residual, tangent);
-  return true;
+  return std::isfinite(std::accumulate(residual.begin(), residual.end(), 0.));
+}
+
+template <int dim>
+bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &cell, const double t,
+                                    const std::vector<double> &unknowns, std::vector<double> &residual)
+{
+  const bool has_source = std::any_of(source_of_component.begin(), source_of_component.end(),
+                                      [](const auto &source) { return source.first != nullptr; });
+  const bool has_boundary = !flux_conditions.empty() && cell->at_boundary();
+  std::fill(residual.begin(), residual.end(), 0.);
+  force_sizes.assign(n * n_nodes, 0.);
+  if (has_source) {
+    cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+    has_uniform_tangent = false; // what comes next is not compared with the cell before
+    add_source(t, residual);
+  }
+  if (has_boundary)
+    add_boundary_terms(cell, t, unknowns, residual, nullptr);
+  return has_source || has_boundary;
 }
 
 template <int dim>
@@ -160,6 +183,19 @@ void CellTerms<dim>::add_tangent_at_point(const Response<dim> &at_point, const d
       }
 }
 
+namespace {
+
+template <int dim>
+std::string field_of_component(const Domain<dim> &domain, const unsigned int c)
+{
+  for (const Field &field : domain.fields())
+    if (c < field.first_component + field.n_components)
+      return field.name;
+  return {};
+}
+
+} // namespace
+
 template <int dim>
 void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
 {
@@ -167,9 +203,13 @@ void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
     if (const auto &[source, component] = source_of_component[c]; source != nullptr) {
       source->values(cell_values.get_quadrature_points(), t, component, source_at_points);
       for (const unsigned int q : cell_values.quadrature_point_indices()) {
-        const double f = source_at_points[q] * cell_values.JxW(q);
+        const double value = source_at_points[q];
+        if (!std::isfinite(value))
+          finite(value, domain.section.subsection("Source"), field_of_component(domain, c),
+                 cell_values.quadrature_point(q), t);
+        const double f = value * cell_values.JxW(q);
         for (unsigned int a = 0; a < n_nodes; ++a)
-          residual[c * n_nodes + a] -= f * cell_values.shape_value(a, q);
+          add(c * n_nodes + a, -f * cell_values.shape_value(a, q), residual);
       }
     }
 }
@@ -206,7 +246,7 @@ void CellTerms<dim>::add_influx(const Condition<dim> &condition, const dealii::P
     for (unsigned int a = 0; a < n_nodes; ++a) {
       const double test = shape_values[a] * JxW;
       const unsigned int i = (first + c) * n_nodes + a;
-      residual[i] -= test * flux[c];
+      add(i, -test * flux[c], residual);
       if (tangent != nullptr)
         for (unsigned int d = 0; d < n_c; ++d)
           if (d_flux(c, d) != 0)

@@ -12,6 +12,7 @@
 //     end
 
 #include <dovetail/domain/condition.h>
+#include <dovetail/scene/undefined.h>
 
 namespace dovetail {
 
@@ -37,8 +38,8 @@ public:
   void flux(const dealii::Point<dim> &X, const double t, const double *trace, std::vector<double> &flux,
             dealii::FullMatrix<double> &d_flux) const override
   {
-    const double h = coefficient.value(X, t);
-    flux[0] = h * (ambient.value(X, t) - trace[0]);
+    const double h = finite(coefficient.value(X, t), this->section, "Coefficient", X, t);
+    flux[0] = h * (finite(ambient.value(X, t), this->section, "Ambient", X, t) - trace[0]);
     d_flux(0, 0) = -h;
   }
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/cell_examination.h>
 #include <dovetail/domain/domain.h>
+#include <dovetail/domain/is_covered.h>
+#include <dovetail/domain/mesh_size.h>
 
 #include <dovetail/compatibility.h>
 
@@ -67,7 +70,9 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
   collect_boundary_faces(communicator);
   check_conditions();
 
+  check_unknowns<dim>(section, triangulation->n_global_active_cells(), degree, n_components(), communicator);
   choose_element();
+  examine_cells(section.subsection("Mesh"), *triangulation, *cell_mapping, scalar_element(), communicator);
   measure_box(communicator);
   dofs.reinit(*triangulation);
   distribute_dofs();
@@ -314,19 +319,13 @@ void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
     const auto components = condition->prescribed_components();
     if (components.empty() || !condition->is_active(t))
       continue;
-    const auto is_covered = [&](const unsigned int cell, const unsigned int face, const unsigned int node) {
-      return std::any_of(covers.begin(), covers.end(), [&](const Cover<dim> &cover) {
-        return cover.nodes.count({{cell, face, node}}) > 0 && cover.fields.count(condition->field.name) > 0 &&
-               cover.is_active(t);
-      });
-    };
-    for (const auto &[cell, face, id] : faces)
-      if (condition->boundary_ids.count(id) > 0) {
-        at_nodes.reinit(cell);
-        cell_dofs(dof_cell(cell), indices);
+    for (const BoundaryFace &face : faces)
+      if (condition->boundary_ids.count(face.id) > 0) {
+        at_nodes.reinit(face.cell);
+        cell_dofs(dof_cell(face.cell), indices);
         for (unsigned int a = 0; a < n; ++a)
-          if (scalar_element().has_support_on_face(a, face) &&
-              !is_covered(cell->active_cell_index(), face, a))
+          if (scalar_element().has_support_on_face(a, face.number) &&
+              !is_covered(*this, condition->field.name, face, a, t))
             for (const unsigned int c : components) {
               const auto dof = indices[(condition->field.first_component + c) * n + a];
               if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)

@@ -12,6 +12,7 @@
 //     end
 
 #include <dovetail/domain/condition.h>
+#include <dovetail/scene/undefined.h>
 
 namespace dovetail {
 
@@ -36,7 +37,7 @@ public:
             dealii::FullMatrix<double> &) const override
   {
     for (unsigned int c = 0; c < this->field.n_components; ++c)
-      flux[c] = expression.value(X, t, c);
+      flux[c] = finite(expression.value(X, t, c), this->section, "Expression", X, t);
   }
 
 private:

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/generator.h>
 #include <dovetail/domain/mesh.h>
+#include <dovetail/domain/mesh_examination.h>
+#include <dovetail/domain/mesh_file.h>
+#include <dovetail/domain/mesh_size.h>
 #include <dovetail/domain/simplices.h>
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
 #include <deal.II/distributed/tria.h>
-#include <deal.II/grid/grid_generator.h>
-#include <deal.II/grid/grid_in.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/manifold.h>
 
-#include <fstream>
-#include <iostream>
-#include <limits>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <set>
 
 namespace dovetail {
@@ -54,130 +56,89 @@ private:
   dealii::Tensor<1, dim> shift;
 };
 
-std::string suffix_of(const std::string &file_name)
+/// The first rank reads the file and examines what it holds; all get it, or the same error.
+template <int dim>
+MeshFile read_on_one_rank(const Section &section, const std::string &file_name, const MPI_Comm &communicator)
 {
-  const auto dot = file_name.rfind('.');
-  return dot == std::string::npos ? "" : file_name.substr(dot);
+  MeshFile content;
+  std::string problem;
+  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0) {
+    std::error_code error;
+    if (!std::filesystem::exists(file_name, error))
+      problem = "', which cannot be read. Relative paths start at the working directory.";
+    else
+      try {
+        content = read_mesh_file(file_name, dim);
+        examine<dim>(content);
+      } catch (const MeshError &of_file) {
+        problem = std::string("', which cannot be used: ") + of_file.what();
+      } catch (const std::bad_alloc &) {
+        problem = "', which does not fit into the memory.";
+      }
+  }
+  problem = dealii::Utilities::MPI::broadcast(communicator, problem);
+  section.check(problem.empty(), "File", "names '" + file_name + problem);
+  return dealii::Utilities::MPI::broadcast(communicator, content);
 }
 
-/// Both Abaqus and AVS UCD end in .inp; only Abaqus has keyword lines, which start with '*'.
-bool is_abaqus(const std::string &file_name)
+template <int structdim>
+std::vector<dealii::CellData<structdim>> cell_data(const MeshElements &elements)
 {
-  std::ifstream file(file_name);
-  for (std::string line; std::getline(file, line);) {
-    const auto first = line.find_first_not_of(" \t\r");
-    if (first != std::string::npos)
-      return line[first] == '*';
+  std::vector<dealii::CellData<structdim>> data;
+  data.reserve(elements.size());
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const unsigned int n = elements.n_nodes(i);
+    data.emplace_back(n);
+    std::copy_n(elements.nodes_of(i), n, data.back().vertices.begin());
   }
-  return false;
+  return data;
 }
-
-/// What deal.II prints before it throws goes nowhere: the exception says enough, once.
-class SilentErrors
-{
-public:
-  SilentErrors() : of_terminal(std::cerr.rdbuf(nullptr)) {}
-  ~SilentErrors()
-  {
-    std::cerr.rdbuf(of_terminal);
-    std::cerr.clear();
-  }
-
-private:
-  std::streambuf *of_terminal;
-};
 
 template <int dim>
-void read_file(const Section &section, const std::string &file_name, dealii::Triangulation<dim> &mesh)
+void read_file(const Section &section, const std::string &file_name, const MPI_Comm &communicator,
+               dealii::Triangulation<dim> &mesh)
 {
-  std::ifstream file(file_name);
-  section.check(file.good(), "File",
+  section.check(is_known_mesh_format(file_name), "File",
                 "names '" + file_name +
-                    "', which cannot be read. Relative paths start at the working directory.");
-  const SilentErrors silent;
-  dealii::GridIn<dim> reader(mesh);
-  const std::string suffix = suffix_of(file_name);
-  if (suffix == ".msh")
-    reader.read_msh(file);
-  else if (suffix == ".vtk")
-    reader.read_vtk(file);
-  else if (suffix == ".unv")
-    reader.read_unv(file);
-  else if (suffix == ".inp")
-    is_abaqus(file_name) ? reader.read_abaqus(file) : reader.read_ucd(file);
+                    "', whose format is not known. Use .msh (Gmsh 2.2 or 4.1), .inp "
+                    "(Abaqus or AVS UCD), .vtk or .unv.");
+  const MeshFile content = read_on_one_rank<dim>(section, file_name, communicator);
+  std::vector<dealii::Point<dim>> vertices;
+  vertices.reserve(content.nodes.size());
+  for (const auto &node : content.nodes) {
+    vertices.emplace_back();
+    for (unsigned int d = 0; d < dim; ++d)
+      vertices.back()[d] = node[d];
+  }
+  auto cells = cell_data<dim>(content.cells);
+  for (std::size_t c = 0; c < cells.size(); ++c)
+    cells[c].material_id = content.cells.ids[c];
+  auto boundary = cell_data<dim - 1>(content.faces);
+  for (std::size_t f = 0; f < boundary.size(); ++f) {
+    boundary[f].boundary_id = content.faces.ids[f];
+    if (boundary[f].vertices.size() == 4) // in circular order
+      std::swap(boundary[f].vertices[2], boundary[f].vertices[3]);
+  }
+  dealii::SubCellData faces;
+  if constexpr (dim == 2)
+    faces.boundary_lines = std::move(boundary);
   else
+    faces.boundary_quads = std::move(boundary);
+
+  try {
+    dealii::GridTools::delete_unused_vertices(vertices, cells, faces);
+    if (cells[0].vertices.size() == dealii::GeometryInfo<dim>::vertices_per_cell)
+      dealii::GridTools::consistently_order_cells(cells);
+    mesh.create_triangulation(vertices, cells, faces);
+  } catch (const dealii::ExceptionBase &) { // on all ranks alike
     section.fail("File", "names '" + file_name +
-                             "', whose format is not known. Use .msh (Gmsh 2.2 or 4.1), .inp "
-                             "(Abaqus or AVS UCD), .vtk or .unv.");
+                             "', a mesh that deal.II does not take. Make it anew, with another algorithm.");
+  }
 }
 
-/// deal.II's reasons without its banner and stack.
-std::string reason(const std::exception &error)
-{
-  if (const auto *exception = dynamic_cast<const dealii::ExceptionBase *>(&error)) {
-    std::ostringstream text;
-    exception->print_info(text);
-    std::string words;
-    for (const char letter : text.str())
-      words += (letter == '\n') ? ' ' : letter;
-    const auto first = words.find_first_not_of(' ');
-    const auto last = words.find_last_not_of(' ');
-    return first == std::string::npos ? exception->get_exc_name() : words.substr(first, last - first + 1);
-  }
-  return error.what();
-}
-
-/// deal.II's reason why a generator fails, in words of the scene. It shows the arguments it expects as a
-/// pattern
-/// "[Tuple of <4> elements <...".
-[[noreturn]] void fail_generator(const Section &section, const std::string &generator,
-                                 const std::string &arguments, const std::string &reason)
-{
-  const std::string help = " See the function of this name in deal.II's GridGenerator.";
-  if (reason.find("not implemented") != std::string::npos) {
-    const std::string guess = did_you_mean(generator, {"hyper_cube",
-                                                       "subdivided_hyper_cube",
-                                                       "hyper_rectangle",
-                                                       "subdivided_hyper_rectangle",
-                                                       "hyper_ball",
-                                                       "hyper_ball_balanced",
-                                                       "quarter_hyper_ball",
-                                                       "half_hyper_ball",
-                                                       "hyper_shell",
-                                                       "quarter_hyper_shell",
-                                                       "half_hyper_shell",
-                                                       "cylinder",
-                                                       "subdivided_cylinder",
-                                                       "cylinder_shell",
-                                                       "truncated_cone",
-                                                       "hyper_L",
-                                                       "hyper_cube_with_cylindrical_hole",
-                                                       "plate_with_a_hole",
-                                                       "channel_with_cylinder",
-                                                       "parallelogram",
-                                                       "cheese",
-                                                       "simplex",
-                                                       "torus",
-                                                       "concentric_hyper_shells",
-                                                       "general_cell",
-                                                       "enclosed_hyper_cube",
-                                                       "cross"});
-    section.fail("Generator",
-                 "names '" + generator + "', which deal.II does not have in this dimension" +
-                     (guess.empty() ? ": see GridGenerator in its documentation." : ". " + guess));
-  }
-  const std::string begin = "[Tuple of <";
-  if (const auto tuple = reason.find(begin); tuple != std::string::npos) {
-    const auto first = tuple + begin.size();
-    section.fail("Arguments", "are '" + arguments + "', which do not fit the generator " + generator +
-                                  ": it takes " + reason.substr(first, reason.find('>', first) - first) +
-                                  " arguments separated by ':', lists by ','." + help);
-  }
-  section.fail("Generator", "could not be used to make the mesh: " + reason + help);
-}
-
+/// A file or a generator; the latter's arguments tell how large its mesh will be.
 template <int dim>
-void make_coarse_mesh(const Section &section, dealii::Triangulation<dim> &mesh)
+void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, dealii::Triangulation<dim> &mesh)
 {
   const auto file_name = section.read<std::string>(
       "File", "", "The file of the mesh: .msh (Gmsh 2.2 or 4.1), .inp (Abaqus or AVS UCD), .vtk or .unv [-]");
@@ -193,34 +154,14 @@ void make_coarse_mesh(const Section &section, dealii::Triangulation<dim> &mesh)
                 "and Generator exclude each other: give one.");
   section.check(!file_name.empty() || !generator.empty(), "",
                 "a mesh needs either File or Generator (with Arguments).");
-  const std::string source = file_name.empty() ? "Generator" : "File";
-  try {
-    if (file_name.empty())
-      dealii::GridGenerator::generate_from_name_and_arguments(mesh, generator, arguments);
-    else
-      read_file(section, file_name, mesh);
-  } catch (const UserError &) {
-    throw;
-  } catch (const std::exception &error) {
-    if (file_name.empty())
-      fail_generator(section, generator, arguments, reason(error));
-    const std::string suffix = suffix_of(file_name);
-    section.fail("File", "could not be used to make the mesh: " + reason(error) +
-                             (suffix == ".inp" || suffix == ".unv"
-                                  ? " In " + suffix +
-                                        " files only quadrilaterals and hexahedra are understood; "
-                                        "give triangles and tetrahedra as .msh or .vtk."
-                                  : ""));
-  }
-  section.check(mesh.n_active_cells() > 0, source, "gives a mesh without cells.");
-  const std::string shapes =
-      dim == 2 ? "triangles or nothing but quadrilaterals" : "tetrahedra or nothing but hexahedra";
-  section.check(mesh.all_reference_cells_are_hyper_cube() || mesh.all_reference_cells_are_simplex(), source,
-                "gives a mesh of " +
-                    std::string(dim == 2 ? "triangles and quadrilaterals"
-                                         : "several cell shapes, or of wedges or pyramids") +
-                    ". All cells must have one shape: mesh the body with nothing but " + shapes +
-                    ", or make a domain of each part and tie them by an interface.");
+  if (file_name.empty()) {
+    const MeshGenerator<dim> of_scene(section, generator, arguments);
+    const double n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator);
+    check_cells<dim>(section, "Arguments", of_scene.n_cells(), n_ranks, communicator);
+    of_scene.make(mesh);
+    section.check(mesh.n_active_cells() > 0, "Generator", "gives a mesh without cells.");
+  } else
+    read_file(section, file_name, communicator, mesh);
 }
 
 /// A distributed mesh together with the coarse mesh it came from: some of deal.II's manifolds refer to it.
@@ -288,6 +229,7 @@ public:
   {
     for (unsigned int level = 0; level < n_refinements; ++level) {
       std::vector<unsigned int> n_in_box(boxes.size(), 0);
+      double n_marked = 0;
       for (const auto &cell : mesh.active_cell_iterators())
         if (cell->is_locally_owned()) {
           bool is_marked = is_at_boundary(cell);
@@ -296,8 +238,10 @@ public:
               ++n_in_box[b];
               is_marked = true;
             }
-          if (is_marked)
+          if (is_marked) {
             cell->set_refine_flag();
+            ++n_marked;
+          }
         }
       dealii::Utilities::MPI::sum(n_in_box, communicator, n_in_box);
       for (unsigned int b = 0; b < boxes.size(); ++b)
@@ -306,6 +250,9 @@ public:
             "contains a box, number " + std::to_string(b + 1) +
                 ", in which no cell has its centre. Boxes are in the final coordinates, after Scale "
                 "and Shift.");
+      n_marked = dealii::Utilities::MPI::sum(n_marked, communicator);
+      check_cells<dim>(section, "Local refinements",
+                       mesh.n_global_active_cells() + n_marked * (std::pow(2., dim) - 1), 1, communicator);
       mesh.execute_coarsening_and_refinement();
     }
   }
@@ -355,7 +302,7 @@ template <int dim>
 std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &communicator)
 {
   auto mesh = std::make_unique<MeshWithOrigin<dim>>(communicator);
-  make_coarse_mesh(section, mesh->origin);
+  make_coarse_mesh(section, communicator, mesh->origin);
   const bool converts =
       section.choose(
           "Cells", {"as they are", "simplices"}, 0,
@@ -381,7 +328,15 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   transform(scale, shift_in_dim, coarse_mesh);
   if (local_refinement.is_asked_for())
     local_refinement.check(coarse_mesh, converts);
-  if (converts || coarse_mesh.all_reference_cells_are_simplex()) {
+  const bool becomes_simplices = converts || coarse_mesh.all_reference_cells_are_simplex();
+  const double n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator);
+  const double n_parts = coarse_mesh.all_reference_cells_are_simplex() || !converts ? 1.
+                         : dim == 2                                                 ? 8.
+                                                                                    : 24.;
+  check_cells<dim>(section, "Refinements",
+                   coarse_mesh.n_active_cells() * std::pow(2., dim * n_refinements) * n_parts,
+                   becomes_simplices ? n_ranks : 1., communicator);
+  if (becomes_simplices) {
     make_simplices(n_refinements, coarse_mesh);
     return distribute(coarse_mesh, communicator);
   }

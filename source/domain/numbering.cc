@@ -6,6 +6,8 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/dofs/dof_tools.h>
 
+#include <algorithm>
+
 namespace dovetail {
 
 template <int dim>
@@ -78,10 +80,9 @@ dealii::types::global_dof_index Numbering::add_multipliers(const std::string &in
 
 unsigned int Numbering::block_of(const dealii::types::global_dof_index dof) const
 {
-  unsigned int b = 0;
-  while (dof >= all_blocks[b].end)
-    ++b;
-  return b;
+  return std::upper_bound(all_blocks.begin(), all_blocks.end(), dof,
+                          [](const auto index, const Block &block) { return index < block.end; }) -
+         all_blocks.begin();
 }
 
 unsigned int Numbering::owner(const dealii::types::global_dof_index dof) const

@@ -87,14 +87,15 @@ std::vector<Simplex> divide_tetrahedron(const Simplex &v, Middles<3> &middle)
   return parts;
 }
 
+/// @p id: the material id of cells, the boundary id of faces, which share their place.
 template <int structdim>
-void append(const std::vector<Simplex> &parts, const dealii::types::boundary_id id,
+void append(const std::vector<Simplex> &parts, const unsigned int id,
             std::vector<dealii::CellData<structdim>> &data)
 {
   for (const Simplex &part : parts) {
     data.emplace_back(part.size());
     std::copy(part.begin(), part.end(), data.back().vertices.begin());
-    data.back().boundary_id = id;
+    data.back().material_id = id;
   }
 }
 
@@ -109,9 +110,9 @@ void divide_simplices(dealii::Triangulation<dim> &mesh)
   for (const auto &cell : mesh.active_cell_iterators()) {
     const auto v = [&](const unsigned int i) { return cell->vertex_index(i); };
     if constexpr (dim == 2)
-      append(divide_triangle({v(0), v(1), v(2)}, middle), 0, cells);
+      append(divide_triangle({v(0), v(1), v(2)}, middle), cell->material_id(), cells);
     else
-      append(divide_tetrahedron({v(0), v(1), v(2), v(3)}, middle), 0, cells);
+      append(divide_tetrahedron({v(0), v(1), v(2), v(3)}, middle), cell->material_id(), cells);
     for (const auto &face : cell->face_iterators())
       if (face->at_boundary()) {
         const auto w = [&](const unsigned int i) { return face->vertex_index(i); };

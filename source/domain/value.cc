@@ -12,6 +12,7 @@
 //     end
 
 #include <dovetail/domain/condition.h>
+#include <dovetail/scene/undefined.h>
 
 namespace dovetail {
 
@@ -60,7 +61,7 @@ public:
                           const unsigned int component) const override
   {
     const auto position = std::find(components.begin(), components.end(), component) - components.begin();
-    return expression.value(X, t, position);
+    return finite(expression.value(X, t, position), this->section, "Expression", X, t);
   }
 
   bool removes_constants() const override { return true; }

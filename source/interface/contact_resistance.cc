@@ -18,11 +18,14 @@
 //       set Conductance = 2000 + 3*T      # W/(m^2 K)
 //     end
 
+#include <dovetail/interface/elastic_joint.h>
 #include <dovetail/interface/nitsche.h>
+#include <dovetail/scene/undefined.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 namespace dovetail {
@@ -30,11 +33,11 @@ namespace dovetail {
 namespace {
 
 template <int dim>
-class ContactResistance : public Nitsche<dim>
+class ContactResistance : public Nitsche<dim>, public ElasticJoint
 {
 public:
   explicit ContactResistance(const Section &section)
-      : Nitsche<dim>(section),
+      : Nitsche<dim>(section), section(section),
         conductance(section.read_expression(
             "Conductance", "", {1},
             "Flux per jump of a scalar field such as the temperature, also a formula of T, the mean of both "
@@ -63,6 +66,7 @@ public:
     return Nitsche<dim>::description() + ", in series with a joint";
   }
   bool holds(const TiedField &field) const override { return !law_of(field).is_zero(); }
+  bool surely_holds(const TiedField &field, double t) const override;
   bool allows_jump(const TiedField & /*field*/) const override { return true; }
   void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
                   const MPI_Comm &communicator) override;
@@ -73,6 +77,8 @@ protected:
                   typename Nitsche<dim>::Joint &joint) const override;
 
 private:
+  bool explain(const TiedField &field, const dealii::Point<dim> &X, double t, double h,
+               std::optional<double> T = {}) const;
   const Expression &law_of(const TiedField &field) const
   {
     return field.n_components == 1 ? conductance : stiffness;
@@ -80,8 +86,8 @@ private:
   static void check_not_negative(const double h, const Section &section, const TiedField &field)
   {
     std::ostringstream message;
-    message << "is " << (std::isinf(h) ? "not a number" : "negative") << " on the interface";
-    if (!std::isinf(h))
+    message << "is " << (std::isnan(h) ? "not a number" : "negative") << " on the interface";
+    if (!std::isnan(h))
       message << " (" << h << ')';
     section.check(h >= 0, entry_of(field),
                   message.str() + ", but must be from 0 (no contact) to inf (tied).");
@@ -91,12 +97,14 @@ private:
     return field.n_components == 1 ? "Conductance" : "Joint stiffness";
   }
 
+  const Section section; ///< for error messages
   const Expression conductance, stiffness;
 };
 
 template <int dim>
 void ContactResistance<dim>::set_fields(const Section &section, const std::vector<TiedField> &fields)
 {
+  Nitsche<dim>::set_fields(section, fields);
   for (const std::string entry : {"Conductance", "Joint stiffness"}) {
     const TiedField *tied = nullptr, *other = nullptr;
     for (const TiedField &field : fields)
@@ -120,6 +128,19 @@ void ContactResistance<dim>::set_fields(const Section &section, const std::vecto
   }
 }
 
+/// If the joint is the same everywhere and gives way in no direction.
+template <int dim>
+bool ContactResistance<dim>::surely_holds(const TiedField &field, const double t) const
+{
+  const Expression &law = law_of(field);
+  if (law.depends_on_position() || law.depends_on_temperature())
+    return false;
+  for (unsigned int c = 0; c < law.n_components(); ++c)
+    if (!(law.value(dealii::Point<dim>(), t, c) > 0))
+      return false;
+  return true;
+}
+
 /// Both sides get the same h: at the middle between the points and at the mean of the traces.
 template <int dim>
 bool ContactResistance<dim>::find_joint(const TiedField &field, const std::array<State<dim>, 2> &state,
@@ -128,17 +149,33 @@ bool ContactResistance<dim>::find_joint(const TiedField &field, const std::array
   const dealii::Point<dim> X =
       (state[source].X + static_cast<const dealii::Tensor<1, dim> &>(state[destination].X)) / 2.;
   const double t = state[source].t;
+  double mean = 0;
   if (field.n_components == 1) {
-    const double mean = (state[source].value[field.first_component[source]] +
-                         state[destination].value[field.first_component[destination]]) /
-                        2;
+    mean = (state[source].value[field.first_component[source]] +
+            state[destination].value[field.first_component[destination]]) /
+           2;
     joint.along_normal = joint.along_tangents = conductance.value(X, t, 0, mean);
     joint.derivative_by_mean = conductance.temperature_derivatives(X, t, 0, mean)[0];
   } else {
     joint.along_normal = stiffness.value(X, t, 0);
     joint.along_tangents = stiffness.n_components() == 1 ? joint.along_normal : stiffness.value(X, t, 1);
   }
-  return joint.along_normal >= 0 && joint.along_tangents >= 0;
+  if (joint.along_normal >= 0 && joint.along_tangents >= 0)
+    return true;
+  return explain(field, X, t, joint.along_normal >= 0 ? joint.along_tangents : joint.along_normal,
+                 law_of(field).depends_on_temperature() ? std::optional(mean) : std::nullopt);
+}
+
+/// Leave the reason why h is no conductance, at the temperature T if it depends on that. @return false
+template <int dim>
+bool ContactResistance<dim>::explain(const TiedField &field, const dealii::Point<dim> &X, const double t,
+                                     const double h, const std::optional<double> T) const
+{
+  return undefined(sentence_about(section, entry_of(field),
+                                  (std::isnan(h) ? "is not a number" : "is " + in_words(h)) + " at " +
+                                      (T ? "T = " + in_words(*T) + ", " : "") + in_words(X) + " and t = " +
+                                      in_words(t) + ", but must be from 0 (no contact) to inf (tied)."),
+                   !T);
 }
 
 /// What does not depend on the solution must be right from the start; the rest makes a step shorter.
@@ -152,12 +189,18 @@ void ContactResistance<dim>::begin_step(const Interface<dim> &interface, const d
     if (law.depends_on_temperature())
       continue;
     double smallest = 0;
+    Undefined not_a_number;
     const unsigned int n_points = interface.pairing().n_points();
     for (unsigned int q = 0; q < (law.depends_on_position() ? n_points : std::min(n_points, 1u)); ++q)
       for (unsigned int c = 0; c < law.n_components(); ++c) {
         const double h = law.value(interface.pairing().X(source, q), t, c);
-        smallest = std::min(smallest, std::isnan(h) ? -this->infinity : h);
+        smallest = std::min(smallest, h);
+        if (std::isnan(h) && !not_a_number) {
+          explain(field, interface.pairing().X(source, q), t, h);
+          not_a_number = last_undefined();
+        }
       }
+    refuse_undefined(not_a_number, communicator);
     check_not_negative(dealii::Utilities::MPI::min(smallest, communicator), interface.section, field);
   }
   Nitsche<dim>::begin_step(interface, t, unknowns, communicator);

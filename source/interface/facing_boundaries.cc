@@ -13,6 +13,10 @@ namespace dovetail {
 
 namespace {
 
+/// Between the normals of what is tied. Walls beside an interface differ by more; coarse facets of a round
+/// side by less.
+constexpr double largest_angle = 45 * dealii::numbers::PI / 180;
+
 /// Whether some part of the faces of one side has a partner on the other with no third body between them.
 template <int dim>
 bool faces(const SideFaces<dim> &own, const SideFaces<dim> &other,
@@ -24,7 +28,7 @@ bool faces(const SideFaces<dim> &own, const SideFaces<dim> &other,
   std::vector<double> gap;
   bool touches = false;
   for (unsigned int q = 0; q < points.size(); ++q)
-    if (points.matches[q].found) {
+    if (points.matches[q].found && points.matches[q].angle <= largest_angle) {
       if (points.matches[q].distance < 1e-6 * points.queries[q].face_size)
         touches = true;
       else {
@@ -49,6 +53,21 @@ bool faces(const SideFaces<dim> &own, const SideFaces<dim> &other,
   return dealii::Utilities::MPI::max(is_any_open ? 1 : 0, communicator) > 0;
 }
 
+/// For each domain those whose surrounding spheres its own meets, in increasing order.
+template <int dim>
+std::vector<std::vector<unsigned int>> near_domains(const std::vector<std::unique_ptr<Domain<dim>>> &domains,
+                                                    const double search_radius)
+{
+  std::vector<std::vector<unsigned int>> result(domains.size());
+  for (unsigned int i = 0; i < domains.size(); ++i)
+    for (unsigned int j = 0; j < domains.size(); ++j)
+      if (i != j &&
+          domains[i]->centre().distance(domains[j]->centre()) <=
+              (1 + search_radius) * (domains[i]->typical_length() + domains[j]->typical_length()) / 2)
+        result[i].push_back(j);
+  return result;
+}
+
 template <int dim>
 bool share_a_field(const Domain<dim> &one, const Domain<dim> &other)
 {
@@ -62,16 +81,16 @@ template <int dim>
 std::vector<FacingBoundaries> find_facing_boundaries(const std::vector<std::unique_ptr<Domain<dim>>> &domains,
                                                      const double search_radius, const MPI_Comm &communicator)
 {
+  const auto neighbours = near_domains(domains, search_radius);
   std::vector<FacingBoundaries> result;
   for (unsigned int i = 0; i < domains.size(); ++i)
-    for (unsigned int j = i + 1; j < domains.size(); ++j) {
+    for (const unsigned int j : neighbours[i]) {
       const Domain<dim> &one = *domains[i], &other = *domains[j];
-      const double reach = (1 + search_radius) * (one.typical_length() + other.typical_length()) / 2;
-      if (!share_a_field(one, other) || one.centre().distance(other.centre()) > reach)
+      if (j < i || !share_a_field(one, other))
         continue;
-      std::vector<const Domain<dim> *> third;
-      for (unsigned int k = 0; k < domains.size(); ++k)
-        if (k != i && k != j)
+      std::vector<const Domain<dim> *> third; // a body between two is near both
+      for (const unsigned int k : neighbours[i])
+        if (std::binary_search(neighbours[j].begin(), neighbours[j].end(), k))
           third.push_back(domains[k].get());
       std::map<dealii::types::boundary_id, SideFaces<dim>> of_other;
       for (const auto id : other.boundary_ids())

@@ -2,10 +2,14 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/interface/side_ratios.h>
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <limits>
 
 namespace dovetail {
 
@@ -217,6 +221,12 @@ void Interface<dim>::pair(const MPI_Comm &communicator)
     with_cover[side] = has_conditions(side);
   geometry = std::make_unique<Pairing<dim>>(sides, options, with_cover, communicator);
   all_work += geometry->work();
+  std::vector<typename Pairing<dim>::OwnShare> shares;
+  for (const TiedField &field : fields)
+    shares.push_back([this, &field](const unsigned int own, const unsigned int q) {
+      return own_share_of_gap(*this, field, own, {{geometry->X(source, q), geometry->X(destination, q)}});
+    });
+  geometry->extend(shares);
   report_uncovered(communicator);
 }
 
@@ -233,7 +243,8 @@ void Interface<dim>::follow(const Interface &other)
   options.least_reach = (1 + 1e-6) * other.pairing().coverage().largest_gap;
 }
 
-/// The smallest distance of some points of the source to the destination.
+/// The smallest distance of some points of the source to the destination; negative if it is that of a point
+/// inside the other body: the destination faces it from behind, and no farther than half of the bodies' size.
 template <int dim>
 double Interface<dim>::distance_of_sides(const MPI_Comm &communicator) const
 {
@@ -249,10 +260,18 @@ double Interface<dim>::distance_of_sides(const MPI_Comm &communicator) const
     const auto N = faces.shape.normal(faces.faces[i].face_no, middle);
     queries.push_back({middle.X, N / N.norm(), faces.faces[i].size});
   }
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto &match : locator.locate(queries))
+  const double depth = std::min(one.typical_length(), other.typical_length()) / 2;
+  double least = std::numeric_limits<double>::infinity(), least_overlap = least;
+  const auto matches = locator.locate(queries);
+  for (unsigned int i = 0; i < matches.size(); ++i) {
+    const auto &match = matches[i];
     least = std::min(least, match.distance);
-  return dealii::Utilities::MPI::min(least, communicator);
+    if (match.distance < depth && match.N * queries[i].N < 0 &&
+        (match.X - queries[i].X) * (queries[i].N - match.N) < 0)
+      least_overlap = std::min(least_overlap, match.distance);
+  }
+  least = dealii::Utilities::MPI::min(least, communicator);
+  return dealii::Utilities::MPI::min(least_overlap, communicator) == least ? -least : least;
 }
 
 template <int dim>
@@ -275,9 +294,10 @@ void Interface<dim>::report_uncovered(const MPI_Comm &communicator) const
   std::ostringstream message;
   message.precision(3);
   if (coverage.n_points == 0) {
-    message << "and Destination do not face each other anywhere; they are about "
-            << distance_of_sides(communicator)
-            << " apart. Check the boundary ids, Scale and Shift of the two meshes"
+    const double distance = distance_of_sides(communicator);
+    message << "and Destination do not face each other anywhere; they "
+            << (distance < 0 ? "overlap by about " : "are about ") << std::abs(distance)
+            << (distance < 0 ? "" : " apart") << ". Check the boundary ids, Scale and Shift of the two meshes"
             << (sides[source].shift.norm() > 0 ? " and the Shift of the interface" : "")
             << ", or enlarge Search radius (now " << options.search_radius << " of the face size).";
     section.fail("Source", message.str());
@@ -316,6 +336,7 @@ void Interface<dim>::evaluate(const unsigned int side, const unsigned int q,
   const double *values = pairing().values(side, q);
   const dealii::Tensor<1, dim> *gradients = pairing().gradients(side, q);
   const double *unknown = unknowns.data() + (side == source ? 0 : n_local(source));
+  std::fill(state.value.begin(), state.value.end(), std::numeric_limits<double>::quiet_NaN());
   for (const unsigned int c : components[side]) {
     state.value[c] = 0;
     state.gradient[c] = 0;
@@ -333,7 +354,7 @@ void Interface<dim>::jump(const TiedField &field, const unsigned int q, const st
   result.assign(field.n_components, 0.);
   for (const unsigned int side : {source, destination}) {
     const unsigned int n = sides[side].domain->n_nodes();
-    const double *trial = pairing().trial(side, q);
+    const double *trial = pairing().trial(side, q, &field - fields.data());
     const double sign = side == source ? 1 : -1;
     const unsigned int first =
         (side == source ? 0 : n_local(source)) + position(side, field.first_component[side]) * n;

@@ -27,20 +27,23 @@
 //       set Multiplier space = dual
 //     end
 
+#include <dovetail/interface/follower_lines.h>
 #include <dovetail/interface/multiplier_space.h>
 #include <dovetail/interface/side_ratios.h>
 #include <dovetail/interface/trace_eigenvalue.h>
+#include <dovetail/interface/transmission.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <cmath>
+#include <numeric>
 
 namespace dovetail {
 
 namespace {
 
 template <int dim>
-class Mortar : public Tie<dim>
+class Mortar : public Tie<dim>, public Transmits
 {
 public:
   using Index = dealii::types::global_dof_index;
@@ -75,6 +78,7 @@ public:
 
   void find_multipliers(const Interface<dim> &interface, const typename Tie<dim>::Owned &solution,
                         const typename Tie<dim>::Owned &force, const MPI_Comm &communicator) override;
+  std::vector<Transmission> transmissions() const override { return transmitted; }
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
                       const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
                       const std::vector<double> &jump, std::vector<double> &result) const override;
@@ -88,18 +92,34 @@ private:
     std::vector<double> weights; ///< of all but the last
     double augmentation = 0;     ///< w_j
     Index node = 0;              ///< the destination unknown it belongs to
+
+    /// Of the multiplier's equation.
+    double g(const std::vector<double> &unknowns) const
+    {
+      return std::inner_product(weights.begin(), weights.end(), unknowns.begin(), 0.);
+    }
   };
 
   std::vector<Index> owned_nodes(const Interface<dim> &interface, const TiedField &field) const;
-  void add_lines(ConstraintLines &lines) const;
+  void add_lines(const Interface<dim> &interface, TieConstraints &constraints, const MPI_Comm &communicator);
   void make_terms(const Interface<dim> &interface, std::set<Index> &multiplied);
   std::vector<std::vector<double>> penalties(const Interface<dim> &interface, double t,
                                              const typename Tie<dim>::Unknowns &unknowns,
                                              const MPI_Comm &communicator) const;
 
+  /// The share of an unknown's force that acts on the source, if the destination's gradient bridges a gap.
+  double source_share(const Index dof) const
+  {
+    const auto found = source_shares.find(dof);
+    return found == source_shares.end() ? 1 : found->second;
+  }
+
   const bool is_dual;
   std::unique_ptr<MultiplierSpace<dim>> space;
+  std::map<Index, double> source_shares;
+  std::map<Index, std::array<double, 2>> shares_of_force; ///< of a follower, that its line gives to the sides
   std::vector<Term> terms;
+  std::vector<Transmission> transmitted;
   SideRatios ratios;
   bool has_begun = false;
 };
@@ -167,23 +187,55 @@ void Mortar<dim>::add_constraints(const Interface<dim> &interface, TieConstraint
       "interface: no multiplier is left. Swap Source and Destination, or use Type = Nitsche.");
   has_begun = false;
   if (is_dual)
-    add_lines(constraints.lines);
+    add_lines(interface, constraints, communicator);
   else
     make_terms(interface, constraints.multiplied);
 }
 
 template <int dim>
-void Mortar<dim>::add_lines(ConstraintLines &lines) const
+void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &constraints,
+                            const MPI_Comm &communicator)
 {
+  const Domain<dim> &to = *interface.sides[destination].domain;
+  std::map<Index, Follower> followers;
   for (const auto &[dof, row] : space->rows) {
     // differs from the diagonal where the source has the same unknown
-    const auto own = row.weights.find(dof);
-    if (own == row.weights.end() || std::abs(own->second) < 1e-10 * row.diagonal)
+    const auto find = [dof = dof](const std::map<Index, double> &weights) {
+      const auto found = weights.find(dof);
+      return found == weights.end() ? 0. : found->second;
+    };
+    const double own = find(row.weights) - find(row.of_own_gradient);
+    if (std::abs(own) < 1e-10 * row.diagonal)
       continue;
-    ConstraintLine &line = lines[dof];
+    Follower &follower = followers[dof];
+    const auto add = [own, &to](FollowerLine &line, const Index other, const double weight) {
+      const bool is_of_destination =
+          other >= to.first_dof && other < to.first_dof + to.dof_handler().n_dofs();
+      (is_of_destination ? line.from_destination : line.from_source)[other] -= weight / own;
+    };
     for (const auto &[other, weight] : row.weights)
       if (other != dof)
-        line.entries.emplace_back(other, -weight / own->second);
+        add(follower.first, other, weight);
+    if (row.of_own_gradient.empty())
+      continue;
+    follower.wanted = follower.first;
+    add(follower.wanted, dof, find(row.of_own_gradient));
+    for (const auto &[other, weight] : row.of_own_gradient)
+      if (other != dof)
+        add(follower.first, other, -weight);
+    for (const auto &[other, weight] : row.source_gain)
+      add(follower.first, other, weight);
+    auto &entries = follower.first.from_destination;
+    for (auto entry = entries.begin(); entry != entries.end();)
+      entry = std::abs(entry->second) <= 1e-14 ? entries.erase(entry) : std::next(entry);
+  }
+  source_shares.clear();
+  shares_of_force.clear();
+  for (const auto &[dof, line] : follower_lines(followers, to, constraints, communicator, interface.work())) {
+    constraints.lines[dof] = line.as_constraint();
+    shares_of_force[dof] = {{-line.source_weight(), 1 - line.destination_weight()}};
+    if (const Follower &follower = followers.at(dof); !follower.wanted.from_destination.empty())
+      source_shares[dof] = line.source_weight() / follower.first.source_weight();
   }
 }
 
@@ -218,7 +270,7 @@ std::vector<std::vector<double>> Mortar<dim>::penalties(const Interface<dim> &in
   const Pairing<dim> &pairing = interface.pairing();
   std::vector<std::vector<double>> gamma;
   for (const TiedField &field : interface.fields) {
-    const auto lambda = trace_eigenvalues(interface, field, t, unknowns, communicator);
+    const auto lambda = trace_eigenvalues(interface, field, t, unknowns, communicator).of_penalty;
     gamma.emplace_back(pairing.n_points());
     for (const auto &group : pairing.groups) {
       const double one = lambda[source][group.cells[source]],
@@ -258,9 +310,7 @@ void Mortar<dim>::assemble_term(const unsigned int i, const std::vector<double> 
       (*tangent)(0, 0) = 1;
     return;
   }
-  double g = 0;
-  for (unsigned int k = 0; k < n; ++k)
-    g += term.weights[k] * unknowns[k];
+  const double g = term.g(unknowns);
   for (unsigned int k = 0; k < n; ++k)
     residual[k] = term.weights[k] * (unknowns[n] + term.augmentation * g);
   residual[n] = g;
@@ -287,12 +337,31 @@ void Mortar<dim>::find_multipliers(const Interface<dim> &, const typename Tie<di
                                    const typename Tie<dim>::Owned &force, const MPI_Comm &communicator)
 {
   std::map<Index, double> lambda;
+  transmitted.clear();
+  const auto transmit = [&](const auto &row, const double influx) {
+    transmitted.push_back(
+        {row.field, row.component, {{-row.of_source * influx, -row.of_destination * influx}}});
+  };
   if (is_dual)
-    for (const auto &[dof, row] : space->rows)
-      lambda[dof] = -force(dof) / row.diagonal;
+    for (const auto &[dof, row] : space->rows) {
+      lambda[dof] = -force(dof) / row.diagonal * source_share(dof);
+      if (const auto line = shares_of_force.find(dof); line != shares_of_force.end())
+        transmitted.push_back(
+            {row.field,
+             row.component,
+             {{line->second[source] * force(dof), line->second[destination] * force(dof)}}});
+    }
   else
-    for (const Term &term : terms)
-      lambda[term.node] = solution(term.dofs.back());
+    for (const Term &term : terms) {
+      const double of_term = solution(term.dofs.back());
+      lambda[term.node] = of_term;
+      if (term.weights.empty())
+        continue;
+      std::vector<double> unknowns;
+      for (const Index dof : term.dofs)
+        unknowns.push_back(solution(dof));
+      transmit(space->rows.at(term.node), of_term + term.augmentation * term.g(unknowns));
+    }
   space->set_coefficients(lambda, communicator);
 }
 
@@ -315,6 +384,8 @@ std::vector<std::string> Mortar<dim>::notes() const
   // the source's trace has kinks inside the destination's faces only if it is the coarser one
   if (ratios.stiffness > largest_stiffness_of_follower && ratios.face_size < 0.9)
     sentences.push_back(words_for_stiff_follower(ratios.stiffness));
+  if (ratios.stiffness > largest_stiffness_of_follower && ratios.face_size > 1.1)
+    sentences.push_back(words_for_fine_soft_source(ratios));
   if (space && space->n_taken > 0)
     sentences.push_back("no multipliers at " + std::to_string(space->n_taken) +
                         " unknowns that are prescribed or belong to another interface too");

@@ -439,11 +439,13 @@ void MultiplierSpace<dim>::add_rows(const Face &face, std::map<Index, Row> &to) 
         for (unsigned int i = 0; i < component.dofs.size(); ++i)
           if (component.mass(j, i) != 0) {
             row.weights[component.dofs[i]] += component.mass(j, i);
+            row.of_destination += component.mass(j, i);
           }
         row.diagonal += component.mass(j, j);
       }
 
-  std::vector<double> moment;
+  const unsigned int n_destination = interface.sides[destination].domain->n_nodes();
+  std::vector<double> moment, of_destination, of_source;
   for (const unsigned int g : face.groups) {
     const auto &group = pairing.groups[g];
     const auto &source_dofs = pairing.cells[source][group.cells[source]].dofs;
@@ -458,20 +460,73 @@ void MultiplierSpace<dim>::add_rows(const Face &face, std::map<Index, Row> &to) 
               for (unsigned int l = 0; l < component.dofs.size(); ++l)
                 psi[a] += component.C(a, l) * component.psi(j, l);
             moment.assign(n_source, 0.);
+            of_source.assign(n_source, 0.);
+            of_destination.assign(n_destination, 0.);
+            bool is_bridged = false;
+            const unsigned int f = &field - interface.fields.data();
             for (unsigned int q = group.begin; q < group.end; ++q) {
               double value = 0;
               for (unsigned int a = 0; a < n; ++a)
                 value += psi[a] * pairing.values(destination, q)[face.nodes[a]];
               for (unsigned int k = 0; k < n_source; ++k)
-                moment[k] += pairing.weight(q) * value * pairing.trial(source, q)[k];
+                moment[k] += pairing.weight(q) * value * pairing.trial(source, q, f)[k];
+              if (!pairing.own_side_bridges(q, f))
+                continue;
+              is_bridged = true;
+              for (unsigned int k = 0; k < n_destination; ++k)
+                of_destination[k] +=
+                    pairing.weight(q) * value *
+                    (pairing.trial(destination, q, f)[k] - pairing.values(destination, q)[k]);
+              for (unsigned int k = 0; k < n_source; ++k)
+                of_source[k] +=
+                    pairing.weight(q) * value *
+                    (pairing.values(source, q)[k] + pairing.gradients(source, q)[k] * pairing.offset(q) -
+                     pairing.trial(source, q, f)[k]);
             }
             Row &row = to[component.dofs[j]];
+            if (is_bridged)
+              add_own_gradient(group, f, c, of_destination, of_source, row);
+            row.field = f;
+            row.component = c;
             for (unsigned int k = 0; k < n_source; ++k)
-              if (moment[k] != 0)
+              if (moment[k] != 0) {
                 row.weights[source_dofs[(field.first_component[source] + c) * n_source + k]] -= moment[k];
+                row.of_source -= moment[k];
+              }
           }
       }
   }
+}
+
+template <int dim>
+void MultiplierSpace<dim>::add_own_gradient(const typename Pairing<dim>::Group &group, const unsigned int f,
+                                            const unsigned int component,
+                                            const std::vector<double> &of_destination,
+                                            const std::vector<double> &of_source, Row &row) const
+{
+  const TiedField &field = interface.fields[f];
+  const auto dof_of = [&](const unsigned int side, const unsigned int node) {
+    return interface.pairing()
+        .cells[side][group.cells[side]]
+        .dofs[(field.first_component[side] + component) * interface.sides[side].domain->n_nodes() + node];
+  };
+  for (unsigned int k = 0; k < of_source.size(); ++k)
+    if (of_source[k] != 0)
+      row.source_gain[dof_of(source, k)] -= of_source[k];
+  const Index first = interface.sides[destination].domain->first_dof;
+  const auto add = [&row](const Index dof, const double weight) {
+    row.weights[dof] += weight;
+    row.of_destination += weight;
+    row.of_own_gradient[dof] += weight;
+  };
+  for (unsigned int k = 0; k < of_destination.size(); ++k)
+    if (const Index dof = dof_of(destination, k); of_destination[k] == 0)
+      continue;
+    else if (hanging.is_constrained(dof - first))
+      for (const auto &[master, weight] : *hanging.get_constraint_entries(dof - first))
+        add(first + master, weight * of_destination[k]);
+    else
+      add(dof, of_destination[k]);
 }
 
 template <int dim>
@@ -493,19 +548,27 @@ void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Com
   OfRanks numbers;
   for (const auto &[dof, row] : mine) {
     auto &of_rank = numbers[owner_of.at(dof)];
-    of_rank.insert(of_rank.end(),
-                   {static_cast<double>(dof), row.diagonal, static_cast<double>(row.weights.size())});
-    for (const auto &[other, weight] : row.weights)
-      of_rank.insert(of_rank.end(), {static_cast<double>(other), weight});
+    of_rank.insert(of_rank.end(), {static_cast<double>(dof), row.diagonal, row.of_source, row.of_destination,
+                                   static_cast<double>(row.field), static_cast<double>(row.component)});
+    for (const auto *part : {&row.weights, &row.of_own_gradient, &row.source_gain}) {
+      of_rank.push_back(part->size());
+      for (const auto &[other, weight] : *part)
+        of_rank.insert(of_rank.end(), {static_cast<double>(other), weight});
+    }
   }
   for (const auto &[rank, of_rank] : exchange(numbers, communicator, interface.work()))
     for (auto next = of_rank.begin(); next != of_rank.end();) {
       Row &row = rows[static_cast<Index>(*next++)];
       row.diagonal += *next++;
-      for (unsigned int n = *next++; n > 0; --n) {
-        const Index other = static_cast<Index>(*next++);
-        row.weights[other] += *next++;
-      }
+      row.of_source += *next++;
+      row.of_destination += *next++;
+      row.field = *next++;
+      row.component = *next++;
+      for (auto *part : {&row.weights, &row.of_own_gradient, &row.source_gain})
+        for (unsigned int n = *next++; n > 0; --n) {
+          const Index other = static_cast<Index>(*next++);
+          (*part)[other] += *next++;
+        }
     }
   for (auto &[dof, row] : rows) { // what cancels between the points of a face
     double largest = 0;

@@ -25,23 +25,36 @@
 #include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/utilities.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <sstream>
 
 namespace dovetail {
 
+namespace {
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+
+/// Measured to be the best compromise between flux, jump and error (prm/benchmarks/nitsche), and twice what
+/// coercivity asks for, (1 + theta)^2/4, where that is more.
+double automatic_multiplier(const double theta)
+{
+  return std::max(2., (1 + theta) * (1 + theta) / 2);
+}
+} // namespace
+
 /// 1 with a given penalty.
 template <int dim>
-double Nitsche<dim>::read_multiplier(const Section &section, const PenaltyRule rule)
+double Nitsche<dim>::read_multiplier(const Section &section, const PenaltyRule rule, const double theta)
 {
   if (rule == PenaltyRule::value && !section.documenting())
     return 1;
-  const std::string text = section.read<std::string>(
-      "Multiplier", "automatic",
-      "a or c: multiplies the penalty; automatic: 2 for eigenvalue, 1 for volume [-]");
+  const std::string text =
+      section.read<std::string>("Multiplier", "automatic",
+                                "a or c: multiplies the penalty; automatic: for eigenvalue the larger of 2 "
+                                "and (1+Theta)^2/2, for volume 1 [-]");
   if (text == "automatic" || section.documenting())
-    return rule == PenaltyRule::eigenvalue ? 2 : 1;
+    return rule == PenaltyRule::eigenvalue ? automatic_multiplier(theta) : 1;
   section.check(Patterns::Double(0).match(text), "Multiplier",
                 "is '" + text + "', but must be automatic or a number that is not negative.");
   return dealii::Utilities::string_to_double(text);
@@ -62,7 +75,7 @@ Nitsche<dim>::Nitsche(const Section &section)
           "(1+Theta)^2/4; volume: c (G1+G2)/(V1/k1+V2/k2) with face areas G, cell volumes V and stiffnesses "
           "k "
           "(times p^2 for degree p); value: given [-]"))),
-      multiplier(read_multiplier(section, penalty_rule)),
+      multiplier(read_multiplier(section, penalty_rule, theta)),
       value(penalty_rule != PenaltyRule::value && !section.documenting()
                 ? Expression()
                 : section.require_expression("Value", {1},
@@ -75,6 +88,55 @@ Nitsche<dim>::Nitsche(const Section &section)
       "side on its own faces, patch-exact also with mapped points, but not symmetric [-]");
   sides_of_integration = {{integrate_on != 1, integrate_on != 0}};
   own_sides = integrate_on == 3;
+}
+
+template <int dim>
+void Nitsche<dim>::set_fields(const Section &section, const std::vector<TiedField> &fields)
+{
+  if (penalty_rule != PenaltyRule::value)
+    return;
+  std::string names;
+  for (const TiedField &field : fields)
+    names += (names.empty() ? "the " : " and the ") + field.name +
+             (field.n_components == 1 ? " [W/(m^2 K)]" : " [Pa/m]");
+  section.check(
+      std::all_of(fields.begin(), fields.end(),
+                  [&](const TiedField &field) { return field.n_components == fields[0].n_components; }),
+      "Value",
+      "is one number, but the interface ties " + names +
+          ". Set Fields to one of them, and tie the other by an interface of its own.");
+  if (!value.depends_on_position() && !value.depends_on_time())
+    check_value(section, value.value(dealii::Point<dim>(), 0));
+}
+
+template <int dim>
+void Nitsche<dim>::check_value(const Section &section, const double gamma)
+{
+  std::ostringstream number;
+  number << gamma;
+  section.check(gamma >= 0 && std::isfinite(gamma), "Value",
+                "is " + number.str() + " on the interface, but a penalty must be finite and not negative.");
+}
+
+/// Where it depends on place or time, at all points.
+template <int dim>
+void Nitsche<dim>::check_value(const Interface<dim> &interface, const double t,
+                               const MPI_Comm &communicator) const
+{
+  if (penalty_rule != PenaltyRule::value || (!value.depends_on_position() && !value.depends_on_time()))
+    return;
+  double smallest = 0, largest = 0;
+  int is_number = 1;
+  for (unsigned int q = 0; q < interface.pairing().n_points(); ++q) {
+    const double gamma = value.value(interface.pairing().X(source, q), t);
+    smallest = std::min(smallest, gamma);
+    largest = std::max(largest, gamma);
+    is_number = std::isnan(gamma) ? 0 : is_number;
+  }
+  smallest = dealii::Utilities::MPI::min(smallest, communicator);
+  largest = dealii::Utilities::MPI::max(largest, communicator);
+  is_number = dealii::Utilities::MPI::min(is_number, communicator);
+  check_value(interface.section, is_number == 0 ? undefined : smallest < 0 ? smallest : largest);
 }
 
 /// Whether weights and penalty are the same in all steps.
@@ -176,7 +238,7 @@ double Nitsche<dim>::choose(const Interface<dim> &interface, const unsigned int 
   std::array<double, 2> compliance = {{0, 0}}, area = {{0, 0}}, of_cell = {{0, 0}};
   for (const unsigned int side : {source, destination}) {
     if (!lambda.empty())
-      of_cell[side] = lambda[field_index][side][group.cells[side]];
+      of_cell[side] = lambda[field_index].of_penalty[side][group.cells[side]];
     if (weights != Weights::volume && penalty_rule != PenaltyRule::volume)
       continue;
     // V_i / (p_i^2 k_i): for a scalar the inverse of the trace constant is V_i / (p_i^2 k_i G_i)
@@ -223,7 +285,53 @@ double Nitsche<dim>::choose(const Interface<dim> &interface, const unsigned int 
   return unit;
 }
 
-/// gamma > (1+theta)^2/4 (w_src^2 L_src + w_dst^2 L_dst) makes the form coercive, with a joint, too.
+/// A conductivity is positive in every state. The tangent of a solid at large strain is not: then no penalty
+/// makes theta = 1 coercive.
+template <int dim>
+bool Nitsche<dim>::may_turn_skew(const Interface<dim> &interface, const TiedField &field) const
+{
+  bool is_linear = true;
+  for (const unsigned int side : {source, destination})
+    is_linear = is_linear && interface.sides[side].domain->material.is_linear(field.field[side]);
+  return theta > 0 && field.n_components > 1 && !is_linear && !lambda.empty();
+}
+
+template <int dim>
+void Nitsche<dim>::note_bound(const unsigned int field_index, const typename Pairing<dim>::Group &group,
+                              Parameters &chosen) const
+{
+  for (const unsigned int side : {source, destination})
+    if (const double w = chosen.weight[side]; w != 0)
+      chosen.bound[side] =
+          (1 + theta) * (1 + theta) / 4 * w * w * lambda[field_index].of_tangent[side][group.cells[side]];
+  chosen.stiffness = {{0, 0}};
+  chosen.is_skew = chosen.gamma < chosen.bound[source] + chosen.bound[destination];
+}
+
+/// The least penalty grows with the stiffness at the point.
+template <int dim>
+double Nitsche<dim>::theta_at(const Interface<dim> &interface, const TiedField &field, const unsigned int q,
+                              Parameters &p) const
+{
+  double least = 0;
+  for (const unsigned int side : {source, destination}) {
+    if (p.bound[side] == 0 || p.is_skew)
+      continue;
+    const unsigned int n = interface.sides[side].domain->n_components(), first = field.first_component[side];
+    double square = 0;
+    for (unsigned int c = first; c < first + field.n_components; ++c)
+      for (unsigned int d = first; d < first + field.n_components; ++d)
+        square += (interface.pairing().N(side, q) * response[side].by_gradient[c * n + d]).norm_square();
+    if (p.stiffness[side] == 0)
+      p.stiffness[side] = std::sqrt(square);
+    least += p.bound[side] * std::sqrt(square) / p.stiffness[side];
+  }
+  p.is_skew = p.is_skew || p.gamma < least;
+  return p.is_skew ? -1 : theta;
+}
+
+/// gamma > (1+theta)^2/4 (w_src^2 L_src + w_dst^2 L_dst) makes the form coercive, with a joint, too; with the
+/// eigenvalues of the tangent in the matrix, infinite where that is not positive on a cell.
 template <int dim>
 void Nitsche<dim>::note_margin(const unsigned int field_index, const typename Pairing<dim>::Group &group,
                                const Parameters &chosen, const double unit)
@@ -234,14 +342,16 @@ void Nitsche<dim>::note_margin(const unsigned int field_index, const typename Pa
     return;
   double of_symmetric = 0;
   for (const unsigned int side : {source, destination})
-    of_symmetric += chosen.weight[side] * chosen.weight[side] * lambda[field_index][side][group.cells[side]];
+    if (const double w = chosen.weight[side]; w != 0)
+      of_symmetric += w * w * lambda[field_index].of_tangent[side][group.cells[side]];
   if (of_symmetric > 0)
     excess = std::max(excess, chosen.gamma / of_symmetric);
   const double bound = (1 + theta) * (1 + theta) / 4 * of_symmetric;
-  if (!(bound > 0))
+  if (!(bound > 0) || chosen.is_skew)
     return;
   range.coercivity_margin = std::min(range.coercivity_margin, chosen.gamma / bound - 1);
-  least_multiplier = std::max(least_multiplier, penalty_rule == PenaltyRule::value ? bound : bound / unit);
+  if (std::isfinite(bound))
+    least_multiplier = std::max(least_multiplier, penalty_rule == PenaltyRule::value ? bound : bound / unit);
 }
 
 template <int dim>
@@ -256,13 +366,21 @@ void Nitsche<dim>::warn_if_not_coercive(const Interface<dim> &interface, const M
   has_warned = true;
   std::ostringstream message;
   message.precision(3);
-  message << "with Theta = " << theta << " its penalty is " << 1 + margin
-          << " times the least one for which the tie is coercive. Set "
-          << (penalty_rule == PenaltyRule::value ? "Value" : "Multiplier") << " = " << 2 * least
-          << " (twice the least)";
-  if (penalty_rule != PenaltyRule::value)
-    message << " instead of " << multiplier;
-  message << ", or Theta = -1, which needs none.";
+  if (margin <= -1)
+    message << "there are cells at the interface on which the tangent of a law is not positive, as in a body "
+               "that is about to "
+               "buckle: no penalty makes the tie coercive there. If the steps do not converge, make them "
+               "smaller, or use Theta = "
+               "-1 or a mortar.";
+  else {
+    message << "with Theta = " << theta << " its penalty is " << 1 + margin
+            << " times the least one for which the tie is coercive. Set "
+            << (penalty_rule == PenaltyRule::value ? "Value" : "Multiplier") << " = " << 2 * least
+            << " (twice the least)";
+    if (penalty_rule != PenaltyRule::value)
+      message << " instead of " << multiplier;
+    message << ", or Theta = -1, which needs none.";
+  }
   sentences.push_back(message.str());
   if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
     std::cerr << "Warning: interface " << interface.name << ": " << message.str() << std::endl;
@@ -291,6 +409,7 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
 {
   if (has_begun && has_constant_penalty(interface))
     return;
+  check_value(interface, t, communicator);
   if (!has_begun)
     for (const unsigned int side : {source, destination}) {
       state[side] = State<dim>(interface.sides[side].domain->n_components());
@@ -322,9 +441,11 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
         // a tangent that has lost its positivity says nothing about the stiffness: keep the last good one
         const bool is_good = chosen.gamma >= 0 && std::isfinite(chosen.gamma) && chosen.weight[source] >= 0 &&
                              chosen.weight[destination] >= 0;
-        parameters[i] = is_good ? chosen : old.empty() ? Parameters{{{0.5, 0.5}}, 0} : old[i];
+        parameters[i] = is_good ? chosen : old.empty() ? Parameters{{{0.5, 0.5}}, undefined} : old[i];
         if (!first_gamma.empty() && penalty_rule != PenaltyRule::value)
           parameters[i].gamma = std::max(parameters[i].gamma, least_share * first_gamma[i]);
+        if (may_turn_skew(interface, interface.fields[f]))
+          note_bound(f, group, parameters[i]);
         note_margin(f, group, parameters[i], unit);
       }
     }
@@ -421,14 +542,19 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
   }
 }
 
+/// @return false where a law is not defined, or no penalty was found at the beginning of the step.
 template <int dim>
 bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const unsigned int q, const double t,
                                   const std::vector<double> &unknowns, const bool with_derivatives)
 {
   for (const unsigned int side : {source, destination}) {
     bool is_weighted = false;
-    for (unsigned int f = 0; f < interface.fields.size(); ++f)
-      is_weighted = is_weighted || parameters[f * interface.pairing().n_points() + q].weight[side] != 0;
+    for (unsigned int f = 0; f < interface.fields.size(); ++f) {
+      const Parameters &p = parameters[f * interface.pairing().n_points() + q];
+      if (std::isnan(p.gamma))
+        return false;
+      is_weighted = is_weighted || p.weight[side] != 0;
+    }
     if (!is_weighted && !has_joint())
       continue;
     interface.evaluate(side, q, unknowns, state[side]);
@@ -480,8 +606,9 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
 {
   const Pairing<dim> &pairing = interface.pairing();
   const TiedField &field = interface.fields[field_index];
-  const Parameters &p = parameters[field_index * pairing.n_points() + q];
+  Parameters &p = parameters[field_index * pairing.n_points() + q];
   const unsigned int n_c = field.n_components, n_local = residual.size();
+  theta_here = may_turn_skew(interface, field) ? theta_at(interface, field, q, p) : theta;
 
   Series series;
   if (!join(interface, field, q, p.gamma, state, series))
@@ -514,7 +641,7 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
   if (theta != 0)
     for (const unsigned int i : of_field)
       for (unsigned int c = 0; c < n_c; ++c)
-        residual[i] -= theta * pairing.weight(q) * variation_of[c * n_local + i] * mismatch[c];
+        residual[i] -= theta_here * pairing.weight(q) * variation_of[c * n_local + i] * mismatch[c];
   if (tangent == nullptr)
     return true;
   add_tangent(interface, field, p, series, q, *tangent);
@@ -579,7 +706,8 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
   for (const unsigned int side : {source, destination}) {
     const double sign = side == source ? 1 : -1;
     const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
-    const double *trial = interface.pairing().trial(side, q), *test = interface.pairing().test(side, q);
+    const unsigned int f = &field - interface.fields.data();
+    const double *trial = interface.pairing().trial(side, q, f), *test = interface.pairing().test(side, q, f);
     for (const unsigned int component : interface.components[side]) {
       const unsigned int c = component - field.first_component[side]; // wraps if not of this field
       for (unsigned int a = 0; a < n_nodes; ++a, ++i)
@@ -639,7 +767,7 @@ void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &seri
   for (const unsigned int row : of_field) {
     std::array<double, dim> variation, of_jump;
     for (unsigned int c = 0; c < n_c; ++c)
-      variation[c] = of_jump[c] = theta * weight * variation_of[c * n_local + row];
+      variation[c] = of_jump[c] = theta_here * weight * variation_of[c * n_local + row];
     double *entries = &tangent(row, 0);
     if (!series.is_rigid)
       for (unsigned int c = 0; c < n_c; ++c) {
@@ -685,7 +813,7 @@ void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const Ti
     add_row(row.i, p.gamma * row.test);
   if (theta != 0)
     for (const unsigned int row : of_field)
-      add_row(row, -theta * variation_of[row]);
+      add_row(row, -theta_here * variation_of[row]);
 }
 
 /// - theta e_c d2{A}_c(delta, d): the second derivative of the flux contracted with e.
@@ -703,8 +831,9 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
       ++variations.second;
       contraction.assign(n, dealii::Tensor<1, dim>());
       for (unsigned int c = 0; c < field.n_components; ++c)
-        contraction[field.first_component[side] + c] = -theta * (side == source ? 1 : -1) * p.weight[side] *
-                                                       pairing.weight(q) * mismatch[c] * pairing.N(side, q);
+        contraction[field.first_component[side] + c] = -theta_here * (side == source ? 1 : -1) *
+                                                       p.weight[side] * pairing.weight(q) * mismatch[c] *
+                                                       pairing.N(side, q);
       dealii::FullMatrix<double> &H = second_derivative;
       domain.material.curvature(state[side], contraction, H);
 

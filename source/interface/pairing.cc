@@ -223,8 +223,6 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
     const std::size_t size = (first_point + order.size()) * n_nodes[side];
     shape_values[side].reserve(size);
     shape_gradients[side].reserve(size);
-    if (extension != GapExtension::none)
-      extended_values[side].reserve(size);
     cells[side].insert(cells[side].end(), shapes[side].cells.begin(), shapes[side].cells.end());
   }
   std::vector<unsigned int> position(face_points.size(), dealii::numbers::invalid_unsigned_int);
@@ -237,15 +235,11 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
     points[partner].push_back(match.X - sides[partner].shift);
     normals[own].push_back(query.N);
     normals[partner].push_back(match.N);
-    const dealii::Tensor<1, dim> offset = query.X - match.X;
+    offsets.push_back(query.X - match.X);
     for (const unsigned int side : {source, destination})
       for (unsigned int i = q * n_nodes[side]; i < (q + 1) * n_nodes[side]; ++i) {
-        const double value = shapes[side].values[i];
-        const dealii::Tensor<1, dim> &gradient = shapes[side].gradients[i];
-        shape_values[side].push_back(value);
-        shape_gradients[side].push_back(gradient);
-        if (extension != GapExtension::none)
-          extended_values[side].push_back(side == own ? value : value + gradient * offset);
+        shape_values[side].push_back(shapes[side].values[i]);
+        shape_gradients[side].push_back(shapes[side].gradients[i]);
       }
   }
   for (unsigned int i = 0; i < order.size(); ++i) {
@@ -264,6 +258,45 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
         piece.vertices[v] -= sides[own].shift;
       pieces.push_back(piece);
     }
+}
+
+/// Fields with the same shares have the same values.
+template <int dim>
+void Pairing<dim>::extend(const std::vector<OwnShare> &share_of_field)
+{
+  extended_values.clear();
+  own_shares.clear();
+  extension_of_field.clear();
+  if (extension == GapExtension::none || !has_gap())
+    return;
+  for (const OwnShare &share_of : share_of_field) {
+    std::vector<double> shares(n_points());
+    for (const Group &group : groups)
+      for (unsigned int q = group.begin; q < group.end; ++q)
+        shares[q] = share_of(group.side, q);
+    const auto known = std::find(own_shares.begin(), own_shares.end(), shares);
+    extension_of_field.push_back(known - own_shares.begin());
+    if (known != own_shares.end())
+      continue;
+    auto &extended = extended_values.emplace_back();
+    for (const unsigned int side : {source, destination})
+      extended[side] = shape_values[side];
+    for (const Group &group : groups)
+      for (unsigned int q = group.begin; q < group.end; ++q)
+        for (const unsigned int side : {source, destination}) {
+          const double share = side == group.side ? -shares[q] : 1 - shares[q];
+          for (unsigned int i = q * n_nodes[side]; share != 0 && i < (q + 1) * n_nodes[side]; ++i)
+            extended[side][i] += share * (shape_gradients[side][i] * offsets[q]);
+        }
+    own_shares.push_back(std::move(shares));
+  }
+}
+
+/// Up to rounding.
+template <int dim>
+bool Pairing<dim>::has_gap() const
+{
+  return account.largest_gap > 1e-13 * std::min(face_size[source], face_size[destination]);
 }
 
 template SideFaces<2> faces_of(const InterfaceSide<2> &);

@@ -5,7 +5,8 @@
 //
 //     B_dst(X) = B_src(X') + grad B_src(X').(X - X') = sum_a (phi_a(X') + grad phi_a(X').(X - X')) B_a
 //
-// (the second term only over a gap), as constraints that are condensed out of the system. It passes the patch
+// (the second term only over a gap, of which the gradient of a stiffer destination bridges its share,
+// side_ratios.h), as constraints that are condensed out of the system. It passes the patch
 // test only if the destination's trace space contains the source's, so the finer side should be the
 // destination.
 //
@@ -15,8 +16,11 @@
 //       set Destination = right : 0
 //     end
 
+#include <dovetail/interface/follower_lines.h>
 #include <dovetail/interface/interface.h>
+#include <dovetail/interface/partner_shapes.h>
 #include <dovetail/interface/side_ratios.h>
+#include <dovetail/interface/transmission.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/dofs/dof_tools.h>
@@ -29,7 +33,7 @@ namespace dovetail {
 namespace {
 
 template <int dim>
-class Pointwise : public Tie<dim>
+class Pointwise : public Tie<dim>, public Transmits
 {
 public:
   explicit Pointwise(const Section &) {}
@@ -45,8 +49,8 @@ public:
   bool has_multipliers() const override { return true; }
   void find_multipliers(const Interface<dim> &interface, const typename Tie<dim>::Owned &solution,
                         const typename Tie<dim>::Owned &force, const MPI_Comm &communicator) override;
-  bool knows_resultant() const override { return !transmitted.empty(); }
-  std::vector<double> resultant(const unsigned int field) const override { return transmitted[field]; }
+  std::vector<Transmission> transmissions() const override { return transmitted; }
+  const std::vector<HeldUnknown> &held() const override { return prescribed; }
 
 private:
   /// A support point of the destination and its unknowns, one per component of the domain.
@@ -54,17 +58,41 @@ private:
   {
     typename FaceLocator<dim>::Query query;
     std::vector<dealii::types::global_dof_index> dofs;
+    /// Cells with faces on the side, and the node's number there.
+    std::vector<std::pair<typename dealii::Triangulation<dim>::active_cell_iterator, unsigned int>> cells;
   };
   static std::vector<Node> nodes_of(const InterfaceSide<dim> &side);
+  /// From the source to a node: the gap, for each field the share of it that the node's side bridges, and the
+  /// source's unknowns and shapes there.
+  struct Bridge
+  {
+    dealii::Tensor<1, dim> gap;
+    std::vector<double> own_share;
+    const std::vector<dealii::types::global_dof_index> *masters;
+    unsigned int n_masters; ///< of a component
+    const double *values;
+    const dealii::Tensor<1, dim> *gradients;
+  };
+  static Bridge find_bridge(const Interface<dim> &interface, const Node &node,
+                            const typename FaceLocator<dim>::Match &match, const PartnerShapes<dim> &shapes,
+                            unsigned int point);
+  static Follower follow(const TiedField &field, unsigned int c, const Bridge &bridge, double own_share);
+  static void add_own_gradient(const Domain<dim> &domain, const Node &node, unsigned int component,
+                               const dealii::Tensor<1, dim> &direction,
+                               const dealii::AffineConstraints<double> &hanging, ShapeEvaluator<dim> &shapes,
+                               std::map<dealii::types::global_dof_index, double> &entries);
+  void hold(dealii::types::global_dof_index dof, unsigned int f, unsigned int c, const TiedField &field,
+            const Bridge &bridge, const TieConstraints &constraints);
 
   /// An unknown that follows the source.
-  struct Follower
+  struct Place
   {
-    dealii::types::global_dof_index dof;
     unsigned int field, component;
+    std::array<double, 2> shares; ///< of its force, that its line gives to the sides
   };
-  std::vector<Follower> followers;              ///< that this rank owns
-  std::vector<std::vector<double>> transmitted; ///< force on the source, by field and component
+  std::map<dealii::types::global_dof_index, Place> places; ///< of those that this rank owns
+  std::vector<HeldUnknown> prescribed;
+  std::vector<Transmission> transmitted;
   SideRatios ratios;
 };
 
@@ -109,6 +137,7 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
           node.query.X = at_nodes.quadrature_point(a) + side.shift;
           node.query.N += at_face.normal_vector(0); // the mean of the faces that meet here
           node.query.face_size = std::max(node.query.face_size, cell->face(face)->diameter());
+          node.cells.emplace_back(cell, a);
           node.dofs.clear();
           for (unsigned int c = 0; c < domain.n_components(); ++c)
             node.dofs.push_back(dofs[c * n + a]);
@@ -122,16 +151,87 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
   return list;
 }
 
+/// Add the derivative of a component along a direction at a node, the mean of its cells'.
+template <int dim>
+void Pointwise<dim>::add_own_gradient(const Domain<dim> &domain, const Node &node,
+                                      const unsigned int component, const dealii::Tensor<1, dim> &direction,
+                                      const dealii::AffineConstraints<double> &hanging,
+                                      ShapeEvaluator<dim> &shapes,
+                                      std::map<dealii::types::global_dof_index, double> &entries)
+{
+  const unsigned int n = domain.n_nodes();
+  std::vector<double> values(n);
+  std::vector<dealii::Tensor<1, dim>> gradients(n);
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &[cell, own] : node.cells) {
+    shapes.reinit(cell);
+    shapes.evaluate(domain.scalar_element().unit_support_point(own), values.data(), gradients.data());
+    domain.cell_dofs(domain.dof_cell(cell), dofs);
+    for (unsigned int a = 0; a < n; ++a) {
+      const double weight = gradients[a] * direction / node.cells.size();
+      if (std::abs(weight) <= 1e-14)
+        continue;
+      const auto dof = dofs[component * n + a];
+      if (hanging.is_constrained(dof - domain.first_dof))
+        for (const auto &[master, of_master] : *hanging.get_constraint_entries(dof - domain.first_dof))
+          entries[domain.first_dof + master] += weight * of_master;
+      else
+        entries[dof] += weight;
+    }
+  }
+}
+
+template <int dim>
+typename Pointwise<dim>::Bridge Pointwise<dim>::find_bridge(const Interface<dim> &interface, const Node &node,
+                                                            const typename FaceLocator<dim>::Match &match,
+                                                            const PartnerShapes<dim> &shapes,
+                                                            const unsigned int point)
+{
+  const std::array<dealii::Point<dim>, 2> X = {
+      {match.X - interface.sides[source].shift, node.query.X - interface.sides[destination].shift}};
+  Bridge bridge;
+  if (interface.gap_extension() != GapExtension::none)
+    bridge.gap = node.query.X - match.X;
+  for (const TiedField &field : interface.fields)
+    bridge.own_share.push_back(bridge.gap.norm() > 1e-13 * node.query.face_size
+                                   ? own_share_of_gap(interface, field, destination, X)
+                                   : 0);
+  const unsigned int n = interface.sides[source].domain->n_nodes();
+  bridge.masters = &shapes.cells[shapes.cell_of_point[point]].dofs;
+  bridge.n_masters = n;
+  bridge.values = &shapes.values[point * n];
+  bridge.gradients = &shapes.gradients[point * n];
+  return bridge;
+}
+
+/// What component c of a field takes from the source.
+template <int dim>
+Follower Pointwise<dim>::follow(const TiedField &field, const unsigned int c, const Bridge &bridge,
+                                const double own_share)
+{
+  Follower follower;
+  for (unsigned int a = 0; a < bridge.n_masters; ++a) {
+    const auto master = (*bridge.masters)[(field.first_component[source] + c) * bridge.n_masters + a];
+    const double value = bridge.values[a], extension = bridge.gradients[a] * bridge.gap;
+    if (std::abs(value + extension) > 1e-14)
+      follower.first.from_source[master] += value + extension;
+    if (std::abs(value + (1 - own_share) * extension) > 1e-14)
+      follower.wanted.from_source[master] += value + (1 - own_share) * extension;
+  }
+  return follower;
+}
+
 template <int dim>
 void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                                      const MPI_Comm &communicator)
 {
   ratios = side_ratios(interface, communicator);
-  followers.clear();
+  places.clear();
+  prescribed.clear();
   transmitted.clear();
-  const InterfaceSide<dim> &from = interface.sides[source];
+  const InterfaceSide<dim> &from = interface.sides[source], &to = interface.sides[destination];
   const FaceLocator<dim> locator = interface.make_locator(source, communicator);
-  const std::vector<Node> nodes = nodes_of(interface.sides[destination]);
+  const std::vector<Node> nodes = nodes_of(to);
   std::vector<typename FaceLocator<dim>::Query> queries;
   for (const Node &node : nodes)
     queries.push_back(node.query);
@@ -139,32 +239,37 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
   const PartnerShapes<dim> shapes = fetch_shapes(*from.domain, locator, matches, communicator);
   interface.work() += locator.work();
 
-  const unsigned int n = from.domain->n_nodes();
+  std::map<dealii::types::global_dof_index, Follower> followers;
+  const auto hanging = to.domain->hanging_nodes();
+  ShapeEvaluator<dim> own_shapes(*to.domain);
   unsigned int n_followers = 0, n_prescribed = 0;
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     if (!matches[i].found)
       continue;
-    const dealii::Tensor<1, dim> gap = nodes[i].query.X - matches[i].X;
-    const auto &masters = shapes.cells[shapes.cell_of_point[i]].dofs;
-    for (const auto &field : interface.fields)
-      for (unsigned int c = 0; c < field.n_components; ++c) {
-        const auto dof = nodes[i].dofs[field.first_component[destination] + c];
+    const Bridge bridge = find_bridge(interface, nodes[i], matches[i], shapes, i);
+    for (unsigned int f = 0; f < interface.fields.size(); ++f)
+      for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
+        const unsigned int component = interface.fields[f].first_component[destination] + c;
+        const auto dof = nodes[i].dofs[component];
         ++(constraints.has(dof) ? n_prescribed : n_followers);
-        if (constraints.has(dof))
+        if (constraints.has(dof)) {
+          hold(dof, f, c, interface.fields[f], bridge, constraints);
           continue;
-        ConstraintLine line;
-        for (unsigned int a = 0; a < n; ++a) {
-          double weight = shapes.values[i * n + a];
-          if (interface.gap_extension() != GapExtension::none)
-            weight += shapes.gradients[i * n + a] * gap;
-          if (std::abs(weight) > 1e-14)
-            line.entries.emplace_back(masters[(field.first_component[source] + c) * n + a], weight);
         }
-        if (line.entries.size() == 1 && line.entries[0].first == dof)
+        Follower follower = follow(interface.fields[f], c, bridge, bridge.own_share[f]);
+        if (follower.first.from_source.size() == 1 && follower.first.from_source.count(dof) > 0)
           continue; // at the tip of a slit
-        constraints.lines.emplace(dof, std::move(line));
-        followers.push_back({dof, static_cast<unsigned int>(&field - interface.fields.data()), c});
+        if (bridge.own_share[f] > 0)
+          add_own_gradient(*to.domain, nodes[i], component, bridge.own_share[f] * bridge.gap, hanging,
+                           own_shapes, follower.wanted.from_destination);
+        followers[dof] = std::move(follower);
+        places[dof] = {f, c, {{-1., 1.}}};
       }
+  }
+  for (const auto &[dof, line] :
+       follower_lines(followers, *to.domain, constraints, communicator, interface.work())) {
+    places.at(dof).shares = {{-line.source_weight(), 1 - line.destination_weight()}};
+    constraints.lines[dof] = line.as_constraint();
   }
   n_followers = dealii::Utilities::MPI::sum(n_followers, communicator);
   n_prescribed = dealii::Utilities::MPI::sum(n_prescribed, communicator);
@@ -179,19 +284,35 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
       "Type = Nitsche.");
 }
 
+/// An unknown that has a line already, if it is a prescribed one.
+template <int dim>
+void Pointwise<dim>::hold(const dealii::types::global_dof_index dof, const unsigned int f,
+                          const unsigned int c, const TiedField &field, const Bridge &bridge,
+                          const TieConstraints &constraints)
+{
+  const auto known = constraints.lines.find(dof);
+  if (known == constraints.lines.end() || !known->second.entries.empty())
+    return;
+  HeldUnknown unknown = {dof, f, c, {}};
+  for (unsigned int a = 0; a < bridge.n_masters; ++a)
+    if (std::abs(bridge.values[a]) > 1e-14)
+      unknown.source.emplace_back(
+          (*bridge.masters)[(field.first_component[source] + c) * bridge.n_masters + a], bridge.values[a]);
+  prescribed.push_back(std::move(unknown));
+}
+
 /// What acts on the followers acts on the source.
 template <int dim>
-void Pointwise<dim>::find_multipliers(const Interface<dim> &interface,
+void Pointwise<dim>::find_multipliers(const Interface<dim> & /*interface*/,
                                       const typename Tie<dim>::Owned & /*solution*/,
-                                      const typename Tie<dim>::Owned &force, const MPI_Comm &communicator)
+                                      const typename Tie<dim>::Owned &force,
+                                      const MPI_Comm & /*communicator*/)
 {
   transmitted.clear();
-  for (const TiedField &field : interface.fields)
-    transmitted.emplace_back(field.n_components, 0.);
-  for (const Follower &follower : followers)
-    transmitted[follower.field][follower.component] -= force(follower.dof);
-  for (std::vector<double> &of_field : transmitted)
-    dealii::Utilities::MPI::sum(of_field, communicator, of_field);
+  for (const auto &[dof, place] : places)
+    transmitted.push_back({place.field,
+                           place.component,
+                           {{place.shares[source] * force(dof), place.shares[destination] * force(dof)}}});
 }
 
 const bool registered =

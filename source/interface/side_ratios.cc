@@ -23,14 +23,18 @@ double mean_face_size(const InterfaceSide<dim> &side, const MPI_Comm &communicat
          dealii::Utilities::MPI::sum(sums[1], communicator);
 }
 
-/// 0 if the law is not defined.
+/// |dA/dgrad B| of a field in the undeformed state, 0 if the law is not defined.
 template <int dim>
 double stiffness(const Domain<dim> &domain, const unsigned int first_component,
-                 const unsigned int n_components)
+                 const unsigned int n_components, const dealii::Point<dim> &X)
 {
   const unsigned int n = domain.n_components();
   State<dim> state(n);
-  state.X = domain.centre();
+  state.X = X;
+  for (const Field &field : domain.fields()) // a displacement that is given first does not stiffen the body
+    if (const Expression *initial = domain.initial().find(field.name);
+        initial != nullptr && field.n_components == 1)
+      state.value[field.first_component] = initial->value(X, 0., 0);
   Response<dim> response(n);
   if (!domain.material.evaluate(state, true, response))
     return 0;
@@ -41,6 +45,29 @@ double stiffness(const Domain<dim> &domain, const unsigned int first_component,
   return std::sqrt(square);
 }
 
+/// Integrals over the interface by field, where the laws of both sides are defined.
+template <int dim>
+std::vector<std::array<double, 2>> stiffnesses(const Interface<dim> &interface, const MPI_Comm &communicator)
+{
+  std::vector<double> sums(2 * interface.fields.size(), 0.);
+  for (unsigned int q = 0; q < interface.pairing().n_points(); ++q)
+    for (unsigned int f = 0; f < interface.fields.size(); ++f) {
+      const TiedField &field = interface.fields[f];
+      std::array<double, 2> k;
+      for (const unsigned int side : {source, destination})
+        k[side] = stiffness(*interface.sides[side].domain, field.first_component[side], field.n_components,
+                            interface.pairing().X(side, q));
+      for (const unsigned int side : {source, destination})
+        if (k[source] > 0 && k[destination] > 0)
+          sums[2 * f + side] += interface.pairing().weight(q) * k[side];
+    }
+  dealii::Utilities::MPI::sum(sums, communicator, sums);
+  std::vector<std::array<double, 2>> result;
+  for (unsigned int f = 0; f < interface.fields.size(); ++f)
+    result.push_back({{sums[2 * f], sums[2 * f + 1]}});
+  return result;
+}
+
 } // namespace
 
 template <int dim>
@@ -49,15 +76,23 @@ SideRatios side_ratios(const Interface<dim> &interface, const MPI_Comm &communic
   SideRatios result;
   result.face_size = mean_face_size(interface.sides[destination], communicator) /
                      mean_face_size(interface.sides[source], communicator);
-  for (const TiedField &field : interface.fields) {
-    std::array<double, 2> of_sides;
-    for (const unsigned int side : {source, destination})
-      of_sides[side] =
-          stiffness(*interface.sides[side].domain, field.first_component[side], field.n_components);
+  for (const auto &of_sides : stiffnesses(interface, communicator))
     if (of_sides[source] > 0)
       result.stiffness = std::max(result.stiffness, of_sides[destination] / of_sides[source]);
-  }
   return result;
+}
+
+template <int dim>
+double own_share_of_gap(const Interface<dim> &interface, const TiedField &field, const unsigned int own,
+                        const std::array<dealii::Point<dim>, 2> &X)
+{
+  if (interface.sides[source].domain == interface.sides[destination].domain)
+    return 0;
+  std::array<double, 2> k;
+  for (const unsigned int side : {source, destination})
+    k[side] =
+        stiffness(*interface.sides[side].domain, field.first_component[side], field.n_components, X[side]);
+  return k[1 - own] > 0 && k[own] > k[1 - own] ? 1 - k[1 - own] / k[own] : 0;
 }
 
 std::string words_for_stiff_follower(const double stiffness)
@@ -71,7 +106,24 @@ std::string words_for_stiff_follower(const double stiffness)
   return sentence.str();
 }
 
+std::string words_for_fine_soft_source(const SideRatios &ratios)
+{
+  std::ostringstream sentence;
+  sentence.precision(2);
+  sentence
+      << "the destination is " << ratios.stiffness << " times as stiff as the source and its faces are "
+      << ratios.face_size
+      << " times as large: the softer, finer source is tied in the mean over these faces only and slips "
+         "between them, which at large strain makes the answer wrong. Swap Source and Destination, or use "
+         "Type = Nitsche";
+  return sentence.str();
+}
+
 template SideRatios side_ratios(const Interface<2> &, const MPI_Comm &);
 template SideRatios side_ratios(const Interface<3> &, const MPI_Comm &);
+template double own_share_of_gap(const Interface<2> &, const TiedField &, unsigned int,
+                                 const std::array<dealii::Point<2>, 2> &);
+template double own_share_of_gap(const Interface<3> &, const TiedField &, unsigned int,
+                                 const std::array<dealii::Point<3>, 2> &);
 
 } // namespace dovetail

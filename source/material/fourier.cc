@@ -17,6 +17,9 @@
 
 #include <dovetail/material/heat_law.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/undefined.h>
+
+#include <cmath>
 
 namespace dovetail {
 
@@ -27,7 +30,7 @@ class Fourier : public HeatLaw
 {
 public:
   explicit Fourier(const Section &section)
-      : dim(section.dimension()),
+      : section(section), dim(section.dimension()),
         K(section.require_expression(
             "Conductivity", {1, dim, dim * dim},
             "Thermal conductivity, which may depend on x, y, z, t and the temperature T: one "
@@ -51,7 +54,13 @@ public:
       response.dA_dG = k;
       response.dA_dT = K.depends_on_temperature() ? temperature_derivative(X, t, T, 1) * G : Tensor<1, 3>();
     }
-    return is_constant || is_positive_definite(k);
+    if (is_constant)
+      return true;
+    if (!is_positive_definite(k))
+      return explain(X, t, T);
+    return std::isfinite(response.A.norm_square() + response.dA_dT.norm_square()) ||
+           undefined(sentence_about(section, "Conductivity",
+                                    "or its derivative by T is not finite at T = " + in_words(T)));
   }
 
   Curvature curvature(const Point<3> &X, double t, double T, const Tensor<1, 3> &G,
@@ -77,6 +86,35 @@ public:
   }
 
 private:
+  /// Perhaps there is none at any temperature: then no step, however small, leads to a solution. @return
+  /// false
+  bool explain(const Point<3> &X, double t, double T) const
+  {
+    const Tensor<2, 3> k = conductivity(X, t, T);
+    std::string words =
+        "is " + (K.n_components() == 1 ? in_words(k[0][0]) : "not positive definite") + " at ";
+    if (K.depends_on_temperature())
+      words += "T = " + in_words(T) + ", ";
+    words += (dim == 2 ? in_words(Point<2>(X[0], X[1])) : in_words(X)) + " and t = " + in_words(t);
+    if (K.n_components() == 1)
+      words += ", but must be positive";
+    const bool is_never_good = !is_good_at_some_temperature(X, t);
+    if (K.depends_on_temperature() && is_never_good)
+      words += ", and is so at no temperature";
+    return undefined(sentence_about(section, "Conductivity", words + "."), is_never_good);
+  }
+
+  bool is_good_at_some_temperature(const Point<3> &X, double t) const
+  {
+    if (!K.depends_on_temperature())
+      return false;
+    for (double size = 1e-3; size < 1e7; size *= 1.5)
+      for (const double T : {size, -size})
+        if (is_positive_definite(conductivity(X, t, T)))
+          return true;
+    return false;
+  }
+
   /// The components of the expression, each turned into a number by @p value_of, at their places in K.
   template <typename Function>
   Tensor<2, 3> tensor(const Function &value_of) const
@@ -108,15 +146,17 @@ private:
         [&](unsigned int component) { return K.temperature_derivatives(X, t, component, T)[order - 1]; });
   }
 
-  /// All leading minors of the symmetric part are positive (Sylvester).
+  /// All leading minors of the symmetric part are positive (Sylvester), and it is finite.
   bool is_positive_definite(const Tensor<2, 3> &k) const
   {
     Tensor<2, 3> s = 0.5 * (k + transpose(k));
     if (dim == 2)
       s[2][2] = 1;
-    return s[0][0] > 0 && s[0][0] * s[1][1] - s[0][1] * s[1][0] > 0 && determinant(s) > 0;
+    return std::isfinite(k.norm_square()) && s[0][0] > 0 && s[0][0] * s[1][1] - s[0][1] * s[1][0] > 0 &&
+           determinant(s) > 0;
   }
 
+  const Section section; ///< for error messages
   const unsigned int dim;
   const Expression K;
   const bool is_constant;

@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/material/hyperelastic_law.h>
+#include <dovetail/scene/undefined.h>
 
 #include <cmath>
 
@@ -10,57 +11,90 @@ namespace dovetail {
 using dealii::Tensor;
 
 namespace {
-/// (D:G)_iJ = D_iJkL G_kL
-Tensor<2, 3> contract(const Tensor<4, 3> &D, const Tensor<2, 3> &G)
+/// (D:F)_iJ = D_iJkL F_kL
+Tensor<2, 3> contract(const Tensor<4, 3> &D, const Tensor<2, 3> &F)
 {
   Tensor<2, 3> result;
   for (unsigned int i = 0; i < 3; ++i)
     for (unsigned int J = 0; J < 3; ++J)
-      result[i][J] = scalar_product(D[i][J], G);
+      result[i][J] = scalar_product(D[i][J], F);
   return result;
+}
+
+/// H_e = F/s - I: the part of H that is not free expansion.
+Tensor<2, 3> elastic_part(const Tensor<2, 3> &H, const double e)
+{
+  if (e == 0)
+    return H;
+  Tensor<2, 3> H_e = H;
+  for (unsigned int i = 0; i < 3; ++i)
+    H_e[i][i] -= e;
+  return H_e / (1 + e);
 }
 } // namespace
 
-// With G = F/s, P_e and D = dP_e/dG at G, and dG/de = -G/s:
-//   P = s² P_e,  dP/dF = s D,  dP/de = 2 s P_e - s D:G.
-bool HyperelasticLaw::evaluate(const Tensor<2, 3> &F, double e, bool with_derivatives,
+Deformation::Deformation(const Tensor<2, 3> &H) : H(H), F(H)
+{
+  for (unsigned int i = 0; i < 3; ++i)
+    F[i][i] += 1;
+  const double of_minors = H[0][0] * H[1][1] - H[0][1] * H[1][0] + H[0][0] * H[2][2] - H[0][2] * H[2][0] +
+                           H[1][1] * H[2][2] - H[1][2] * H[2][1];
+  J_minus_1 = trace(H) + of_minors + determinant(H);
+  J = 1 + J_minus_1;
+}
+
+Tensor<2, 3> Deformation::green_strain() const
+{
+  return 0.5 * (H + transpose(H) + transpose(H) * H);
+}
+
+double Deformation::trace_of_green_strain() const
+{
+  return trace(H) + H.norm_square() / 2;
+}
+
+// With the elastic part F_e = F/s, P_e and D = dP_e/dF_e, and dF_e/de = -F_e/s:
+//   P = s² P_e,  dP/dF = s D,  dP/de = 2 s P_e - s D:F_e.
+bool HyperelasticLaw::evaluate(const Tensor<2, 3> &H, double e, bool with_derivatives,
                                Response &response) const
 {
   const double s = 1 + e;
-  const Tensor<2, 3> G = e == 0 ? F : F / s;
-  const double J = determinant(G);
-  if (!(s > 0 && J > 0 && std::isfinite(J)))
-    return false;
+  const Deformation elastic(elastic_part(H, e));
+  if (!(s > 0))
+    return undefined("the free thermal strain is " + in_words(e) + ", but must be greater than -1");
+  if (!(elastic.J > 0 && std::isfinite(elastic.J)))
+    return undefined("the change of volume J = det F is " + in_words(elastic.J * s * s * s) +
+                     ", but must be positive");
 
-  elastic_response(G, J, response.P, with_derivatives ? &response.dP_dF : nullptr);
+  elastic_response(elastic, response.P, with_derivatives ? &response.dP_dF : nullptr);
   if (with_derivatives) {
-    response.dP_de = s * (2. * response.P - contract(response.dP_dF, G));
+    response.dP_de = s * (2. * response.P - contract(response.dP_dF, elastic.F));
     if (e != 0)
       response.dP_dF *= s;
   }
   if (e != 0)
     response.P *= s * s;
-  return std::isfinite(response.P.norm_square());
+  return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
 }
 
-// With T = d²(w:P_e)/dG²:
-//   FF = T,  Fe = w:D - T:G,  ee = 2 w:P_e - 2 w:D:G + G:T:G.
-SolidLaw::Curvature HyperelasticLaw::curvature(const Tensor<2, 3> &F, double e, const Tensor<2, 3> &w) const
+// With T = d²(w:P_e)/dF_e²:
+//   FF = T,  Fe = w:D - T:F_e,  ee = 2 w:P_e - 2 w:D:F_e + F_e:T:F_e.
+SolidLaw::Curvature HyperelasticLaw::curvature(const Tensor<2, 3> &H, double e, const Tensor<2, 3> &w) const
 {
-  const Tensor<2, 3> G = F / (1 + e);
-  const double J = determinant(G);
-  Assert(J > 0, dealii::ExcMessage("The curvature exists only where evaluate() succeeds."));
+  const Deformation elastic(elastic_part(H, e));
+  const Tensor<2, 3> &F_e = elastic.F;
+  Assert(elastic.J > 0, dealii::ExcMessage("The curvature exists only where evaluate() succeeds."));
 
   Tensor<2, 3> P;
   Tensor<4, 3> D;
-  elastic_response(G, J, P, &D);
+  elastic_response(elastic, P, &D);
   const Tensor<2, 3> w_D = contract(D, w); // D has major symmetry
 
   Curvature result;
-  result.FF = elastic_curvature(G, J, w);
-  const Tensor<2, 3> T_G = contract(result.FF, G);
-  result.Fe = w_D - T_G;
-  result.ee = 2 * scalar_product(w, P) - 2 * scalar_product(w_D, G) + scalar_product(G, T_G);
+  result.FF = elastic_curvature(elastic, w);
+  const Tensor<2, 3> T_F = contract(result.FF, F_e);
+  result.Fe = w_D - T_F;
+  result.ee = 2 * scalar_product(w, P) - 2 * scalar_product(w_D, F_e) + scalar_product(F_e, T_F);
   return result;
 }
 

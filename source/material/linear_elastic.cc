@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Hooke's law for small displacements: with eps = sym(F - I) and the free thermal strain e,
+// Hooke's law for small displacements: with eps = sym(H), H = grad u, and the free thermal strain e,
 //
 //     W = lambda/2 (tr eps)^2 + mu eps:eps - 3 kappa e tr eps
 //     P = lambda tr(eps) I + 2 mu eps - 3 kappa e I
@@ -17,6 +17,7 @@
 
 #include <dovetail/material/solid_law.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/undefined.h>
 
 #include <deal.II/physics/elasticity/standard_tensors.h>
 
@@ -36,18 +37,18 @@ public:
     thermal = -3 * moduli.bulk * I;
   }
 
-  bool evaluate(const Tensor<2, 3> &F, double e, bool with_derivatives, Response &response) const override
+  bool evaluate(const Tensor<2, 3> &H, double e, bool with_derivatives, Response &response) const override
   {
     const double mu = moduli.shear;
-    response.P = mu * (F + transpose(F));
-    const double pressure = moduli.lame() * (trace(F) - 3) - 2 * mu - 3 * moduli.bulk * e;
+    response.P = mu * (H + transpose(H));
+    const double pressure = moduli.lame() * trace(H) - 3 * moduli.bulk * e;
     for (unsigned int i = 0; i < 3; ++i)
       response.P[i][i] += pressure;
     if (with_derivatives) {
       response.dP_dF = tangent;
       response.dP_de = thermal;
     }
-    return std::isfinite(response.P.norm_square());
+    return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
   }
 
   Curvature curvature(const Tensor<2, 3> &, double, const Tensor<2, 3> &) const override { return {}; }

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/material/hyperelastic_law.h>
 #include <dovetail/material/material.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/undefined.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace dovetail {
 
@@ -53,16 +57,29 @@ Tensor<2, dim> restrict_to(const Tensor<2, 3> &tensor)
   return result;
 }
 
-/// F = I + grad u; in 2D plane strain, F_33 = 1. The displacement is the first field.
+/// H = grad u; in 2D plane strain, H_33 = 0. The displacement is the first field.
 template <int dim>
-Tensor<2, 3> deformation_gradient(const State<dim> &state)
+Tensor<2, 3> displacement_gradient(const State<dim> &state)
 {
-  Tensor<2, 3> F;
-  for (unsigned int i = 0; i < 3; ++i)
-    F[i][i] = 1;
+  Tensor<2, 3> H;
   for (unsigned int i = 0; i < dim; ++i)
-    F[i] += embed(state.gradient[i]);
-  return F;
+    H[i] = embed(state.gradient[i]);
+  return H;
+}
+
+/// Whether a field is to be asked at all: an interface does not know the fields that it does not tie.
+template <int dim>
+bool is_known(const State<dim> &state, const unsigned int component)
+{
+  return !std::isnan(state.value[component]);
+}
+
+template <int dim>
+void forget_flux(Response<dim> &response, const unsigned int first, const unsigned int end)
+{
+  for (unsigned int c = first; c < end; ++c)
+    for (unsigned int d = 0; d < dim; ++d)
+      response.flux[c][d] = std::numeric_limits<double>::quiet_NaN();
 }
 
 template <typename Law>
@@ -138,13 +155,18 @@ bool Material<dim>::evaluate(const State<dim> &state, bool with_derivatives, Res
     std::fill(response.by_value.begin(), response.by_value.end(), Tensor<1, dim>());
   }
 
-  if (solid) {
+  if (solid && !is_known(state, 0))
+    forget_flux(response, 0, dim);
+  else if (solid) {
     const bool expands = expansion_coefficient != 0;
     const double e = expands ? expansion_coefficient * (state.value[c_T] - reference_temperature) : 0;
     SolidLaw::Response local;
     ++n_evaluations.solid;
-    if (!solid->evaluate(deformation_gradient(state), e, with_derivatives, local))
+    if (!solid->evaluate(displacement_gradient(state), e, with_derivatives, local)) {
+      std::string &reason = last_undefined().reason;
+      reason = "material " + name + ", " + name_of_solid + ": " + reason;
       return false;
+    }
     for (unsigned int i = 0; i < dim; ++i) {
       response.flux[i] = restrict_to<dim>(local.P[i]);
       if (!with_derivatives)
@@ -160,7 +182,9 @@ bool Material<dim>::evaluate(const State<dim> &state, bool with_derivatives, Res
     }
   }
 
-  if (heat) {
+  if (heat && !is_known(state, c_T))
+    forget_flux(response, c_T, n);
+  else if (heat) {
     HeatLaw::Response local;
     ++n_evaluations.heat;
     if (!heat->evaluate(embed(state.X), state.t, state.value[c_T], embed(state.gradient[c_T]),
@@ -197,7 +221,7 @@ void Material<dim>::curvature(const State<dim> &state, const std::vector<Tensor<
     if (w_3d.norm_square() > 0) {
       const double alpha = expansion_coefficient;
       const double e = alpha != 0 ? alpha * (state.value[c_T] - reference_temperature) : 0;
-      const SolidLaw::Curvature local = solid->curvature(deformation_gradient(state), e, w_3d);
+      const SolidLaw::Curvature local = solid->curvature(displacement_gradient(state), e, w_3d);
       for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int J = 0; J < dim; ++J) {
           for (unsigned int k = 0; k < dim; ++k)
@@ -227,14 +251,14 @@ template <int dim>
 Tensor<2, 3> Material<dim>::cauchy_stress(const State<dim> &state) const
 {
   Assert(solid, dealii::ExcMessage("A material without a solid law has no stress."));
-  const Tensor<2, 3> F = deformation_gradient(state);
+  const Deformation deformation(displacement_gradient(state));
   const double e = expansion_coefficient != 0
                        ? expansion_coefficient * (state.value[n_components() - 1] - reference_temperature)
                        : 0;
   SolidLaw::Response local;
-  if (!solid->evaluate(F, e, false, local))
+  if (!solid->evaluate(deformation.H, e, false, local))
     return std::numeric_limits<double>::quiet_NaN() * dealii::unit_symmetric_tensor<3>();
-  return solid->is_linear() ? local.P : local.P * transpose(F) / determinant(F);
+  return solid->is_linear() ? local.P : local.P * transpose(deformation.F) / deformation.J;
 }
 
 template <int dim>

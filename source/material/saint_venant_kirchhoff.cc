@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Hooke's law in the Green strain E = (F^T F - I)/2: large rotations, moderate strains (it softens in
-// compression).
+// Hooke's law in the Green strain E = (F^T F - I)/2 = (H + H^T + H^T H)/2: large rotations, moderate strains
+// (it softens in compression).
 //
 //     W_e = lambda/2 (tr E)^2 + mu E:E
 //     P_e = F S,   S = lambda tr(E) I + 2 mu E
@@ -29,10 +29,11 @@ public:
 
 protected:
   // D_iJkL = delta_ik S_LJ + lambda F_iJ F_kL + mu (F_iL F_kJ + (F F^T)_ik delta_JL)
-  void elastic_response(const Tensor<2, 3> &F, double, Tensor<2, 3> &P, Tensor<4, 3> *D) const override
+  void elastic_response(const Deformation &deformation, Tensor<2, 3> &P, Tensor<4, 3> *D) const override
   {
     const double lambda = moduli.lame(), mu = moduli.shear;
-    const Tensor<2, 3> S = stress(F);
+    const Tensor<2, 3> &F = deformation.F;
+    const Tensor<2, 3> S = stress(deformation);
     P = F * S;
     if (D == nullptr)
       return;
@@ -52,9 +53,10 @@ protected:
   // w:D = w S + lambda (w:F) F + mu (F w^T F + F F^T w), and its derivative by F_mN:
   // lambda (w_kL F_mN + F_kL w_mN) + mu (w_kN F_mL + F_kN w_mL)
   // + delta_km (lambda w:F I + mu (w^T F + F^T w))_NL + delta_LN mu (w F^T + F w^T)_km
-  Tensor<4, 3> elastic_curvature(const Tensor<2, 3> &F, double, const Tensor<2, 3> &w) const override
+  Tensor<4, 3> elastic_curvature(const Deformation &deformation, const Tensor<2, 3> &w) const override
   {
     const double lambda = moduli.lame(), mu = moduli.shear;
+    const Tensor<2, 3> &F = deformation.F;
     const Tensor<2, 3> a = mu * (w * transpose(F) + F * transpose(w));
     Tensor<2, 3> b = mu * (transpose(w) * F + transpose(F) * w);
     for (unsigned int i = 0; i < 3; ++i)
@@ -74,12 +76,11 @@ protected:
   }
 
 private:
-  Tensor<2, 3> stress(const Tensor<2, 3> &F) const
+  Tensor<2, 3> stress(const Deformation &deformation) const
   {
-    const Tensor<2, 3> C = transpose(F) * F;
-    Tensor<2, 3> S = moduli.shear * C;
+    Tensor<2, 3> S = 2 * moduli.shear * deformation.green_strain();
     for (unsigned int i = 0; i < 3; ++i)
-      S[i][i] += moduli.lame() * (trace(C) - 3) / 2 - moduli.shear;
+      S[i][i] += moduli.lame() * deformation.trace_of_green_strain();
     return S;
   }
 

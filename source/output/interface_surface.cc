@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/output/gaps.h>
 #include <dovetail/output/interface_point.h>
 #include <dovetail/output/interface_surface.h>
 
@@ -58,7 +59,7 @@ void InterfaceSurface<dim>::update(const Vector &solution, const double t)
       data.insert(data.end(), of_field.jump.begin(), of_field.jump.end());
       data.insert(data.end(), of_field.numerical_flux.begin(), of_field.numerical_flux.end());
     }
-    data.push_back(pairing.gap(q));
+    data.push_back(signed_gap(interface, q));
     for (unsigned int d = 0; d < dim; ++d)
       data.push_back(pairing.N(own, q)[d]);
 

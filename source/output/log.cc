@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/output/gaps.h>
 #include <dovetail/output/log.h>
+#include <dovetail/output/progress_bar.h>
 
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
 #include <iostream>
-#include <unistd.h>
 
 namespace dovetail {
-
-bool stdout_is_terminal()
-{
-  const char *terminal = std::getenv("TERM");
-  return isatty(1) != 0 && terminal != nullptr && std::strcmp(terminal, "dumb") != 0;
-}
 
 namespace {
 
@@ -88,18 +81,19 @@ template <int dim>
 std::vector<std::string> table_of_interfaces(const Model<dim> &model)
 {
   std::vector<std::vector<std::string>> rows = {
-      {"interface", "tie", "source", "destination", "points", "covered", "largest gap", "angle"}};
+      {"interface", "tie", "source", "destination", "points", "covered", "largest gap", "overlap", "angle"}};
   for (const auto &interface : model.interfaces) {
     const Coverage &coverage = interface->pairing().coverage();
-    // what is left of a gap by rounding
-    const bool is_closed = coverage.largest_gap < 1e-12 * interface->sides[source].domain->typical_length();
+    const Gaps gaps = find_gaps(*interface, model.communicator);
+    const double rounding = 1e-12 * interface->sides[source].domain->typical_length();
+    const auto distance = [&](const double value) { return to_text(value < rounding ? 0. : value); };
     const auto covered = [&](const unsigned int side) {
       return to_text(100 * coverage.covered[side] / coverage.area[side], "%.4g %%");
     };
     rows.push_back({interface->name, interface->section.peek("Type"), to_text(interface->sides[source]),
                     to_text(interface->sides[destination]), std::to_string(coverage.n_points),
-                    covered(source) + " / " + covered(destination),
-                    to_text(is_closed ? 0. : coverage.largest_gap),
+                    covered(source) + " / " + covered(destination), distance(gaps.largest_gap),
+                    distance(gaps.largest_overlap),
                     to_text(180 / dealii::numbers::PI * coverage.largest_angle, "%.3g deg")});
   }
   return align(rows);
@@ -130,17 +124,15 @@ void Log::line(const std::string &text)
 
 void Log::draw_bar() const
 {
-  if (!has_terminal || n_steps < 2)
-    return;
-  const unsigned int width = 40, filled = width * n_done / n_steps;
-  std::cout << "  [" << std::string(filled, '#') << std::string(width - filled, '.') << "] " << n_done
-            << " of " << n_steps << " steps" << std::flush;
+  if (has_bar)
+    std::cout << progress_bar(time_done / end_time) << "t = " << to_text(time_done) << " of "
+              << to_text(end_time) << std::flush;
 }
 
 void Log::erase_bar() const
 {
-  if (has_terminal && n_steps >= 2)
-    std::cout << "\r\033[K" << std::flush;
+  if (has_bar)
+    std::cout << erase_line << std::flush;
 }
 
 void Log::title(const std::string &scene)
@@ -177,16 +169,15 @@ void Log::plan(const Plan &plan)
     }
 }
 
-void Log::step_begins(const unsigned int step, const unsigned int n_steps, const double time)
+void Log::step_begins(const unsigned int step, const unsigned int n_steps, const double time,
+                      const double end_time)
 {
-  if (n_steps != this->n_steps) {
-    erase_bar();
-    this->n_steps = n_steps;
-  }
-  n_done = step - 1;
+  has_bar = has_terminal && n_steps > 1;
+  this->end_time = end_time;
+  time_of_step = time;
   line();
   if (n_steps > 1)
-    line("Step " + std::to_string(step) + " of " + std::to_string(n_steps) +
+    line("Step " + std::to_string(step) + (step > n_steps ? "" : " of " + std::to_string(n_steps)) +
          ", t = " + to_text(time, "%.6g"));
 }
 
@@ -208,7 +199,7 @@ void Log::step_ends(const std::string &remark)
     line("  " + remark);
   else if (is_speaking) {
     erase_bar();
-    n_done = std::min(n_done + 1, n_steps);
+    time_done = time_of_step;
     draw_bar();
   }
 }
@@ -224,7 +215,7 @@ void Log::cycle(const unsigned int n_done, const unsigned int n_cycles, const un
 void Log::finish(const nlohmann::ordered_json &report, const std::string &directory)
 {
   erase_bar();
-  n_steps = 0;
+  has_bar = false;
   std::vector<std::vector<std::string>> rows;
   for (const auto &[name, value] : report["probes"].items())
     rows.push_back({name, to_text(value)});

@@ -4,9 +4,9 @@
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/output/flux_oscillation.h>
+#include <dovetail/output/gaps.h>
 #include <dovetail/output/interface_point.h>
 #include <dovetail/output/measures.h>
-#include <dovetail/output/reaction.h>
 #include <dovetail/output/uncovered_points.h>
 
 #include <array>
@@ -254,8 +254,6 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
     double jump = 0, flux_jump = 0, flux_error = 0, flux_norm = 0;
     double largest_flux = 0, largest_flux_error = 0; // squares
     std::array<std::vector<double>, 2> trace;        // integrals
-    /// Of the tie's flux into the source, at the points on the faces of each side.
-    std::array<std::vector<double>, 2> resultant;
   };
   std::vector<Squares> squares(interface.fields.size());
   for (unsigned int f = 0; f < squares.size(); ++f)
@@ -271,7 +269,7 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
   if (knows_any)
     oscillation.emplace(interface);
   std::vector<double> error;
-  point.for_each(solution, [&](const unsigned int q, const unsigned int side_of_point) {
+  point.for_each(solution, [&](const unsigned int q, const unsigned int /*side_of_point*/) {
     const double weight = interface.pairing().weight(q);
     area += weight;
     for (unsigned int f = 0; f < squares.size(); ++f) {
@@ -279,10 +277,7 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
       for (const unsigned int side : {source, destination})
         for (unsigned int c = 0; c < of_field.jump.size(); ++c)
           squares[f].trace[side][c] += of_field.trace[side][c] * weight;
-      std::vector<double> &resultant = squares[f].resultant[side_of_point];
-      resultant.resize(of_field.jump.size());
       for (unsigned int c = 0; c < of_field.jump.size(); ++c) {
-        resultant[c] += of_field.numerical_flux[c] * weight;
         squares[f].jump += of_field.jump[c] * of_field.jump[c] * weight;
         squares[f].flux_jump +=
             std::pow(of_field.flux[source][c] + of_field.flux[destination][c], 2) * weight;
@@ -339,48 +334,6 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
       result["flux oscillation"][field] = oscillations[f];
     }
   }
-
-  // what a tie with terms gives a body is the integral of its flux: its other terms vanish for constant test
-  // functions
-  if (interface.tie().has_flux())
-    for (unsigned int f = 0; f < squares.size(); ++f) {
-      const bool is_balanced = interface.tie().is_balanced();
-      for (std::vector<double> &resultant : squares[f].resultant) {
-        resultant.resize(interface.fields[f].n_components);
-        dealii::Utilities::MPI::sum(resultant, communicator, resultant);
-      }
-      for (const unsigned int side : {source, destination}) {
-        const auto &on_own = squares[f].resultant[side], &on_other = squares[f].resultant[1 - side];
-        std::vector<double> of_side;
-        for (unsigned int c = 0; c < on_own.size(); ++c)
-          of_side.push_back((side == source ? 1 : -1) *
-                            (is_balanced ? on_own[c] + on_other[c] : 2 * on_own[c]));
-        result[side == source ? "resultant source" : "resultant destination"][interface.fields[f].name] =
-            of_side;
-      }
-    }
-}
-
-template <int dim>
-void measure_resultants(const Model<dim> &model, const Interface<dim> &interface, const Vector &solution,
-                        const double t, ordered_json &result)
-{
-  if (interface.tie().has_flux())
-    return; // measured with the fluxes
-  for (const unsigned int side : {source, destination})
-    for (const TiedField &tied : interface.fields) {
-      auto &of_side = result[side == source ? "resultant source" : "resultant destination"][tied.name];
-      if (interface.is_active(t) && interface.tie().knows_resultant()) {
-        for (const double component : interface.tie().resultant(&tied - interface.fields.data()))
-          of_side.push_back(side == source ? component : -component);
-        continue;
-      }
-      const Domain<dim> &domain = *interface.sides[side].domain;
-      of_side = reaction<dim>(
-          model, domain,
-          [&](const auto &cell, const auto id) { return interface.sides[side].belongs(cell, id); },
-          domain.fields()[tied.field[side]], solution, t);
-    }
 }
 
 template <int dim>
@@ -419,7 +372,8 @@ ordered_json measure_domains(const Model<dim> &model, const Vector &solution, co
 }
 
 template <int dim>
-ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution, const double t)
+ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution,
+                                const Reactions<dim> &reactions)
 {
   ordered_json all = ordered_json::object();
   for (const auto &interface : model.interfaces) {
@@ -432,13 +386,18 @@ ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution,
     result["uncovered points"] = coverage.n_uncovered;
     if (coverage.n_uncovered > 0)
       result["first uncovered points"] = list_uncovered_points(interface->pairing(), 100, model.communicator);
-    result["largest gap"] = coverage.largest_gap;
+    const Gaps gaps = find_gaps(*interface, model.communicator);
+    result["largest gap"] = gaps.largest_gap;
+    result["largest overlap"] = gaps.largest_overlap;
     result["largest angle"] = coverage.largest_angle;
     if (coverage.n_segments > 0)
       result["segments"] = coverage.n_segments;
     result["points"] = coverage.n_points;
-    measure_fluxes(*interface, solution, t, result);
-    measure_resultants(model, *interface, solution, t, result);
+    measure_fluxes(*interface, solution, reactions.forces().t, result);
+    for (const unsigned int side : {source, destination})
+      for (unsigned int f = 0; f < interface->fields.size(); ++f)
+        result[side == source ? "resultant source" : "resultant destination"][interface->fields[f].name] =
+            reactions.of_interface(*interface, f)[side];
     measure_penalty(*interface, model.communicator, result);
     all[interface->name] = result;
   }
@@ -447,7 +406,7 @@ ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution,
 
 template ordered_json measure_domains(const Model<2> &, const Vector &, double);
 template ordered_json measure_domains(const Model<3> &, const Vector &, double);
-template ordered_json measure_interfaces(const Model<2> &, const Vector &, double);
-template ordered_json measure_interfaces(const Model<3> &, const Vector &, double);
+template ordered_json measure_interfaces(const Model<2> &, const Vector &, const Reactions<2> &);
+template ordered_json measure_interfaces(const Model<3> &, const Vector &, const Reactions<3> &);
 
 } // namespace dovetail

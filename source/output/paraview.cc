@@ -7,10 +7,6 @@
 #include <dovetail/output/uncovered_points.h>
 
 #include <cctype>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <iomanip>
 #include <sstream>
 
@@ -25,7 +21,7 @@ bool some_domain_has(const Model<dim> &model, const std::string &field)
                      [&](const auto &domain) { return domain->material.find_field(field) != nullptr; });
 }
 
-dealii::DataOutBase::VtkFlags flags(const double time)
+dealii::DataOutBase::VtkFlags flags_at(const double time)
 {
   dealii::DataOutBase::VtkFlags result;
   result.time = time;
@@ -41,17 +37,7 @@ std::string file_of(const std::string &stem, const unsigned int step, const std:
   return name.str();
 }
 
-/// Written beside and then renamed, so that a file is whole whenever somebody opens it.
-void write_file(const std::string &name, const std::string &text)
-{
-  std::ofstream file(name + ".new");
-  file << text << std::flush;
-  if (!file || std::rename((name + ".new").c_str(), name.c_str()) != 0) {
-    const std::string reason = std::strerror(errno);
-    std::remove((name + ".new").c_str());
-    throw std::runtime_error("cannot write '" + name + "': " + reason);
-  }
-}
+constexpr const char *beginning_of_index = "<?xml version=\"1.0\"?>\n<VTKFile type=\"";
 
 std::string escape(const std::string &text)
 {
@@ -86,15 +72,21 @@ void Paraview<dim>::prepare()
   }
   name_files();
   make_directory(directory + "/steps", model.communicator);
-  for (unsigned int i = 0; i < model.interfaces.size(); ++i) {
-    const auto &pairing = model.interfaces[i]->pairing();
-    const std::string file = directory + "/uncovered_" + blocks[model.domains.size() + i].stem + ".vtu";
-    if (pairing.coverage().n_uncovered > 0) {
-      checked([&]() { UncoveredPoints<dim>(pairing).write_vtu_in_parallel(file, model.communicator); });
-      ++n_written;
-    } else if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
-      std::remove(file.c_str()); // of an earlier run
-  }
+  if (times.empty() && dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
+    remove_file(directory + "/solution.pvd", beginning_of_index); // its steps will be those of this run
+  for (unsigned int i = 0; i < model.interfaces.size(); ++i)
+    show_uncovered_points(i);
+}
+
+template <int dim>
+void Paraview<dim>::show_uncovered_points(const unsigned int interface)
+{
+  const auto &pairing = model.interfaces[interface]->pairing();
+  const std::string file = directory + "/uncovered_" + blocks[model.domains.size() + interface].stem + ".vtu";
+  if (pairing.coverage().n_uncovered > 0)
+    write_picture(file, {}, [&]() { return UncoveredPoints<dim>(pairing).piece({}); });
+  else if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
+    remove_file(file, beginning_of_vtu); // of an earlier run
 }
 
 template <int dim>
@@ -119,7 +111,8 @@ void Paraview<dim>::read_fields(const Section &output)
   fields = {asked.begin(), asked.end()};
 }
 
-/// Letters, digits, '-' and '_' only, and no name twice, also where upper and lower case are the same.
+/// Letters, digits, '-' and '_' only, not too many for a file, and no name twice, also where upper and lower
+/// case are the same.
 template <int dim>
 void Paraview<dim>::name_files()
 {
@@ -132,32 +125,39 @@ void Paraview<dim>::name_files()
       std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
       return text;
     };
+    safe.resize(std::min<std::size_t>(safe.size(), 100));
     block.stem = safe;
     for (unsigned int i = 2; !taken.insert(lower_case(block.stem)).second; ++i)
       block.stem = safe + "_" + std::to_string(i);
   }
 }
 
-/// What fails on one rank, fails on all.
 template <int dim>
-template <typename Write>
-void Paraview<dim>::checked(const Write &write) const
+void Paraview<dim>::check(const Obstacle &obstacle) const
 {
+  if (obstacle)
+    Obstacle{"The files for ParaView cannot be written. " + obstacle.text, obstacle.is_of_place}.raise(
+        set_another_directory);
+}
+
+/// What one rank cannot show, nobody shows: the others must not wait for its piece.
+template <int dim>
+template <typename Show>
+void Paraview<dim>::write_picture(const std::string &file, const dealii::DataOutBase::VtkFlags &flags,
+                                  const Show &show)
+{
+  PieceOfPicture piece;
   std::string problem;
   try {
-    write();
-  } catch (const dealii::ExceptionBase &error) {
-    std::ostringstream text;
-    error.print_info(text);
-    problem = dealii::Utilities::trim(text.str());
-    problem = problem.substr(0, problem.find(".\n")); // what follows is meant for programmers
+    piece = show();
   } catch (const std::exception &error) {
     problem = error.what();
   }
-  for (const std::string &of_rank : dealii::Utilities::MPI::all_gather(model.communicator, problem))
-    if (!of_rank.empty())
-      throw UserError("The files for ParaView cannot be written to '" + directory + "': " + of_rank +
-                      ". Is the disk full, or Directory in the subsection Output not yours to write?");
+  problem = first_problem(problem, model.communicator);
+  if (!problem.empty())
+    throw OutputError("The file '" + file + "' for ParaView cannot be made: " + problem);
+  check(write_vtu(file, piece, flags, model.communicator));
+  ++n_written;
 }
 
 template <int dim>
@@ -169,53 +169,41 @@ void Paraview<dim>::write(const double time, const Vector &solution)
     prepare();
   if (!times.empty() && times.back() == time)
     times.pop_back();
-  checked([&]() { write_blocks(time, solution); });
-  times.push_back(time);
-  checked([&]() {
-    if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
-      write_indices();
-  });
-  n_written += blocks.size() + 2;
-}
-
-template <int dim>
-void Paraview<dim>::write_blocks(const double time, const Vector &solution)
-{
-  for (const Block &block : blocks) {
-    const std::string file = directory + "/steps/" + file_of(block.stem, times.size(), ".vtu");
-    if (block.domain != nullptr) {
-      DomainPicture<dim> picture(*block.domain, fields, solution, time);
-      picture.set_flags(flags(time));
-      picture.write_vtu_in_parallel(file, model.communicator);
-    } else {
+  const auto flags = flags_at(time);
+  for (const Block &block : blocks)
+    write_picture(directory + "/steps/" + file_of(block.stem, times.size(), ".vtu"), flags, [&]() {
+      if (block.domain != nullptr)
+        return DomainPicture<dim>(*block.domain, fields, solution, time).piece(flags);
       block.surface->update(solution, time);
-      block.surface->set_flags(flags(time));
-      block.surface->write_vtu_in_parallel(file, model.communicator);
-    }
-  }
+      return block.surface->piece(flags);
+    });
+  times.push_back(time);
+  write_indices();
 }
 
 template <int dim>
-void Paraview<dim>::write_indices() const
+void Paraview<dim>::write_indices()
 {
   const unsigned int last = times.size() - 1;
   std::ostringstream of_step;
-  of_step << "<?xml version=\"1.0\"?>\n<VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\">\n"
+  of_step << beginning_of_index << "vtkMultiBlockDataSet\" version=\"1.0\">\n"
           << "<vtkMultiBlockDataSet>\n";
   for (unsigned int b = 0; b < blocks.size(); ++b)
     of_step << "<DataSet index=\"" << b << "\" name=\"" << escape(blocks[b].name) << "\" file=\""
             << file_of(blocks[b].stem, last, ".vtu") << "\"/>\n";
   of_step << "</vtkMultiBlockDataSet>\n</VTKFile>\n";
-  write_file(directory + "/steps/" + file_of("step", last, ".vtm"), of_step.str());
+  check(write_on_first_rank(directory + "/steps/" + file_of("step", last, ".vtm"), beginning_of_index,
+                            of_step.str(), model.communicator));
 
   std::ostringstream of_all;
-  of_all << "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n"
-         << std::setprecision(16);
+  of_all << beginning_of_index << "Collection\" version=\"0.1\">\n<Collection>\n" << std::setprecision(16);
   for (unsigned int step = 0; step <= last; ++step)
     of_all << "<DataSet timestep=\"" << times[step] << "\" file=\"steps/" << file_of("step", step, ".vtm")
            << "\"/>\n";
   of_all << "</Collection>\n</VTKFile>\n";
-  write_file(directory + "/solution.pvd", of_all.str());
+  check(
+      write_on_first_rank(directory + "/solution.pvd", beginning_of_index, of_all.str(), model.communicator));
+  n_written += 2;
 }
 
 template class Paraview<2>;

@@ -3,7 +3,6 @@
 
 #include <dovetail/domain/shapes.h>
 #include <dovetail/output/probes.h>
-#include <dovetail/output/reaction.h>
 
 #include <deal.II/base/geometry_info.h>
 
@@ -213,15 +212,13 @@ void Probes<dim>::fail_outside(const Probe &probe, const MPI_Comm &communicator)
 }
 
 template <int dim>
-nlohmann::ordered_json Probes<dim>::evaluate(const Vector &solution, const double t) const
+nlohmann::ordered_json Probes<dim>::evaluate(const Vector &solution, const Reactions<dim> &reactions) const
 {
   auto result = nlohmann::ordered_json::object();
   for (const Probe &probe : probes) {
     std::vector<double> value(probe.field.n_components);
     if (!probe.boundary_ids.empty())
-      value = reaction<dim>(
-          model, *probe.domain, [&](const auto &, const auto id) { return probe.boundary_ids.count(id) > 0; },
-          probe.field, solution, t);
+      value = reactions.resultant(*probe.domain, probe.boundary_ids, probe.field);
     else {
       const unsigned int n = probe.shape_values.size();
       for (unsigned int c = 0; c < value.size(); ++c)

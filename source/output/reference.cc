@@ -178,7 +178,14 @@ Reference<dim>::Reference(const Section &output, const Model<dim> &model)
           "Reference", "",
           "Samples of another run; errors are measured against them, and not against Exact [-]"))
 {
-  if (reference_file.empty() || output.documenting())
+  if (output.documenting())
+    return;
+  if (!samples_file.empty()) {
+    const std::string obstacle = obstacle_to_samples(samples_file, reference_file, model.communicator);
+    output.check(obstacle.empty(), "Samples",
+                 "is '" + samples_file + "', but cannot be written. " + obstacle + " Choose another file.");
+  }
+  if (reference_file.empty())
     return;
   try {
     reference = read_samples(reference_file, dim, model.communicator);

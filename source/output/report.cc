@@ -2,11 +2,10 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/output/report.h>
+#include <dovetail/output/shared_file.h>
+#include <dovetail/scene/shortened.h>
 
 #include <deal.II/base/utilities.h>
-
-#include <filesystem>
-#include <fstream>
 
 namespace dovetail {
 
@@ -28,17 +27,9 @@ double peak_memory_in_MiB(const MPI_Comm &communicator)
 
 void make_directory(const std::string &directory, const MPI_Comm &communicator)
 {
-  std::string problem;
-  if (speaks(communicator)) {
-    std::error_code error;
-    std::filesystem::create_directories(directory, error);
-    if (error)
-      problem = error.message();
-  }
-  problem = dealii::Utilities::MPI::broadcast(communicator, problem);
-  if (!problem.empty())
-    throw UserError("The directory '" + directory + "' for the results cannot be made: " + problem +
-                    ". Set Directory in the subsection Output to a place where you may write.");
+  if (const Obstacle obstacle =
+          agree(speaks(communicator) ? make_directories(directory) : Obstacle(), communicator))
+    obstacle.raise(set_another_directory);
 }
 
 Report::Report(const std::string &directory, const MPI_Comm &communicator)
@@ -51,7 +42,7 @@ Report::Report(const std::string &directory, const MPI_Comm &communicator)
              {"dofs", 0},
              {"converged", false},
              {"errors against", "Exact, where it is given"}};
-  for (const char *key : {"domains", "interfaces", "probes"})
+  for (const char *key : {"domains", "interfaces", "balance", "probes"})
     content[key] = nlohmann::ordered_json::object();
   for (const char *key : {"steps", "adaptive cycles"})
     content[key] = nlohmann::ordered_json::array();
@@ -77,8 +68,9 @@ void Report::add_step(const double time, const std::vector<double> &residuals,
                               {"linear iterations", linear_iterations}});
 }
 
-bool Report::add_note(const std::string &sentence)
+bool Report::add_note(const std::string &text)
 {
+  const std::string sentence = shortened(text);
   for (const auto &known : content["notes"])
     if (known == sentence)
       return false;
@@ -91,20 +83,13 @@ void Report::leave_out(const std::string &sentence)
   content["left out"].push_back(sentence);
 }
 
-const nlohmann::ordered_json &Report::write()
+void Report::write()
 {
   content["peak memory MiB"] = peak_memory_in_MiB(communicator);
-  std::string problem;
-  if (speaks(communicator)) {
-    std::ofstream file(file_name);
-    file << content.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << std::endl;
-    if (!file)
-      problem = "The report '" + file_name + "' cannot be written. Is the disk full?";
-  }
-  problem = dealii::Utilities::MPI::broadcast(communicator, problem);
-  if (!problem.empty())
-    throw UserError(problem);
-  return content;
+  const std::string text =
+      content.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  if (const Obstacle obstacle = write_on_first_rank(file_name, "{\n  \"version\":", text, communicator))
+    obstacle.raise(set_another_directory);
 }
 
 } // namespace dovetail

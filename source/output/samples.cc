@@ -4,12 +4,13 @@
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/output/interface_point.h>
 #include <dovetail/output/samples.h>
+#include <dovetail/output/shared_file.h>
+#include <dovetail/scene/input_file.h>
 
 #include <nlohmann/json.hpp>
 
 #include <boost/serialization/string.hpp>
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
@@ -20,6 +21,7 @@ using nlohmann::ordered_json;
 namespace {
 
 const char *const format = "Dovetail samples 1";
+const char *const beginning_of_samples = "{\"format\":\"Dovetail";
 
 template <int dim>
 std::vector<double> sample_domain(const Domain<dim> &domain, const Vector &solution)
@@ -90,18 +92,6 @@ unsigned long count_points(const std::vector<double> &numbers, const unsigned in
                            const MPI_Comm &communicator)
 {
   return dealii::Utilities::MPI::sum(static_cast<unsigned long>(numbers.size() / per_point), communicator);
-}
-
-/// One rank after the other adds its numbers.
-void append(const std::string &file, const std::vector<double> &numbers, const MPI_Comm &communicator)
-{
-  const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(communicator);
-  for (unsigned int r = 0; r < dealii::Utilities::MPI::n_mpi_processes(communicator); ++r) {
-    if (r == rank)
-      std::ofstream(file, std::ios::binary | std::ios::app)
-          .write(reinterpret_cast<const char *>(numbers.data()), numbers.size() * sizeof(double));
-    MPI_Barrier(communicator);
-  }
 }
 
 std::vector<Samples::Part> read_parts(const ordered_json &list, const unsigned int per_component,
@@ -183,42 +173,42 @@ void write_samples(const Model<dim> &model, const Vector &solution, const double
     header["interfaces"].push_back(part);
   }
 
-  // written beside and then renamed, so that a file is whole whenever somebody opens it
   const bool is_first = dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
-  const std::string unfinished = file + ".new";
-  unsigned long long n_bytes = 0;
+  SharedFile shared(file, beginning_of_samples, communicator);
+  shared.append(is_first ? header.dump() + "\n" : "");
   for (const auto &part : numbers)
-    n_bytes += part.size() * sizeof(double);
-  n_bytes = dealii::Utilities::MPI::sum(n_bytes, communicator) + header.dump().size() + 1;
-  if (is_first)
-    std::ofstream(unfinished, std::ios::binary) << header.dump() << '\n';
-  MPI_Barrier(communicator);
-  for (const auto &part : numbers)
-    append(unfinished, part, communicator);
+    shared.append(reinterpret_cast<const char *>(part.data()), part.size() * sizeof(double));
+  if (const Obstacle obstacle = shared.finish())
+    obstacle.raise("Set Samples in the subsection Output to another file.");
+}
 
+std::string obstacle_to_samples(const std::string &file, const std::string &reference,
+                                const MPI_Comm &communicator)
+{
   std::string problem;
-  if (is_first) {
+  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0) {
     std::error_code error;
-    const auto size = std::filesystem::file_size(unfinished, error);
-    if (error || size != n_bytes || std::rename(unfinished.c_str(), file.c_str()) != 0)
-      problem = "The file of Samples '" + file +
-                "' cannot be written. Does its directory exist, and is there room on the disk?";
+    const auto folder = std::filesystem::path(file).parent_path();
+    if (!folder.empty() && !std::filesystem::is_directory(folder, error))
+      problem = "The directory '" + folder.string() + "' does not exist.";
+    else if (!reference.empty() && std::filesystem::equivalent(file, reference, error))
+      problem = "It is the Reference as well.";
+    else
+      problem = obstacle_to_replacing(file, beginning_of_samples).text;
   }
-  problem = dealii::Utilities::MPI::broadcast(communicator, problem);
-  if (!problem.empty())
-    throw UserError(problem);
+  return dealii::Utilities::MPI::broadcast(communicator, problem);
 }
 
 Samples read_samples(const std::string &file, const unsigned int dim, const MPI_Comm &communicator)
 {
   std::string line, problem;
   if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0) {
-    std::ifstream in(file, std::ios::binary);
-    if (!in)
-      problem = "cannot be read. Does the file exist? A run writes it with Samples = FILE in the subsection "
-                "Output.";
+    problem = obstacle_to_reading(file);
+    if (!problem.empty())
+      problem += " A run writes it with Samples = FILE in the subsection Output.";
     else {
-      const std::string beginning = "{\"format\":\"Dovetail";
+      std::ifstream in(file, std::ios::binary);
+      const std::string beginning = beginning_of_samples;
       std::string first(beginning.size(), ' ');
       in.read(&first[0], first.size());
       if (first != beginning || !std::getline(in, line))

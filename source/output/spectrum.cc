@@ -191,6 +191,8 @@ void collect(const BlockSystem<dim> &system, const Numbering &numbering, const S
       rows.push_back(system.is_constrained(begin + row));
     }
     for (const unsigned int j : blocks) {
+      if (!system.tangent().has_block(i, j))
+        continue;
       const Epetra_CrsMatrix &matrix = system.tangent().block(i, j).trilinos_matrix();
       for (int row = 0; row < matrix.NumMyRows(); ++row) {
         int n = 0, *columns = nullptr;

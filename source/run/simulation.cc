@@ -3,15 +3,22 @@
 
 #include <dovetail/run/simulation.h>
 
+#include <dovetail/domain/formulas.h>
+#include <dovetail/output/balance.h>
+#include <dovetail/output/directory_lock.h>
+#include <dovetail/output/jumps.h>
 #include <dovetail/output/measures.h>
+#include <dovetail/output/shared_file.h>
 #include <dovetail/output/spectrum.h>
 #include <dovetail/run/counters.h>
+#include <dovetail/run/first_guess.h>
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/study/options.h>
+#include <dovetail/system/place.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <sstream>
 
 namespace dovetail {
 
@@ -105,6 +112,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
   reference = std::make_unique<Reference<dim>>(output, model);
   StudyOptions(scene.subsection("Study")); // must be right in every run
   text->check_all_read();
+  check_formulas();
   scene.check(adaptivity.n_cycles == 0 ||
                   std::any_of(model.domains.begin(), model.domains.end(),
                               [](const auto &domain) { return domain->can_refine(); }),
@@ -116,6 +124,16 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
     model.pair();
   }
   phases.add("tie", model.pairing_seconds);
+}
+
+/// What is wrong whatever is solved is told before anything is.
+template <int dim>
+void Simulation<dim>::check_formulas() const
+{
+  for (const auto &domain : model.domains) {
+    const bool are_finite = has_finite_formulas(*domain, steps.end_time / steps.n_steps, steps.end_time);
+    refuse_undefined(are_finite ? Undefined() : last_undefined(), communicator);
+  }
 }
 
 template <int dim>
@@ -220,16 +238,24 @@ void Simulation<dim>::check()
 }
 
 template <int dim>
-void Simulation<dim>::set_initial_values()
+void Simulation<dim>::set_initial_values(const double t)
 {
-  for (const auto &domain : model.domains) {
+  // Of scalar fields, by domain. A linear scene needs none, and an update from a guess far from the solution
+  // has the rounding of the guess.
+  std::map<std::string, std::vector<double>> guesses;
+  const bool may_guess = !model.is_linear();
+  for (unsigned int d = 0; d < model.domains.size(); ++d) {
+    const auto &domain = model.domains[d];
     const unsigned int n = domain->n_nodes();
     dealii::FEValues<dim> at_nodes(domain->mapping(), domain->scalar_element(),
                                    domain->scalar_element().get_unit_support_points(),
                                    dealii::update_quadrature_points);
     std::vector<dealii::types::global_dof_index> dofs;
     for (const Field &field : domain->fields())
-      if (const Expression *initial = domain->initial().find(field.name))
+      if (const Expression *initial = domain->initial().find(field.name);
+          initial || (may_guess && field.n_components == 1)) {
+        if (!initial && guesses.count(field.name) == 0)
+          guesses[field.name] = first_guess(model, field.name, t);
         for (const auto &cell : domain->dof_handler().active_cell_iterators())
           if (cell->is_locally_owned()) {
             at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
@@ -238,8 +264,10 @@ void Simulation<dim>::set_initial_values()
               for (unsigned int a = 0; a < n; ++a)
                 if (const auto dof = dofs[(field.first_component + c) * n + a];
                     model.numbering->owned.is_element(dof))
-                  solution(dof) = initial->value(at_nodes.quadrature_point(a), 0., c);
+                  solution(dof) = initial ? initial->value(at_nodes.quadrature_point(a), 0., c)
+                                          : guesses.at(field.name)[d];
           }
+      }
   }
   solution.compress(dealii::VectorOperation::insert);
 }
@@ -257,57 +285,13 @@ void Simulation<dim>::set_up(const double t)
 template <int dim>
 void Simulation<dim>::tell_notes()
 {
-  for (const std::string &sentence : system->notes())
+  std::vector<std::string> sentences = system->notes();
+  for (const auto *others : {&linear_solver.notes(), newton_step ? &newton_step->notes() : nullptr})
+    if (others != nullptr)
+      sentences.insert(sentences.end(), others->begin(), others->end());
+  for (const std::string &sentence : sentences)
     if (report->add_note(sentence))
       log.line("  note: " + sentence);
-}
-
-template <int dim>
-NewtonResult Simulation<dim>::solve_step()
-{
-  NewtonProblem problem;
-  problem.is_linear = model.is_linear();
-  problem.assemble = [&](const bool asks_for_tangent) {
-    const Phases::Scope scope(phases, "assembly");
-    const bool with_tangent = asks_for_tangent && !system->keeps_tangent();
-    has_new_tangent = has_new_tangent || with_tangent;
-    const bool is_defined = system->assemble(trial, with_tangent);
-    if (is_first_assembly)
-      loads = {{system->negative_residual().l2_norm(), system->largest_move()}};
-    is_first_assembly = false;
-    return is_defined ? system->residual_norm(newton.absolute_tolerance()) : std::nan("");
-  };
-  double linear_residual = 0;
-  problem.solve = [&]() {
-    const Phases::Scope scope(phases, "solve");
-    if (has_new_tangent) {
-      linear_solver.set_matrix(system->tangent());
-      if (problem.is_linear)
-        check_is_held();
-    }
-    has_new_tangent = false;
-    const auto n_iterations = linear_solver.solve(update, system->negative_residual());
-    if (problem.is_linear)
-      linear_residual = system->linear_residual_norm(update);
-    system->distribute(update);
-    return n_iterations;
-  };
-  problem.try_update = [&](const double damping) {
-    trial = solution;
-    if (damping != 0)
-      trial.add(damping, update);
-  };
-  problem.accept = [&]() {
-    solution = trial;
-    system->accept_residual();
-  };
-  problem.moves_constraints = [&]() { return system->moves_constraints(); };
-  problem.linear_residual = [&]() { return linear_residual; };
-  problem.report = [&](const unsigned int iteration, const double norm, const unsigned int linear_iterations,
-                       const double damping) {
-    log.newton_iteration(iteration, norm, linear_iterations, damping);
-  };
-  return newton.solve(problem);
 }
 
 /// A linear scene needs no iteration to know that a body is free; a nonlinear one may hold it once it has
@@ -328,8 +312,34 @@ void Simulation<dim>::begin_step(const double t)
     set_up(t);
   const Phases::Scope scope(phases, "setup");
   system->begin_step(t, solution);
-  is_first_assembly = true;
+  newton_step->begin(solution);
 }
+
+template <int dim>
+NewtonResult Simulation<dim>::solve_step()
+{
+  return newton_step->solve(solution, [this]() { check_is_held(); });
+}
+
+template <int dim>
+void Simulation<dim>::make_system(const double t)
+{
+  system = std::make_unique<BlockSystem<dim>>(model);
+  set_up(t);
+  newton_step = std::make_unique<NewtonStep<dim>>(model, *system, newton, linear_solver, phases, log);
+}
+
+namespace {
+
+void append(NewtonResult &result, const NewtonResult &next)
+{
+  result.is_converged = next.is_converged;
+  result.residuals.insert(result.residuals.end(), next.residuals.begin(), next.residuals.end());
+  result.linear_iterations.insert(result.linear_iterations.end(), next.linear_iterations.begin(),
+                                  next.linear_iterations.end());
+}
+
+} // namespace
 
 template <int dim>
 NewtonResult Simulation<dim>::solve_until_penalties_fit(const double t)
@@ -341,54 +351,157 @@ NewtonResult Simulation<dim>::solve_until_penalties_fit(const double t)
   for (unsigned int pass = 1;
        pass < largest_number_of_passes && result.is_converged && system->refreeze(t, solution); ++pass) {
     log.line("  penalties no longer fit the solution: solved again from here");
-    const NewtonResult next = solve_step();
-    result.is_converged = next.is_converged;
-    result.residuals.insert(result.residuals.end(), next.residuals.begin(), next.residuals.end());
-    result.linear_iterations.insert(result.linear_iterations.end(), next.linear_iterations.begin(),
-                                    next.linear_iterations.end());
+    append(result, solve_step());
   }
   return result;
 }
 
-/// One step to time t from the last good solution.
+/// One step to time t from the last good solution, which is that at time @p from.
 template <int dim>
-bool Simulation<dim>::advance(const double t)
+bool Simulation<dim>::advance(const double t, const double from)
 {
+  if (nothing_changes(t, from)) {
+    report->add_step(t, {newton_step->convergence().tolerance()}, {});
+    forces.reset();
+    return true;
+  }
   begin_step(t);
   tell_notes();
-  const NewtonResult result = solve_until_penalties_fit(t);
+  const Vector last_good = solution;
+  NewtonResult result = solve_until_penalties_fit(t);
+  can_be_halved = false;
+  if (!result.is_converged && steps.is_adaptive && !model.is_linear()) {
+    solution = last_good;
+    can_be_halved = loads_depend_on_time(t, from);
+    if (!can_be_halved)
+      append(result, continue_in_load(t));
+  }
   report->add_step(t, result.residuals, result.linear_iterations);
-  if (result.is_converged)
+  tell_notes();
+  if (result.is_converged) {
     lacks_multipliers = true;
-  can_be_halved = may_be_halved();
-  loads_of_failure = result.is_converged ? std::nullopt : std::optional(loads);
+    forces.reset();
+    check_range(t);
+  }
   return result.is_converged;
 }
 
-/// Perhaps a body is free: the tangent of the last good state knows.
+/// A scalar field that leaves the range of what is prescribed by more than its width is told of: a mesh that
+/// is too coarse may overshoot, but not so far.
 template <int dim>
-void Simulation<dim>::explain_failure()
+void Simulation<dim>::check_range(const double t)
 {
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int b = 0; b < blocks.size(); ++b) {
+    if (blocks[b].is_of_multipliers ||
+        model.domains[blocks[b].domain_index]->fields()[blocks[b].field_index].n_components > 1)
+      continue;
+    const auto range = given_range(model, blocks[b].field, t);
+    if (!range)
+      continue;
+    const double smallest = solution.block(b).min(), largest = solution.block(b).max();
+    const double allowed =
+        (*range)[1] - (*range)[0] +
+        Convergence::smallest_range * std::max(std::abs((*range)[0]), std::abs((*range)[1]));
+    if (smallest >= (*range)[0] - allowed && largest <= (*range)[1] + allowed)
+      continue;
+    std::ostringstream words;
+    words.precision(4);
+    words << "the " << blocks[b].field << " of " << blocks[b].name << " runs from " << smallest << " to "
+          << largest << ", but what is prescribed allows only " << (*range)[0] << " to " << (*range)[1]
+          << ": the result is not to be trusted. Refine the mesh where the field is steep";
+    if (report->add_note(words.str()))
+      log.line("  note: " + words.str());
+  }
+}
+
+/// Whether the solution of time @p from solves the equations of time t, too. Newton's method sees that for
+/// itself, unless weights and penalties of ties are frozen anew in each step: here they stay as they are.
+/// Collective.
+template <int dim>
+bool Simulation<dim>::nothing_changes(const double t, const double from)
+{
+  if (from == 0 || model.is_linear() || model.interfaces.empty() || system->is_outdated(t))
+    return false;
+  system->set_time(t);
+  newton_step->begin(solution);
+  return newton_step->residual_at(solution) <= newton.residual_tolerance() && !system->moves_constraints();
+}
+
+/// Whether a step half as large would begin with other loads than that to time t, which has failed. A smaller
+/// step of a linear scene fails in the same way, and so does one if nothing depends on t.
+template <int dim>
+bool Simulation<dim>::loads_depend_on_time(const double t, const double from)
+{
+  const auto of_failure = newton_step->loads();
+  const double half = (from + t) / 2;
+  if (system->is_outdated(half))
+    return true;
+  begin_step(half);
+  const auto of_half = newton_step->loads_at(solution);
+  for (const unsigned int i : {0, 1})
+    if (std::abs(of_half[i] - of_failure[i]) > 1e-12 * of_failure[i])
+      return true;
+  return false;
+}
+
+/// Where halving the step changes nothing: Newton's homotopy in what is not in balance at the last good
+/// solution.
+template <int dim>
+NewtonResult Simulation<dim>::continue_in_load(const double t)
+{
+  begin_step(t);
+  log.line("  did not converge; nothing depends on t, so the load is increased bit by bit");
+  system->hold_back_from(solution);
+  NewtonResult result;
+  double done = 0, size = 0.5;
+  const double smallest_size = 1. / 1024;
+  while (done < 1 && size >= smallest_size) {
+    const Vector last_good = solution;
+    const double next = std::min(1., done + size);
+    system->set_share(next);
+    append(result, next < 1 ? solve_step() : solve_until_penalties_fit(t));
+    if (result.is_converged) {
+      done = next;
+      size *= 2;
+    } else {
+      solution = last_good;
+      size = (next - done) / 2;
+    }
+  }
+  system->set_share(1);
+  return result;
+}
+
+/// Where the last iteration left the largest residual, and what may help; perhaps a body is free: the tangent
+/// of the last good state knows.
+template <int dim>
+void Simulation<dim>::explain_failure(const double t)
+{
+  const auto tell = [this](const std::string &note) {
+    if (report->add_note(note))
+      log.line("  note: " + note);
+  };
+  const unsigned int part = newton_step->convergence().worst_part();
+  const Block &block = model.numbering->blocks()[part];
+  std::ostringstream words;
+  words.precision(3);
+  words << "the step to t = " << t << " did not converge: " << newton_step->what_failed() << " of the "
+        << block.field << (block.is_of_multipliers ? " at " : " of ") << block.name;
+  if (const auto place = place_of_largest(model, system->negative_residual(), part)) {
+    words << ", in the cell at (" << (*place)[0];
+    for (unsigned int d = 1; d < dim; ++d)
+      words << ", " << (*place)[d];
+    words << ')';
+  }
+  tell(words.str() + ". " + newton_step->suggestion());
+  if (const Undefined &why = system->why_undefined())
+    tell("a state was tried that is not defined: " + why.reason);
+
   if (!system->assemble(solution, true))
     return;
   if (const auto motion = system->find_free_motion(true))
-    if (const std::string note = "nothing holds " + motion->in_words(); report->add_note(note))
-      log.line("  note: " + note);
-}
-
-/// A smaller step of a linear scene fails in the same way. So does one if nothing depends on t: then the
-/// loads at the last good state are those of the step twice as large.
-template <int dim>
-bool Simulation<dim>::may_be_halved() const
-{
-  if (!steps.is_adaptive || model.is_linear())
-    return false;
-  if (!loads_of_failure)
-    return true;
-  for (const unsigned int i : {0, 1})
-    if (std::abs(loads[i] - (*loads_of_failure)[i]) > 1e-12 * loads[i])
-      return true;
-  return false;
+    tell("nothing holds " + motion->in_words());
 }
 
 /// After a step that failed: what is measured belongs to the last good one, at time t.
@@ -406,23 +519,19 @@ bool Simulation<dim>::run()
   log.summary(model);
   const Plan planned = plan();
   log.plan(planned);
+  make_directory(directory, communicator);
+  const auto lock = lock_directory(directory, communicator);
   report = std::make_unique<Report>(directory, communicator);
   (*report)["converged"] = false;
   (*report)["plan"] = planned.needed;
   (*report)["left out"] = planned.left_out;
   report->write(); // so that an interrupted run does not look like the one before it
-  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0) {
-    std::ofstream used(directory + "/used.prm");
-    text->print_used(used);
-  }
+  write_used();
 
-  system = std::make_unique<BlockSystem<dim>>(model);
   const double nominal = steps.end_time / steps.n_steps;
-  set_up(nominal);
+  make_system(nominal);
   solution = system->owned_vector();
-  trial = solution;
-  update = solution;
-  set_initial_values();
+  set_initial_values(nominal);
 
   double t = 0, size = nominal;
   unsigned int n_done = 0;
@@ -430,11 +539,11 @@ bool Simulation<dim>::run()
   while (t < steps.end_time * (1 - 1e-12)) {
     const double next = std::min(t + size, steps.end_time);
     const bool is_last = next >= steps.end_time * (1 - 1e-12);
-    log.step_begins(n_done + 1, steps.n_steps, is_last ? steps.end_time : next);
+    log.step_begins(n_done + 1, steps.n_steps, is_last ? steps.end_time : next, steps.end_time);
     const Vector last_good = solution;
     bool is_good = false;
     try {
-      is_good = advance(is_last ? steps.end_time : next);
+      is_good = advance(is_last ? steps.end_time : next, t);
     } catch (const UserError &error) { // toggles, or formulas in t: the steps before it are kept
       if (n_done == 0)
         throw;
@@ -457,23 +566,45 @@ bool Simulation<dim>::run()
       log.step_ends(problem_of_step.empty() ? "did not converge" : "cannot be done");
       is_converged = false;
       if (problem_of_step.empty())
-        explain_failure();
+        explain_failure(next);
       go_back(t);
       if (n_done > 0 && n_done % every_steps != 0)
         write_output(t, n_done, true); // the last good step is always kept
       break;
     }
   }
-  measure(t);
+  if (n_done > 0) // else there is nothing that could be taken for a result
+    measure(t, is_converged);
   if (is_converged)
     is_converged = run_cycles(t);
-  compare(t, is_converged);
+  if (n_done > 0)
+    compare(t, is_converged);
+  else {
+    (*report)["dofs"] = model.numbering->n_dofs();
+    log.line("  no results: the first step did not converge");
+  }
+  if (is_converged)
+    for (const std::string &sentence : explain_jumps(model, t, (*report)["domains"], (*report)["interfaces"]))
+      if (report->add_note(sentence))
+        log.line("  note: " + sentence);
   if (with_spectrum && is_converged)
     measure_spectrum_of_groups();
   else if (with_spectrum)
     report->leave_out("spectrum: the last step did not converge");
   write_report(is_converged);
   return is_converged;
+}
+
+template <int dim>
+void Simulation<dim>::write_used() const
+{
+  const std::string first_line = "# Every entry of a run of Dovetail with its value; ";
+  std::ostringstream used;
+  used << first_line << "the next run into this directory replaces this file.\n\n";
+  text->print_used(used);
+  if (const Obstacle obstacle =
+          write_on_first_rank(directory + "/used.prm", first_line, used.str(), communicator))
+    obstacle.raise(set_another_directory);
 }
 
 /// What is measured and written last stays if a cycle does not converge.
@@ -504,7 +635,7 @@ bool Simulation<dim>::run_cycles(const double t)
     n_newton_iterations = result.linear_iterations.size();
     lacks_multipliers = true;
     write_output(t, 0, true);
-    measure(t);
+    measure(t, true);
   }
   return true;
 }
@@ -518,7 +649,9 @@ NewtonResult Simulation<dim>::solve_on_refined_meshes(const ErrorEstimate &estim
     phases.add("tie", system->seconds_of_ties());
     linear_solver.forget_matrix();
     take_account();
-    system.reset(); // its memory is needed
+    newton_step.reset();
+    forces.reset();
+    system.reset(); // their memory is needed
     const Phases::Scope scope(phases, "mesh");
     solution = model.refine(mark_cells(model, estimate, adaptivity.share), ghosted);
   }
@@ -527,10 +660,7 @@ NewtonResult Simulation<dim>::solve_on_refined_meshes(const ErrorEstimate &estim
   phases.add("tie", model.pairing_seconds);
   probes.locate_again();
   paraview->forget_meshes();
-  trial = solution;
-  update = solution;
-  system = std::make_unique<BlockSystem<dim>>(model);
-  set_up(t);
+  make_system(t);
   begin_step(t);
   return solve_until_penalties_fit(t);
 }
@@ -545,40 +675,63 @@ void Simulation<dim>::take_account()
 
 /// Nobody needs those of a step that is not looked at.
 template <int dim>
-void Simulation<dim>::find_multipliers()
+void Simulation<dim>::find_forces()
 {
-  if (lacks_multipliers)
-    system->find_multipliers(solution);
+  if (!forces) {
+    forces.emplace(system->nodal_forces(solution));
+    system->find_multipliers(solution, *forces);
+  }
   lacks_multipliers = false;
 }
 
 template <int dim>
 void Simulation<dim>::write_output(const double t, const unsigned int step, const bool is_last)
 {
-  if (!paraview->is_on() || !problem_of_output.empty() || (step % every_steps != 0 && !is_last))
+  if (!paraview->is_on() || problem_of_output || (step % every_steps != 0 && !is_last))
     return;
   const Phases::Scope scope(phases, "output");
-  find_multipliers();
+  if (system->has_multipliers())
+    find_forces();
   Vector ghosted = system->ghosted_vector();
   ghosted = solution;
+  try_to_write([&]() { paraview->write(t, ghosted); });
+}
+
+/// What all ranks find alike ends no run: the numbers are still wanted.
+template <int dim>
+template <typename Write>
+void Simulation<dim>::try_to_write(const Write &write)
+{
+  const auto keep = [this](const std::exception &error) {
+    problem_of_output = std::current_exception();
+    report->add_note(error.what());
+  };
   try {
-    paraview->write(t, ghosted);
-  } catch (const UserError &error) { // the numbers are still wanted
-    problem_of_output = error.what();
+    write();
+  } catch (const UserError &error) {
+    keep(error);
+  } catch (const OutputError &error) {
+    keep(error);
   }
 }
 
 template <int dim>
-void Simulation<dim>::measure(const double t)
+void Simulation<dim>::measure(const double t, const bool is_converged)
 {
   const Phases::Scope scope(phases, "output");
-  find_multipliers();
+  find_forces();
   Vector ghosted = system->ghosted_vector();
   ghosted = solution;
+  const Reactions<dim> reactions(model, *forces, ghosted);
+  std::vector<std::string> notes;
   (*report)["dofs"] = model.numbering->n_dofs();
   (*report)["domains"] = measure_domains(model, ghosted, t);
-  (*report)["interfaces"] = measure_interfaces(model, ghosted, t);
-  (*report)["probes"] = probes.evaluate(ghosted, t);
+  (*report)["interfaces"] = measure_interfaces(model, ghosted, reactions);
+  (*report)["balance"] = measure_balance(model, reactions, ghosted, newton.residual_tolerance(), notes);
+  (*report)["probes"] = probes.evaluate(ghosted, reactions);
+  for (const std::string &sentence : notes) // after a failure the ties are those of the step that failed
+    if (is_converged && report->add_note(sentence))
+      log.line("  note: " + sentence);
 }
 
 /// With a run that is more exact, or for runs that are less so.
@@ -590,7 +743,8 @@ void Simulation<dim>::compare(const double t, const bool is_converged)
   const Phases::Scope scope(phases, "comparison");
   Vector ghosted = system->ghosted_vector();
   ghosted = solution;
-  reference->compare(ghosted, t, is_converged, (*report)["domains"], (*report)["interfaces"]);
+  try_to_write(
+      [&]() { reference->compare(ghosted, t, is_converged, (*report)["domains"], (*report)["interfaces"]); });
   if (reference->has_reference())
     (*report)["errors against"] = reference->file();
 }
@@ -615,10 +769,12 @@ void Simulation<dim>::write_report(const bool is_converged)
   take_account();
   (*report)["counters"] = count(model, assemblies, linear_solver, paraview->n_files());
   (*report)["seconds"] = phases.largest_of_ranks(communicator);
-  log.finish(report->write(), directory);
-  for (const std::string &problem : {problem_of_step, problem_of_output})
-    if (!problem.empty())
-      throw UserError(problem);
+  try_to_write([&]() { report->write(); });
+  log.finish(report->all(), directory);
+  if (!problem_of_step.empty())
+    throw UserError(problem_of_step);
+  if (problem_of_output)
+    std::rethrow_exception(problem_of_output);
 }
 
 template class Simulation<2>;

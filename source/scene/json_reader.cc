@@ -41,6 +41,7 @@ public:
     if (names.size() > 0) {
       check_writable(key_name, "", location);
       path = join_path(path, key_name);
+      check_depth(path, location);
       tree.open(path, location);
     }
     names.emplace_back();
@@ -97,7 +98,7 @@ SceneTree parse_json(const std::string &file, const FileTexts &texts)
 {
   SceneTree tree(file);
   JsonReader reader(tree);
-  nlohmann::json::sax_parse(texts.at(file), &reader);
+  nlohmann::json::sax_parse(texts.texts.at(file), &reader);
   return tree;
 }
 

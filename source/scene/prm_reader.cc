@@ -5,12 +5,12 @@
 
 #include "scene_tree.h"
 
+#include <dovetail/scene/input_file.h>
 #include <dovetail/scene/user_error.h>
 
 #include <deal.II/base/utilities.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -57,13 +57,16 @@ std::vector<LogicalLine> logical_lines(const std::string &text)
 
 void collect_files(const std::string &file, FileTexts &texts)
 {
-  std::ifstream stream(file);
-  if (texts.count(file) > 0 || !stream || std::filesystem::is_directory(file))
+  if (texts.texts.count(file) > 0 || texts.obstacles.count(file) > 0)
     return;
+  if (const std::string obstacle = obstacle_to_reading(file, largest_scene); !obstacle.empty()) {
+    texts.obstacles[file] = obstacle;
+    return;
+  }
   std::ostringstream content;
-  content << stream.rdbuf();
-  texts[file] = content.str();
-  for (const LogicalLine &line : logical_lines(texts[file]))
+  content << std::ifstream(file).rdbuf();
+  texts.texts[file] = content.str();
+  for (const LogicalLine &line : logical_lines(texts.texts[file]))
     if (line.keyword == "include")
       collect_files(line.rest, texts);
 }
@@ -100,7 +103,7 @@ void PrmParser::parse_file(const std::string &file)
 {
   files.push_back(file);
   depths.push_back(depth_of(path));
-  for (const LogicalLine &line : logical_lines(texts.at(file)))
+  for (const LogicalLine &line : logical_lines(texts.texts.at(file)))
     parse_line(line, {file, line.number});
 
   if (depth_of(path) > depths.back()) {
@@ -138,6 +141,7 @@ void PrmParser::open_subsection(const std::string &name, const Location &locatio
 {
   check_writable(name, "", location);
   path = join_path(path, name);
+  check_depth(path, location);
   if (!openings.insert({location.file, path}).second)
     throw UserError(location.text() + ": the subsection '" + path +
                     "' is opened a second time; the first is in " + tree.location_of(path).text() +
@@ -175,10 +179,9 @@ void PrmParser::include(const std::string &file, const Location &location)
 {
   if (is_being_read(file))
     throw UserError(location.text() + ": '" + file + "' includes itself.");
-  if (texts.count(file) == 0)
-    throw UserError(
-        location.text() + ": the file '" + file +
-        "' cannot be read. Its path is relative to the directory in which the program was started.");
+  if (const auto found = texts.obstacles.find(file); found != texts.obstacles.end())
+    throw UserError(location.text() + ": the file '" + file + "' " + found->second +
+                    " Its path is relative to the directory in which the program was started.");
   parse_file(file);
 }
 

@@ -20,6 +20,12 @@ struct SceneState
 
   /// "Interface seam, scene.prm line 41: ", of the entry @p name if the scene has it, else of the section.
   std::string where(const std::string &path, const std::string &name = "") const;
+
+  /// Throw the error that nobody knows the subsection @p path.
+  [[noreturn]] void refuse_subsection(const std::string &path) const;
+  /// @throw UserError naming a subsection that nobody has read if it looks like one that is asked for and not
+  /// there: all that is wrong besides may follow from it, for instance a field that a material lacks.
+  void refuse_misspelt_subsection() const;
 };
 
 struct SceneText::Implementation : SceneState

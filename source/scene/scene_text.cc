@@ -47,14 +47,6 @@ std::string remedy(const std::string &name, const std::vector<std::string> &know
                   remedy(name, state.declarations.known_entries(path), "entries"));
 }
 
-[[noreturn]] void refuse_subsection(const SceneState &state, const std::string &path)
-{
-  const std::string parent = parent_path(path), name = last_name(path);
-  throw UserError((parent.empty() ? "The scene" : parent) + ", " + state.tree.location_of(path).text() +
-                  ": " + quoted("subsection", name) + " is not known here. " +
-                  remedy(name, state.declarations.known_subsections(parent), "subsections"));
-}
-
 } // namespace
 
 std::string SceneState::where(const std::string &path, const std::string &name) const
@@ -62,6 +54,26 @@ std::string SceneState::where(const std::string &path, const std::string &name) 
   const SceneTree::Entry *entry = tree.find(path, name);
   const Location &location = entry ? entry->location : tree.location_of(path);
   return (path.empty() ? "The scene" : path) + ", " + location.text() + ": ";
+}
+
+void SceneState::refuse_subsection(const std::string &path) const
+{
+  const std::string parent = parent_path(path), name = last_name(path);
+  throw UserError((parent.empty() ? "The scene" : parent) + ", " + tree.location_of(path).text() + ": " +
+                  quoted("subsection", name) + " is not known here. " +
+                  remedy(name, declarations.known_subsections(parent), "subsections"));
+}
+
+void SceneState::refuse_misspelt_subsection() const
+{
+  for (const SceneTree::Subsection &subsection : tree.subsections())
+    if (!declarations.has_section(subsection.path)) {
+      const std::string parent = parent_path(subsection.path);
+      for (const std::string &known : declarations.known_subsections(parent))
+        if (tree.find(join_path(parent, known)) == nullptr &&
+            !did_you_mean(last_name(subsection.path), {known}).empty())
+          refuse_subsection(subsection.path);
+    }
 }
 
 SceneText::SceneText(std::unique_ptr<Implementation> implementation)
@@ -75,8 +87,8 @@ std::shared_ptr<SceneText> SceneText::from_file(const std::string &file_name,
                                                 const std::vector<std::string> &overrides)
 {
   const FileTexts texts = read_and_broadcast(file_name);
-  if (texts.count(file_name) == 0)
-    throw UserError("The scene '" + file_name + "' cannot be read. Does the file exist?");
+  if (const auto found = texts.obstacles.find(file_name); found != texts.obstacles.end())
+    throw UserError("The scene '" + file_name + "' " + found->second);
 
   auto implementation = std::make_unique<Implementation>();
   implementation->tree =
@@ -89,7 +101,7 @@ std::shared_ptr<SceneText> SceneText::from_file(const std::string &file_name,
 std::shared_ptr<SceneText> SceneText::from_prm(const std::string &prm_text)
 {
   auto implementation = std::make_unique<Implementation>();
-  implementation->tree = parse_prm("scene.prm", {{"scene.prm", prm_text}});
+  implementation->tree = parse_prm("scene.prm", {{{"scene.prm", prm_text}}, {}});
   return std::shared_ptr<SceneText>(new SceneText(std::move(implementation)));
 }
 
@@ -109,7 +121,7 @@ void SceneText::check_all_read() const
 {
   for (const SceneTree::Subsection &subsection : implementation->tree.subsections()) {
     if (!implementation->declarations.has_section(subsection.path))
-      refuse_subsection(*implementation, subsection.path);
+      implementation->refuse_subsection(subsection.path);
     for (const SceneTree::Entry &entry : subsection.entries)
       if (!implementation->declarations.has_entry(subsection.path, entry.name))
         refuse_entry(*implementation, subsection.path, entry.name);
@@ -143,7 +155,8 @@ const std::string &SceneText::file_name() const
 std::string SceneText::name() const
 {
   const std::string last = file_name().substr(file_name().rfind('/') + 1);
-  return last.substr(0, last.rfind('.'));
+  const std::string stem = last.substr(0, last.rfind('.'));
+  return stem.find_first_not_of('.') == std::string::npos ? "scene" : stem; // "..": another directory
 }
 
 } // namespace dovetail

@@ -24,23 +24,28 @@ void check_writable(const std::string &name, const std::string &value, const Loc
                     "' contains a '#' or a line break or ends in '\\', which a scene cannot hold.");
 }
 
-SceneTree::SceneTree(const std::string &file) : all_subsections{{"", {file, 0}, {}}} {}
+void check_depth(const std::string &path, const Location &location)
+{
+  if (std::count(path.begin(), path.end(), '/') >= largest_depth_of_subsections)
+    throw UserError(location.text() + ": subsections are nested more than " +
+                    std::to_string(largest_depth_of_subsections) + " deep. No entry stands there.");
+}
+
+SceneTree::SceneTree(const std::string &file) : all_subsections{{"", {file, 0}, {}}}, places{{"", 0}} {}
 
 const SceneTree::Subsection *SceneTree::find(const std::string &path) const
 {
-  for (const Subsection &subsection : all_subsections)
-    if (subsection.path == path)
-      return &subsection;
-  return nullptr;
+  const auto found = places.find(path);
+  return found == places.end() ? nullptr : &all_subsections[found->second];
 }
 
 const SceneTree::Entry *SceneTree::find(const std::string &path, const std::string &name) const
 {
-  if (const Subsection *subsection = find(path))
-    for (const Entry &entry : subsection->entries)
-      if (entry.name == name)
-        return &entry;
-  return nullptr;
+  const Subsection *subsection = find(path);
+  if (subsection == nullptr)
+    return nullptr;
+  const auto found = subsection->places.find(name);
+  return found == subsection->places.end() ? nullptr : &subsection->entries[found->second];
 }
 
 std::vector<std::string> SceneTree::names_of_subsections(const std::string &path) const
@@ -60,37 +65,41 @@ const Location &SceneTree::location_of(const std::string &path) const
 
 SceneTree::Subsection *SceneTree::find_to_change(const std::string &path)
 {
-  for (Subsection &subsection : all_subsections)
-    if (subsection.path == path)
-      return &subsection;
-  return nullptr;
+  const auto found = places.find(path);
+  return found == places.end() ? nullptr : &all_subsections[found->second];
 }
 
 void SceneTree::open(const std::string &path, const Location &location)
 {
   if (Subsection *subsection = find_to_change(path))
     subsection->location = location;
-  else
+  else {
+    places[path] = all_subsections.size();
     all_subsections.push_back({path, location, {}});
+  }
 }
 
 void SceneTree::set(const std::string &path, const Entry &entry)
 {
-  std::vector<Entry> &entries = find_to_change(path)->entries;
-  for (Entry &old : entries)
-    if (old.name == entry.name) {
-      old = entry;
-      return;
-    }
-  entries.push_back(entry);
+  Subsection &subsection = *find_to_change(path);
+  const auto [place, is_new] = subsection.places.emplace(entry.name, subsection.entries.size());
+  if (is_new)
+    subsection.entries.push_back(entry);
+  else
+    subsection.entries[place->second] = entry;
 }
 
 void SceneTree::remove(const std::string &path, const std::string &name)
 {
-  std::vector<Entry> &entries = find_to_change(path)->entries;
-  entries.erase(
-      std::remove_if(entries.begin(), entries.end(), [&](const Entry &entry) { return entry.name == name; }),
-      entries.end());
+  Subsection &subsection = *find_to_change(path);
+  std::vector<Entry> left;
+  subsection.places.clear();
+  for (const Entry &entry : subsection.entries)
+    if (entry.name != name) {
+      subsection.places[entry.name] = left.size();
+      left.push_back(entry);
+    }
+  subsection.entries = left;
 }
 
 void apply_override(SceneTree &tree, const std::string &assignment)

@@ -9,6 +9,7 @@
 
 #include <map>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace dovetail {
@@ -37,6 +38,7 @@ public:
     std::string path; ///< '/' between the names; empty for the scene itself
     Location location;
     std::vector<Entry> entries;
+    std::unordered_map<std::string, std::size_t> places = {}; ///< of the entries, by name
   };
 
   explicit SceneTree(const std::string &file = "");
@@ -59,10 +61,23 @@ private:
   Subsection *find_to_change(const std::string &path);
 
   std::vector<Subsection> all_subsections;
+  std::unordered_map<std::string, std::size_t> places; ///< of the subsections, by path
 };
 
-/// File name -> text. What cannot be read is not in the map.
-using FileTexts = std::map<std::string, std::string>;
+/// By the names of files: their texts, and why some cannot be read, as of obstacle_to_reading().
+struct FileTexts
+{
+  std::map<std::string, std::string> texts, obstacles;
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &texts &obstacles;
+  }
+};
+
+/// Deeper ones are no scene.
+constexpr unsigned int largest_depth_of_subsections = 20;
 
 /// The text of @p file and of all files it includes.
 FileTexts read_files(const std::string &file);
@@ -73,6 +88,9 @@ SceneTree parse_json(const std::string &file, const FileTexts &texts);
 
 /// Apply "PATH=value" as given by --set; without a value an entry that is there is taken away.
 void apply_override(SceneTree &tree, const std::string &assignment);
+
+/// @throw UserError if @p path is too deep.
+void check_depth(const std::string &path, const Location &location);
 
 /// @throw UserError unless @p name and @p value can be written to a .prm file and found by a path.
 void check_writable(const std::string &name, const std::string &value, const Location &location);

@@ -383,6 +383,7 @@ const std::string &Section::path() const
 
 void Section::fail(const std::string &entry, const std::string &message) const
 {
+  state().refuse_misspelt_subsection();
   throw UserError(state().where(section_path, entry) + trim(entry + " " + message));
 }
 

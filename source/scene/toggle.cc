@@ -2,6 +2,9 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/scene/toggle.h>
+#include <dovetail/scene/undefined.h>
+
+#include <cmath>
 
 namespace dovetail {
 
@@ -33,7 +36,13 @@ std::string Toggles::read_reference(const Section &section) const
 
 bool Toggles::is_active(const std::string &name, const double t) const
 {
-  return name.empty() || active_while.at(name).value(dealii::Point<3>(), t) != 0.;
+  if (name.empty())
+    return true;
+  const double condition = active_while.at(name).value(dealii::Point<3>(), t);
+  if (std::isnan(condition)) // the same on all ranks
+    throw UserError("Toggle " + name + ": Active while is not a number at t = " + in_words(t) +
+                    ", but must be one.");
+  return condition != 0.;
 }
 
 } // namespace dovetail

@@ -21,6 +21,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+#include <stdexcept>
 
 namespace dovetail {
 
@@ -138,6 +142,8 @@ struct LinearSolver::Group : SolveGroup
   bool is_decided = false;
   bool iteration_failed = false;
   Counts counts;
+  double ended_at = 0; ///< the relative residual of the last iteration
+  std::function<void(const std::string &)> fault;
 
   bool has_multipliers() const { return !multiplier_blocks.empty(); }
   /// What multigrid is built from.
@@ -147,10 +153,19 @@ struct LinearSolver::Group : SolveGroup
   void decide(unsigned int type);
   double contrast(const Matrix &matrix) const;
   void make_modes(const Matrix &matrix);
+  std::vector<unsigned int> color_blocks(const Matrix &matrix) const;
+  void make_operators(const Matrix &matrix);
   void make_multigrid(const Matrix &matrix);
   DegreeCoarsening::Sums linear_sums(const Matrix &matrix) const;
+  bool succeeds(const std::string &place, const std::function<void()> &action) const;
+  bool prepare_iteration(const Matrix &matrix);
+  double rounding(const SingleVector &x) const;
   std::optional<unsigned int> iterate(const Matrix &matrix, SingleVector &x, const SingleVector &b,
                                       double tolerance);
+  std::optional<unsigned int> iterate_to(SingleVector &x, const SingleVector &b, double tolerance);
+  std::optional<unsigned int> solve(const Matrix &matrix, SingleVector &x, const SingleVector &b,
+                                    double tolerance, std::vector<std::string> &notes);
+  bool factorise();
   unsigned int iterate_once(SingleVector &x, const SingleVector &b, double tolerance) const;
   bool solve_directly(SingleVector &x, const SingleVector &b);
   void forget_values()
@@ -211,25 +226,49 @@ double LinearSolver::Group::contrast(const Matrix &matrix) const
 /// count flat in any contrast of the stiffness, but they double the coarse matrices of two bodies and worse
 /// for more. The modes of all bodies together cost nothing extra, and some iterations at a high contrast
 /// (measured on two blocks, 3D: 16 iterations for both at contrast 1, 18 against 23 at 1e6). Bodies that can
-/// come apart need their own modes (two blocks with an elastic joint: 13 iterations against up to 37).
+/// come apart need their own modes (two blocks with an elastic joint: 13 iterations against up to 37). Bodies
+/// that are not coupled share vectors, so a chain of any length needs two sets.
 void LinearSolver::Group::make_modes(const Matrix &matrix)
 {
   const double largest_shared_contrast = 1e3;
   const unsigned int largest_number = 24;
   const unsigned int n_of_block = near_null_space(blocks[0], true).size();
-  const bool is_shared = blocks.size() * n_of_block > largest_number ||
-                         (!allows_jumps && contrast(matrix) <= largest_shared_contrast);
+  const std::vector<unsigned int> set_of = color_blocks(matrix);
+  const unsigned int n_sets = *std::max_element(set_of.begin(), set_of.end()) + 1;
+  const bool is_shared =
+      n_sets * n_of_block > largest_number || (!allows_jumps && contrast(matrix) <= largest_shared_contrast);
   modes = std::make_unique<Epetra_MultiVector>(bodies().matrix().OperatorDomainMap(),
-                                               is_shared ? n_of_block : blocks.size() * n_of_block);
+                                               is_shared ? n_of_block : n_sets * n_of_block);
   for (unsigned int i = 0; i < blocks.size(); ++i) {
     const auto of_block = near_null_space(blocks[i], is_shared);
     for (unsigned int mode = 0; mode < of_block.size(); ++mode)
       std::copy(of_block[mode].begin(), of_block[mode].end(),
-                (*modes)[is_shared ? mode : i * n_of_block + mode] + bodies().first_local_of(i));
+                (*modes)[is_shared ? mode : set_of[i] * n_of_block + mode] + bodies().first_local_of(i));
   }
 }
 
-void LinearSolver::Group::make_multigrid(const Matrix &matrix)
+/// Numbers for the blocks of the group, from 0 on, different for those that are coupled: to each in turn the
+/// smallest that none of its neighbours has.
+std::vector<unsigned int> LinearSolver::Group::color_blocks(const Matrix &matrix) const
+{
+  std::map<unsigned int, unsigned int> color;
+  std::vector<unsigned int> colors;
+  for (const unsigned int block : blocks) {
+    std::set<unsigned int> taken;
+    for (const auto &[neighbour, known] : color)
+      if (matrix.has_block(block, neighbour) || matrix.has_block(neighbour, block))
+        taken.insert(known);
+    unsigned int next = 0;
+    while (taken.count(next) > 0)
+      ++next;
+    color[block] = next;
+    colors.push_back(next);
+  }
+  return colors;
+}
+
+/// What multigrid is built from and with.
+void LinearSolver::Group::make_operators(const Matrix &matrix)
 {
   if (has_multipliers()) {
     if (!of_bodies)
@@ -239,6 +278,10 @@ void LinearSolver::Group::make_multigrid(const Matrix &matrix)
   }
   if (!modes)
     make_modes(matrix);
+}
+
+void LinearSolver::Group::make_multigrid(const Matrix &matrix)
+{
   const bool coarsens_degree = degree > 1 && is_symmetric && !has_multipliers() && linear_part != nullptr;
   dealii::TrilinosWrappers::PreconditionAMG::AdditionalData data;
   data.elliptic = is_symmetric;
@@ -264,14 +307,16 @@ void LinearSolver::Group::make_multigrid(const Matrix &matrix)
 /// The sums of linear_part with the rows of the merged matrix.
 DegreeCoarsening::Sums LinearSolver::Group::linear_sums(const Matrix &matrix) const
 {
+  std::vector<unsigned int> position(matrix.n_block_rows()); // in the group
+  for (unsigned int i = 0; i < blocks.size(); ++i)
+    position[blocks[i]] = i;
   DegreeCoarsening::Sums sums;
   for (const unsigned int block : blocks)
     for (const SolveGroup::Sum &of_unknown : linear_part(block)) {
       sums.emplace_back();
       for (const auto &[dof, weight] : of_unknown) {
         const auto [of_dof, index] = matrix.get_row_indices().global_to_local(dof);
-        const unsigned int i = std::find(blocks.begin(), blocks.end(), of_dof) - blocks.begin();
-        sums.back().emplace_back(merged->global_row(i, index), weight);
+        sums.back().emplace_back(merged->global_row(position[of_dof], index), weight);
       }
     }
   return sums;
@@ -297,10 +342,62 @@ unsigned int LinearSolver::Group::iterate_once(SingleVector &x, const SingleVect
   return control.last_step();
 }
 
-/// Iterate until the true residual, not only that of the recurrence, is small, or rounding stops its
-/// decrease.
+/// Whether an action ends without an exception on all ranks. What only some ranks meet must not send them
+/// another way than the rest. Where an action ends on one rank in the middle of what the others do together
+/// nobody can help; so what takes memory is an action of its own, before the others are entered.
+bool LinearSolver::Group::succeeds(const std::string &place, const std::function<void()> &action) const
+{
+  const auto is_agreed = [this](const bool is_good) {
+    int mine = is_good ? 1 : 0, all = 0;
+    merged->matrix().Comm().MinAll(&mine, &all, 1);
+    return all == 1;
+  };
+  const auto ends_well = [](const auto &what) {
+    try {
+      what();
+      return true;
+    } catch (const std::exception &) { // no convergence, no preconditioner, no memory
+      return false;
+    }
+  };
+  return (!fault || is_agreed(ends_well([&]() { fault(place); }))) && is_agreed(ends_well(action));
+}
+
+bool LinearSolver::Group::prepare_iteration(const Matrix &matrix)
+{
+  if (multigrid || by_degree)
+    return true;
+  const bool is_made = succeeds("modes", [&]() { make_operators(matrix); }) &&
+                       succeeds("multigrid", [&]() { make_multigrid(matrix); });
+  if (!is_made) {
+    multigrid.reset();
+    by_degree.reset();
+  }
+  return is_made;
+}
+
+/// What rounding leaves of K x, as doc/theory/convergence.md does it, with the largest row sum of K.
+double LinearSolver::Group::rounding(const SingleVector &x) const
+{
+  const Epetra_CrsMatrix &K = merged->matrix();
+  return std::numeric_limits<double>::epsilon() / 2 * std::sqrt(K.GlobalMaxNumEntries()) * K.NormInf() *
+         x.l2_norm();
+}
+
 std::optional<unsigned int> LinearSolver::Group::iterate(const Matrix &matrix, SingleVector &x,
                                                          const SingleVector &b, const double tolerance)
+{
+  std::optional<unsigned int> n_iterations;
+  if (!prepare_iteration(matrix) ||
+      !succeeds("iteration", [&]() { n_iterations = iterate_to(x, b, tolerance); }))
+    return {};
+  return n_iterations;
+}
+
+/// Iterate until the true residual, not only that of the recurrence, is small, or rounding stops its
+/// decrease.
+std::optional<unsigned int> LinearSolver::Group::iterate_to(SingleVector &x, const SingleVector &b,
+                                                            const double tolerance)
 {
   const auto multiply = [this](SingleVector &product, const SingleVector &y) {
     if (saddle)
@@ -309,55 +406,76 @@ std::optional<unsigned int> LinearSolver::Group::iterate(const Matrix &matrix, S
       Operator{merged->matrix()}.vmult(product, y);
   };
   unsigned int n_iterations = 0;
-  try {
-    if (!multigrid && !by_degree)
-      make_multigrid(matrix);
-    SingleVector residual(b), correction(b);
-    if (saddle)
-      saddle->scale_multipliers(residual);
-    const SingleVector given(residual);
-    const double goal = tolerance * given.l2_norm();
-    double norm = given.l2_norm();
-    for (unsigned int pass = 0; pass < 3 && norm > goal; ++pass) {
-      correction = 0;
-      n_iterations += iterate_once(correction, residual, goal);
-      x += correction;
-      multiply(residual, x);
-      residual.sadd(-1., 1., given);
-      const double new_norm = residual.l2_norm();
-      if (!std::isfinite(new_norm))
-        return {};
-      const bool is_done = new_norm <= 2 * goal || new_norm > norm / 10;
-      norm = new_norm;
-      if (is_done)
-        break;
-    }
-    if (norm > std::max(1e-4 * given.l2_norm(), 2 * goal))
+  SingleVector residual(b), correction(b);
+  if (saddle)
+    saddle->scale_multipliers(residual);
+  const SingleVector given(residual);
+  const double goal = tolerance * given.l2_norm();
+  double norm = given.l2_norm();
+  for (unsigned int pass = 0; pass < 3 && norm > goal; ++pass) {
+    correction = 0;
+    n_iterations += iterate_once(correction, residual, goal);
+    x += correction;
+    multiply(residual, x);
+    residual.sadd(-1., 1., given);
+    const double new_norm = residual.l2_norm();
+    if (!std::isfinite(new_norm))
       return {};
-    if (saddle)
-      saddle->scale_multipliers(x);
-  } catch (const std::exception &) // no convergence, or no preconditioner
-  {
-    return {};
+    const bool is_done = new_norm <= 2 * goal || new_norm > norm / 10;
+    norm = new_norm;
+    if (is_done)
+      break;
   }
+  ended_at = norm <= std::max(2 * goal, rounding(x)) ? 0 : norm / given.l2_norm();
+  if (saddle)
+    saddle->scale_multipliers(x);
   return n_iterations;
 }
 
-bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
+/// By iteration, or directly if that does not reach its tolerance. What it did reach serves if MUMPS fails,
+/// for instance for lack of memory.
+std::optional<unsigned int> LinearSolver::Group::solve(const Matrix &matrix, SingleVector &x,
+                                                       const SingleVector &b, const double tolerance,
+                                                       std::vector<std::string> &notes)
 {
-  // MUMPS may work on some of the ranks only: they must agree before anyone leaves
-  const auto failed_somewhere = [this](int code) {
-    int mine = code != 0, anyone = 0;
-    merged->matrix().Comm().MaxAll(&mine, &anyone, 1);
-    return anyone != 0;
-  };
+  const double largest_usable = 1e-4;
+  ++counts.solves;
+  if (is_direct)
+    return solve_directly(x, b) ? std::optional<unsigned int>(1) : std::nullopt;
+  const auto n_iterations = iterate(matrix, x, b, tolerance);
+  if (n_iterations && ended_at == 0)
+    return n_iterations;
+
+  const SingleVector iterated(x);
+  std::ostringstream words;
+  words.precision(2);
+  words << "the iteration for " << name;
+  if (n_iterations)
+    words << " ended at a relative residual of " << ended_at << " in place of " << tolerance;
+  else
+    words << " failed";
+  x = 0;
+  if (solve_directly(x, b)) {
+    iteration_failed = is_direct = true;
+    notes.push_back(words.str() + "; MUMPS solved the system and solves those after it");
+    return 1;
+  }
+  if (!n_iterations || ended_at > largest_usable)
+    return {};
+  x = iterated;
+  notes.push_back(words.str() + ", and MUMPS failed (memory?): the result of the iteration is used");
+  return n_iterations;
+}
+
+bool LinearSolver::Group::factorise()
+{
   auto &matrix = const_cast<Epetra_CrsMatrix &>(merged->matrix()); // Epetra's interfaces know no const
-  if (!direct) {
+  const auto is_prepared = succeeds("factorisation", [&]() {
     problem = std::make_unique<Epetra_LinearProblem>();
     problem->SetOperator(&matrix);
-    for (const char *name : {"Amesos_Mumps", "Amesos_Klu"})
-      if (Amesos().Query(name)) {
-        direct.reset(Amesos().Create(name, *problem));
+    for (const char *package : {"Amesos_Mumps", "Amesos_Klu"})
+      if (Amesos().Query(package)) {
+        direct.reset(Amesos().Create(package, *problem));
         break;
       }
     Teuchos::ParameterList list;
@@ -366,23 +484,39 @@ bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
     if (has_multipliers()) // pivots off the diagonal need more space than the analysis foresees, in per cent
       list.sublist("mumps").set("ICNTL(14)", 1000);
     direct->SetParameters(list);
-    ++counts.factorisations;
-    if (failed_somewhere(direct->SymbolicFactorization()) ||
-        failed_somewhere(direct->NumericFactorization())) {
-      direct.reset();
-      return false;
-    }
+  });
+  if (!is_prepared)
+    return false;
+  ++counts.factorisations;
+  const auto is_done = [&](const std::string &place, const std::function<int()> &action) {
+    return succeeds(place, [&]() {
+      if (action() != 0)
+        throw std::runtime_error(place);
+    });
+  };
+  return is_done("analysis", [&]() { return direct->SymbolicFactorization(); }) &&
+         is_done("factors", [&]() { return direct->NumericFactorization(); });
+}
+
+bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
+{
+  if (!direct && !factorise()) {
+    direct.reset();
+    return false;
   }
   const auto solve = [&](SingleVector &solution, const SingleVector &right_hand_side) {
-    problem->SetLHS(&solution.trilinos_vector());
-    problem->SetRHS(const_cast<Epetra_MultiVector *>(
-        static_cast<const Epetra_MultiVector *>(&right_hand_side.trilinos_vector())));
-    return !failed_somewhere(direct->Solve());
+    return succeeds("solution", [&]() {
+      problem->SetLHS(&solution.trilinos_vector());
+      problem->SetRHS(const_cast<Epetra_MultiVector *>(
+          static_cast<const Epetra_MultiVector *>(&right_hand_side.trilinos_vector())));
+      if (direct->Solve() != 0)
+        throw std::runtime_error("solution");
+    });
   };
   bool is_solved = solve(x, b);
   if (has_multipliers() && is_solved) { // indefinite: one step of iterative refinement
     SingleVector residual(b), correction(b);
-    Operator{matrix}.vmult(residual, x);
+    Operator{merged->matrix()}.vmult(residual, x);
     residual.sadd(-1., 1., b);
     correction = 0;
     is_solved = solve(correction, residual);
@@ -437,7 +571,7 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
     for (unsigned int before = 0; before < g; ++before)
       for (const unsigned int row : group.blocks)
         for (const unsigned int column : groups[before]->blocks)
-          if (matrix->block(row, column).n_nonzero_elements() > 0) {
+          if (matrix->has_block(row, column)) {
             SingleVector product(rest.block(row));
             matrix->block(row, column).vmult(product, dx.block(column));
             rest.block(row) -= product;
@@ -446,24 +580,31 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
     SingleVector x = group.merged->vector(), b = group.merged->vector();
     group.merged->gather(rest, b);
     std::optional<unsigned int> of_group = 0;
-    if (b.l2_norm() > 0) {
-      ++group.counts.solves;
-      if (!group.is_direct) {
-        of_group = group.iterate(*matrix, x, b, relative_tolerance);
-        if (!of_group) {
-          group.iteration_failed = group.is_direct = true;
-          x = 0;
-        }
-      }
-      if (group.is_direct)
-        of_group = group.solve_directly(x, b) ? std::optional<unsigned int>(1) : std::nullopt;
-    }
+    if (b.l2_norm() > 0)
+      of_group = group.solve(*matrix, x, b, relative_tolerance, all_notes);
     if (!of_group)
       return {};
     n_iterations += *of_group;
     group.merged->scatter(x, dx);
   }
   return n_iterations;
+}
+
+bool LinearSolver::prefer_direct()
+{
+  bool is_new = false;
+  for (auto &group : groups) {
+    is_new = is_new || !group->is_direct;
+    group->iteration_failed = group->iteration_failed || !group->is_direct;
+    group->is_direct = group->is_decided = true;
+  }
+  return is_new;
+}
+
+void LinearSolver::set_fault(std::function<void(const std::string &place)> fault)
+{
+  for (auto &group : groups)
+    group->fault = fault;
 }
 
 std::vector<std::string> LinearSolver::description() const

@@ -50,15 +50,22 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
   const Epetra_Map rows(-1, n_own, 0, epetra_communicator);
   const auto is_own = [&](const int index) { return rows.MyGID(index); };
   std::vector<int> of_others;
-  std::vector<std::vector<std::vector<int>>> column_of(n_blocks, std::vector<std::vector<int>>(n_blocks));
-  for (unsigned int i = 0; i < n_blocks; ++i)
-    for (unsigned int j = 0; j < n_blocks; ++j)
+  std::vector<std::vector<std::vector<int>>> column_of(n_blocks); // by the position in columns_of
+  for (unsigned int i = 0; i < n_blocks; ++i) {
+    columns_of.emplace_back();
+    for (unsigned int j = 0; j < n_blocks; ++j) {
+      if (!matrix.has_block(block_numbers[i], block_numbers[j]))
+        continue;
+      columns_of[i].push_back(block_numbers[j]);
+      column_of[i].emplace_back();
       for (int k = 0; k < block(i, j).ColMap().NumMyElements(); ++k) {
         const int index = global_row(j, block(i, j).ColMap().GID(k));
-        column_of[i][j].push_back(index);
+        column_of[i].back().push_back(index);
         if (!is_own(index))
           of_others.push_back(index);
       }
+    }
+  }
   std::sort(of_others.begin(), of_others.end());
   of_others.erase(std::unique(of_others.begin(), of_others.end()), of_others.end());
   std::vector<int> all_columns;
@@ -77,23 +84,33 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
 
   std::vector<int> row_lengths(n_own, 0);
   for (unsigned int i = 0; i < n_blocks; ++i)
-    for (unsigned int j = 0; j < n_blocks; ++j)
+    for (const unsigned int j : columns_of[i])
       for (int row = 0; row < block(i, i).NumMyRows(); ++row)
-        row_lengths[first_local[i] + row] += block(i, j).NumMyEntries(row);
+        row_lengths[first_local[i] + row] +=
+            matrix.block(block_numbers[i], j).trilinos_matrix().NumMyEntries(row);
   merged = std::make_unique<Epetra_CrsMatrix>(Copy, rows, columns, row_lengths.data(), true);
+  fill_structure(matrix, column_of);
+  merged->FillComplete(rows, rows);
+  merged->OptimizeStorage();
+}
 
+void MergedMatrix::fill_structure(const BlockMatrix &matrix,
+                                  const std::vector<std::vector<std::vector<int>>> &column_of)
+{
   std::vector<std::pair<int, int>> sorted; // local column, number of the entry
   std::vector<int> indices, position_of;
   std::vector<double> zeros;
-  for (unsigned int i = 0; i < n_blocks; ++i)
-    for (int row = 0; row < block(i, i).NumMyRows(); ++row) {
+  for (unsigned int i = 0; i < block_numbers.size(); ++i)
+    for (unsigned int row = 0; row < first_local[i + 1] - first_local[i]; ++row) {
       sorted.clear();
-      for (unsigned int j = 0; j < n_blocks; ++j) {
+      for (unsigned int c = 0; c < columns_of[i].size(); ++c) {
         int n = 0, *local = nullptr;
         double *values = nullptr;
-        block(i, j).ExtractMyRowView(row, n, values, local);
+        matrix.block(block_numbers[i], columns_of[i][c])
+            .trilinos_matrix()
+            .ExtractMyRowView(row, n, values, local);
         for (int k = 0; k < n; ++k)
-          sorted.emplace_back(column_of[i][j][local[k]], sorted.size());
+          sorted.emplace_back(column_of[i][c][local[k]], sorted.size());
       }
       const bool is_in_order = std::is_sorted(sorted.begin(), sorted.end());
       if (!is_in_order)
@@ -110,8 +127,6 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
       if (!is_in_order)
         position.insert(position.end(), position_of.begin(), position_of.end());
     }
-  merged->FillComplete(rows, rows);
-  merged->OptimizeStorage();
 }
 
 int MergedMatrix::global_row(const unsigned int i, const int index_in_block) const
@@ -134,7 +149,7 @@ void MergedMatrix::copy_values(const BlockMatrix &matrix)
       int n = 0;
       double *values = nullptr;
       merged->ExtractMyRowView(first_local[i] + row, n, values);
-      for (const unsigned int j : block_numbers) {
+      for (const unsigned int j : columns_of[i]) {
         int n_of_block = 0;
         double *of_block = nullptr;
         matrix.block(block_numbers[i], j).trilinos_matrix().ExtractMyRowView(row, n_of_block, of_block);

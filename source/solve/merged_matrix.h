@@ -5,8 +5,7 @@
 
 #pragma once
 
-#include <deal.II/lac/trilinos_block_sparse_matrix.h>
-#include <deal.II/lac/trilinos_parallel_block_vector.h>
+#include <dovetail/solve/block_matrix.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Map.h>
@@ -22,7 +21,6 @@ namespace dovetail {
 class MergedMatrix
 {
 public:
-  using BlockMatrix = dealii::TrilinosWrappers::BlockSparseMatrix;
   using BlockVector = dealii::TrilinosWrappers::MPI::BlockVector;
 
   MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned int> &blocks);
@@ -41,8 +39,10 @@ public:
 
 private:
   void merge_structure(const BlockMatrix &matrix);
+  void fill_structure(const BlockMatrix &matrix, const std::vector<std::vector<std::vector<int>>> &column_of);
 
   std::vector<unsigned int> block_numbers;
+  std::vector<std::vector<unsigned int>> columns_of; ///< of each block row those of block_numbers that exist
   std::vector<unsigned int> first_local; ///< first local row of each block, and the number of local rows
   const Epetra_CrsMatrix *single = nullptr;
   std::unique_ptr<Epetra_CrsMatrix> merged;

@@ -3,55 +3,110 @@
 
 #include <dovetail/solve/newton.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace dovetail {
 
 Newton::Newton(const Section &section)
     : relative_tolerance(section.read<double>(
-          "Relative tolerance", 1e-9, "Residual over its largest value in the step, field by field [-]",
+          "Relative tolerance", 1e-9, "Residual over the forces at work, for each field of each domain [-]",
           Patterns::Double(0, 1))),
       tolerance(section.read<double>(
-          "Absolute tolerance", 0, "A field whose residual (Euclidean norm) is below this is solved [N or W]",
+          "Absolute tolerance", 0,
+          "A field of a domain whose residual (Euclidean norm) is below this is solved [N or W]",
           Patterns::Double(0))),
       maximum_iterations(section.read<unsigned int>("Maximum iterations", 20, "Iterations per step [-]",
                                                     Patterns::Integer(1))),
-      line_search(section.read<bool>(
-          "Line search", true,
-          "Damp an update after which the residual is ten times larger, or not defined [-]"))
+      line_search(section.read<bool>("Line search", true,
+                                     "Damp an update that is not defined, or larger than that before and not "
+                                     "confirmed by its tangent [-]"))
 {
-}
-
-/// Take the full update unless it is not defined or the residual grows tenfold; then halve it until the
-/// residual decreases. A bending-dominated body needs the full update though its residual grows for an
-/// iteration.
-/// @return the norm at the trial state, NaN if no damping helps.
-double Newton::search_line(const NewtonProblem &problem, const double norm, const bool with_tangent,
-                           double &damping) const
-{
-  const bool is_full_step_needed = !line_search || problem.moves_constraints();
-  damping = 1;
-  problem.try_update(damping);
-  double new_norm = problem.assemble(with_tangent);
-  if (is_full_step_needed || new_norm <= 10 * norm)
-    return new_norm;
-  while (!(new_norm <= (1 - 1e-4 * damping) * norm)) {
-    damping /= 2;
-    if (damping < 1. / 1024)
-      return std::nan("");
-    problem.try_update(damping);
-    new_norm = problem.assemble(with_tangent);
-  }
-  return new_norm;
 }
 
 namespace {
 
+const double smallest_damping = 1e-6;
+const double largest_reduction = 10; ///< of a damping that was too bold: far off, no estimate holds
 /// A linear system is solved once; how far rounding lets the residual down depends on its condition.
 /// A singular system leaves a residual of order one.
 const double largest_linear_residual = 1e-3;
 
 } // namespace
+
+/// The damping for which the estimate of the curvature from the last iteration allows the decrease that
+/// search_line demands (Deuflhard 2004, section 3.3.3).
+double Newton::predict(const NewtonProblem &problem, const Damping &last) const
+{
+  if (!line_search || last.factor == 1)
+    return 1;
+  const double curvature = problem.distance_of_correction() * problem.update_norm();
+  const double predicted = curvature > 0 ? last.factor * last.update * last.correction / curvature : 1.;
+  return std::min(1., std::max(predicted, smallest_damping));
+}
+
+/// The updates are measured, not the residual. The full update is taken as long as it is defined and not
+/// larger than the two before: a slender body goes through states with large residuals, and needs them. Else,
+/// and until a full update is taken again, the tangent K that dx was solved with must confirm what is
+/// taken: the correction c = -K^-1 R(x + a dx) is smaller than dx, by a/4 where a < 1 (Deuflhard's
+/// natural monotonicity test). While prescribed values move, only the share a of them does.
+/// @return the norm at the trial state, NaN if no damping helps.
+double Newton::search_line(const NewtonProblem &problem, const bool with_tangent, Damping &damping) const
+{
+  const double update = problem.update_norm(), before = std::max(damping.update, damping.update_before);
+  damping.factor = predict(problem, damping);
+  damping.update_before = damping.update;
+  damping.update = update;
+  bool is_trusted = !line_search || (damping.factor == 1 && (before == 0 || update <= before));
+  const auto reduce = [&](const double proposed) {
+    damping.factor = std::max(std::min(proposed, damping.factor / 2), damping.factor / largest_reduction);
+  };
+  for (bool may_grow = true; damping.factor >= smallest_damping;) {
+    const bool is_full = damping.factor == 1;
+    problem.try_update(damping.factor);
+    const double new_norm = problem.assemble(with_tangent && is_full);
+    if (!line_search || (is_trusted && std::isfinite(new_norm)))
+      return new_norm;
+    is_trusted = false;
+    if (!std::isfinite(new_norm)) {
+      reduce(damping.factor / 2);
+      may_grow = false;
+      continue;
+    }
+    const auto correction = problem.correct(damping.factor);
+    if (!correction)
+      return std::nan("");
+    const double best =
+        correction->distance > 0 ? 0.5 * update * damping.factor * damping.factor / correction->distance : 1.;
+    if (!(correction->norm < (is_full ? 1 : 1 - damping.factor / 4) * update)) {
+      reduce(best);
+      may_grow = false;
+    } else if (may_grow && best >= 4 * damping.factor && !is_full) {
+      damping.factor = std::min(1., best);
+      may_grow = false;
+    } else {
+      damping.correction = correction->norm;
+      return is_full ? new_norm : problem.assemble(true);
+    }
+  }
+  return std::nan("");
+}
+
+void Newton::solve_linear(const NewtonProblem &problem, NewtonResult &result) const
+{
+  const auto linear_iterations = problem.solve();
+  if (!linear_iterations)
+    return;
+  result.linear_iterations.push_back(*linear_iterations);
+  const double norm = problem.linear_residual();
+  problem.try_update(1);
+  result.residuals.push_back(norm);
+  problem.report(1, norm, *linear_iterations, 1);
+  if (!std::isfinite(norm))
+    return;
+  problem.accept();
+  result.is_converged = norm <= largest_linear_residual;
+}
 
 NewtonResult Newton::solve(const NewtonProblem &problem) const
 {
@@ -61,35 +116,34 @@ NewtonResult Newton::solve(const NewtonProblem &problem) const
   result.residuals.push_back(norm);
   if (!std::isfinite(norm))
     return result;
+  if (norm <= relative_tolerance && !problem.moves_constraints()) { // nothing has changed
+    result.is_converged = true;
+    return result;
+  }
+  if (problem.is_linear) {
+    solve_linear(problem, result);
+    return result;
+  }
 
+  Damping damping;
   while (result.linear_iterations.size() < maximum_iterations) {
-    if (norm == 0 && !problem.moves_constraints()) {
-      result.is_converged = true;
-      return result;
-    }
     const auto linear_iterations = problem.solve();
     if (!linear_iterations)
       return result;
     result.linear_iterations.push_back(*linear_iterations);
-
-    double damping = 1;
-    if (problem.is_linear) {
-      norm = problem.linear_residual();
-      problem.try_update(1);
-    } else {
-      // near convergence the next tangent is probably not needed
-      const bool is_near = norm * norm <= relative_tolerance;
-      norm = search_line(problem, norm, !is_near, damping);
-      if (is_near && std::isfinite(norm) && norm > relative_tolerance)
-        norm = problem.assemble(true);
-    }
+    // near convergence the next tangent is probably not needed
+    const bool is_near = norm * norm <= relative_tolerance;
+    norm = search_line(problem, !is_near, damping);
+    const bool is_done = norm <= relative_tolerance && damping.factor == 1 && problem.is_update_small();
+    if (is_near && !is_done && std::isfinite(norm) && damping.factor == 1)
+      norm = problem.assemble(true);
     result.residuals.push_back(norm);
-    problem.report(result.linear_iterations.size(), norm, *linear_iterations, damping);
+    problem.report(result.linear_iterations.size(), norm, *linear_iterations, damping.factor);
     if (!std::isfinite(norm))
       return result;
     problem.accept();
-    if (problem.is_linear || (norm <= relative_tolerance && damping == 1)) {
-      result.is_converged = norm <= (problem.is_linear ? largest_linear_residual : relative_tolerance);
+    if (is_done) {
+      result.is_converged = true;
       return result;
     }
   }

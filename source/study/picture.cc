@@ -4,6 +4,8 @@
 #include "picture.h"
 #include "process.h"
 
+#include <dovetail/output/new_file.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +14,7 @@
 #include <map>
 #include <sstream>
 #include <tuple>
+#include <unistd.h>
 
 namespace dovetail {
 
@@ -314,6 +317,27 @@ void write_script(std::ostream &out, const std::string &title, const std::vector
   out << "unset multiplot\nunset output\n}\n";
 }
 
+/// From the folder where gnuplot has made them, if they are whole.
+/// @return what stands in the way, if anything does.
+std::string take_pictures(const std::string &folder, const std::string &directory)
+{
+  struct Kind
+  {
+    std::string ending, beginning, end;
+  };
+  for (const Kind &kind : {Kind{"svg", "<?xml", "</svg>"}, Kind{"png", "\x89PNG", "IEND"}}) {
+    std::ostringstream picture;
+    picture << std::ifstream(folder + "/study." + kind.ending, std::ios::binary).rdbuf();
+    const std::size_t end = picture.str().rfind(kind.end);
+    if (end == std::string::npos || end + kind.end.size() + 8 < picture.str().size())
+      return "No picture: that of gnuplot is not whole. Is the disk full?";
+    if (const Obstacle obstacle =
+            write_file(directory + "/study." + kind.ending, kind.beginning, picture.str()))
+      return "No picture: " + obstacle.text;
+  }
+  return "";
+}
+
 } // namespace
 
 std::string draw_study(const std::string &directory, const std::string &title,
@@ -327,15 +351,21 @@ std::string draw_study(const std::string &directory, const std::string &title,
   if (std::none_of(curves.begin(), curves.end(), has_points))
     return "No picture: no run has an error to show.";
   const std::string script = directory + "/study.gp", errors = directory + "/gnuplot.txt";
-  {
-    std::ofstream out(script);
-    write_script(out, title, curves, measure, dim);
-  }
+  std::ostringstream text;
+  write_script(text, title, curves, measure, dim);
+  if (const Obstacle obstacle = write_file(script, "# Error against run time", text.str()))
+    obstacle.raise(set_another_directory);
+  const std::string folder = directory + "/" + unfinished_prefix(host_name(), getpid()) + "pictures";
+  if (const Obstacle obstacle = make_directories(folder))
+    obstacle.raise(set_another_directory);
   const Outcome outcome =
-      run_process({"gnuplot", "-e", "folder=" + quoted(directory), script}, "/dev/null", errors, [] {});
+      run_process({"gnuplot", "-e", "folder=" + quoted(folder), script}, "/dev/null", errors, [] {});
+  const std::string problem = outcome.status == 0 ? take_pictures(folder, directory) : "";
+  std::error_code error;
+  std::filesystem::remove_all(folder, error);
   if (outcome.status == 0) {
-    std::filesystem::remove(errors);
-    return "";
+    remove_file(errors, "");
+    return problem;
   }
   if (outcome.status == 127)
     return "No picture: gnuplot was not found. Install it (Debian, Ubuntu: apt-get install gnuplot-nox) and "

@@ -3,6 +3,9 @@
 
 #include "process.h"
 
+#include <dovetail/output/launcher.h>
+#include <dovetail/output/new_file.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -51,11 +54,10 @@ bool belongs_to_launcher(const std::string &variable)
 std::vector<char *> environment_of_children()
 {
   std::vector<char *> result;
-  const bool is_launched = std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr ||
-                           std::getenv("PMIX_RANK") != nullptr || std::getenv("PMI_SIZE") != nullptr;
+  const bool was_launched = is_launched();
   static char terminal[] = "TERM=dumb";
   for (char **variable = environ; *variable != nullptr; ++variable)
-    if (!starts_with(*variable, "TERM=") && !(is_launched && belongs_to_launcher(*variable)))
+    if (!starts_with(*variable, "TERM=") && !(was_launched && belongs_to_launcher(*variable)))
       result.push_back(*variable);
   result.push_back(terminal);
   result.push_back(nullptr);
@@ -73,6 +75,8 @@ std::vector<char *> environment_of_children()
   dup2(nothing, 0);
   dup2(output, 1);
   dup2(error, 2);
+  for (const int ignored_here : {SIGPIPE, SIGXFSZ})
+    std::signal(ignored_here, SIG_DFL);
   sigprocmask(SIG_SETMASK, &signals, nullptr);
   environ = variables;
   execvp(arguments[0], arguments);
@@ -92,11 +96,14 @@ unsigned int number_in_environment(const std::initializer_list<const char *> nam
   return otherwise;
 }
 
+/// A file of this program, or the place where everything vanishes; opening a pipe would wait.
 int open_to_write(const std::string &file)
 {
+  if (const Obstacle obstacle = file == "/dev/null" ? Obstacle() : obstacle_to_replacing(file, ""))
+    obstacle.raise(set_another_directory);
   const int descriptor = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor < 0)
-    throw std::runtime_error("The file '" + file + "' cannot be written: " + std::strerror(errno) + ".");
+    obstacle_of_system(file, errno).raise(set_another_directory);
   return descriptor;
 }
 

@@ -3,7 +3,7 @@
 
 #include "progress.h"
 
-#include <dovetail/output/log.h>
+#include <dovetail/output/progress_bar.h>
 #include <dovetail/study/numbers.h>
 
 #include <algorithm>
@@ -123,16 +123,14 @@ void StudyProgress::draw() const
     } else
       left += seconds;
   }
-  const unsigned int width = 40;
-  const auto filled = static_cast<unsigned int>(width * done / std::max(done + left, 1e-9));
-  std::cout << "  [" << std::string(filled, '#') << std::string(width - filled, '.') << "] " << n_done
-            << " of " << runs.size() << " runs, about " << duration(left) << " left" << std::flush;
+  std::cout << progress_bar(done / (done + left)) << n_done << " of " << runs.size() << " runs, about "
+            << duration(left) << " left" << std::flush;
 }
 
 void StudyProgress::erase() const
 {
   if (has_terminal && current != nullptr)
-    std::cout << "\r\033[K" << std::flush;
+    std::cout << erase_line << std::flush;
 }
 
 } // namespace dovetail

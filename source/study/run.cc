@@ -3,10 +3,11 @@
 
 #include "process.h"
 
+#include <dovetail/output/new_file.h>
+#include <dovetail/scene/input_file.h>
 #include <dovetail/scene/user_error.h>
 #include <dovetail/study/run.h>
 
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -19,6 +20,8 @@ namespace {
 /// An empty object if there is no such file or it is broken.
 ordered_json read_json(const std::string &file)
 {
+  if (!obstacle_to_reading(file).empty())
+    return ordered_json::object();
   std::ifstream in(file);
   auto content = ordered_json::parse(in, nullptr, false);
   return content.is_object() ? content : ordered_json::object();
@@ -36,6 +39,25 @@ std::string status_of(const int exit_status)
   default:
     return "failed";
   }
+}
+
+/// The report of a run that ended with this status, or an empty object: one that is broken, or that the run
+/// did not write to its end, is none.
+ordered_json read_report(const std::string &file, const std::string &status)
+{
+  ordered_json report = read_json(file);
+  const auto converged = report.find("converged");
+  const bool is_whole = converged != report.end() && converged->is_boolean() &&
+                        *converged == (status == "converged") && report.contains("counters") &&
+                        !report["counters"].empty();
+  return is_whole ? report : ordered_json::object();
+}
+
+/// Of a file that a study has written, or that is as good as not there.
+std::string text_of(const ordered_json &object, const std::string &key)
+{
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
 std::vector<std::string> command_of(const StudyRun &run, const std::string &scene)
@@ -68,32 +90,31 @@ std::string last_words(const std::string &error_file)
 void recall(StudyRun &run)
 {
   const ordered_json kept = read_json(run.directory + "/run.json");
-  if (kept.value("fingerprint", "") != run.fingerprint)
+  if (text_of(kept, "fingerprint") != run.fingerprint)
     return;
-  const ordered_json report = read_json(run.directory + "/report.json");
-  const std::string status = kept.value("status", "");
-  if (report.empty() && (status == "converged" || status == "not converged"))
+  const std::string status = text_of(kept, "status");
+  const bool has_report = status == "converged" || status == "not converged";
+  if (!has_report && status != "wrong input") // perhaps the machine's fault
     return;
-  if (status == "failed") // perhaps the machine's fault
+  const ordered_json report = read_report(run.directory + "/report.json", status);
+  const auto seconds = kept.find("seconds wall");
+  if ((has_report && report.empty()) || seconds == kept.end() || !seconds->is_number())
     return;
   run.status = status;
-  run.message = kept.value("message", "");
-  run.seconds = kept.value("seconds wall", 0.);
-  if (status == "converged" || status == "not converged")
+  run.message = text_of(kept, "message");
+  run.seconds = *seconds;
+  if (has_report)
     run.report = report;
 }
 
 void perform(StudyRun &run, const std::string &scene, const std::function<void()> &each_second)
 {
-  std::error_code error;
-  std::filesystem::create_directories(run.directory, error);
-  if (error)
-    throw UserError("The directory '" + run.directory + "' for a run cannot be made: " + error.message() +
-                    ". Set Directory in the subsection Output to a place where you may write.");
+  if (const Obstacle obstacle = make_directories(run.directory))
+    obstacle.raise(set_another_directory);
   const std::string kept = run.directory + "/run.json", report = run.directory + "/report.json",
                     error_file = run.directory + "/errors.txt";
-  std::filesystem::remove(kept, error);
-  std::filesystem::remove(report, error);
+  remove_file(kept, "{\n");
+  remove_file(report, "{\n");
 
   const Outcome outcome =
       run_process(command_of(run, scene), run.directory + "/log.txt", error_file, each_second);
@@ -102,10 +123,10 @@ void perform(StudyRun &run, const std::string &scene, const std::function<void()
   run.message.clear();
   run.report = ordered_json();
   if (run.status == "converged" || run.status == "not converged") {
-    run.report = read_json(report);
+    run.report = read_report(report, run.status);
     if (run.report.empty()) {
       run.status = "failed";
-      run.message = "it left no report";
+      run.message = "it left no whole report";
     } else if (run.report.contains("seconds")) // what only the study wanted to know
       run.seconds -= run.report["seconds"].value("comparison", 0.);
   } else {
@@ -121,11 +142,9 @@ void perform(StudyRun &run, const std::string &scene, const std::function<void()
                                 {"message", run.message},
                                 {"seconds wall", run.seconds},
                                 {"fingerprint", run.fingerprint}};
-  std::ofstream(kept + ".new") << content.dump(2, ' ', false, ordered_json::error_handler_t::replace)
-                               << std::endl;
-  std::filesystem::rename(kept + ".new", kept, error);
-  if (error)
-    throw UserError("The file '" + kept + "' cannot be written. Is the disk full?");
+  if (const Obstacle obstacle =
+          write_file(kept, "{\n", content.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n"))
+    obstacle.raise(set_another_directory);
 }
 
 } // namespace dovetail

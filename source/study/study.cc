@@ -8,12 +8,12 @@
 #include "table.h"
 #include "variants.h"
 
+#include <dovetail/output/directory_lock.h>
 #include <dovetail/study/study.h>
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <set>
 #include <sstream>
@@ -59,6 +59,7 @@ private:
   std::vector<StudyCurve> curves() const;
   std::string measure() const;
   void write_table_of_runs() const;
+  void keep(const std::string &name, const std::string &beginning, const std::string &text) const;
   void conclude() const;
 
   const SceneOfStudy scene;
@@ -258,11 +259,15 @@ std::vector<StudyCurve> Study::curves() const
 
 void Study::write_table_of_runs() const
 {
-  std::ofstream file(directory + "/study.csv");
-  write_csv(file, options.vary, variants, runs);
-  file.close();
-  if (!file)
-    throw UserError("The file '" + directory + "/study.csv' cannot be written. Is the disk full?");
+  std::ostringstream table;
+  write_csv(table, options.vary, variants, runs);
+  keep("study.csv", "variant,", table.str());
+}
+
+void Study::keep(const std::string &name, const std::string &beginning, const std::string &text) const
+{
+  if (const Obstacle obstacle = write_file(directory + "/" + name, beginning, text))
+    obstacle.raise(set_another_directory);
 }
 
 void Study::conclude() const
@@ -275,7 +280,7 @@ void Study::conclude() const
   const auto sentences = who_is_first(all);
   for (const std::string &sentence : sentences)
     words += "  " + sentence + "\n";
-  std::ofstream(directory + "/study.txt") << words;
+  keep("study.txt", "  variant", words);
   std::cout << '\n' << words << '\n';
   const std::string obstacle = draw_study(directory, scene.name, all, measure_name, dim);
   std::cout << "  results: " << directory << "/study.csv"
@@ -286,11 +291,11 @@ void Study::conclude() const
 
 bool Study::run()
 {
-  std::error_code error;
-  std::filesystem::create_directories(directory + "/runs", error);
-  if (error)
-    throw UserError("The directory '" + directory + "' for the results cannot be made: " + error.message() +
-                    ". Set Directory in the subsection Output to a place where you may write.");
+  if (const Obstacle obstacle = make_directories(directory + "/runs"))
+    obstacle.raise(set_another_directory);
+  const DirectoryLock lock(directory);
+  if (lock.obstacle())
+    lock.obstacle().raise(wait_for_the_other_run);
   std::cout << "\nDovetail " DOVETAIL_VERSION ": study of " << scene.file << std::endl;
   variants = checked_variants(scene);
   plan_runs();

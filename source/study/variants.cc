@@ -4,6 +4,7 @@
 #include "variants.h"
 #include "process.h"
 
+#include <dovetail/scene/shortened.h>
 #include <dovetail/scene/user_error.h>
 #include <dovetail/study/run.h>
 
@@ -53,7 +54,8 @@ bool leave_out_unknown_entry(const SceneOfStudy &scene, Variant &variant)
   if (end == std::string::npos)
     return false;
   for (auto entry = variant.entries.begin(); entry != variant.entries.end(); ++entry)
-    if (complaint.find("--set '" + entry->first + "=" + entry->second + "'") != std::string::npos) {
+    if (complaint.find(shortened("--set '" + entry->first + "=" + entry->second + "'")) !=
+        std::string::npos) {
       variant.left_out.insert(entry->first);
       variant.entries.erase(entry);
       return true;

@@ -4,12 +4,12 @@
 #include <dovetail/system/block_system.h>
 
 #include <dovetail/compatibility.h>
+#include <dovetail/domain/locking.h>
 #include <dovetail/system/constraints.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/table.h>
 #include <deal.II/base/timer.h>
-#include <deal.II/lac/block_sparsity_pattern.h>
 #include <deal.II/lac/sparsity_tools.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ std::vector<unsigned int> merge_repeated(const Interface<dim> &interface,
 } // namespace
 
 template <int dim>
-BlockSystem<dim>::BlockSystem(Model<dim> &model) : scatters_on(&update_constraints), model(model)
+BlockSystem<dim>::BlockSystem(Model<dim> &model) : model(model)
 {
   for (const auto &group : model.field_groups())
     fields.insert(fields.end(), group.begin(), group.end());
@@ -61,8 +61,7 @@ BlockSystem<dim>::BlockSystem(Model<dim> &model) : scatters_on(&update_constrain
         std::find(fields.begin(), fields.end(), block.is_of_multipliers ? fields.back() : block.field) -
         fields.begin());
   }
-  for (unsigned int f = 0; f < fields.size(); ++f)
-    is_of_multipliers.push_back(false);
+  is_of_multipliers.assign(fields.size(), false);
   for (unsigned int b = 0; b < field_of_block.size(); ++b)
     is_of_multipliers[field_of_block[b]] = model.numbering->blocks()[b].is_of_multipliers;
   for (const auto &domain : model.domains)
@@ -92,15 +91,11 @@ void BlockSystem<dim>::set_up(const double t)
 {
   toggles_of_set_up = active_toggles(t);
   tie_lines.clear();
-  hanging_lines.clear();
   if (!model.interfaces.empty()) {
     TieConstraints all;
     for (const auto &domain : model.domains)
       domain->add_constraints(t, all.lines);
     const ConstraintLines given = all.lines;
-    for (const auto &[dof, line] : given)
-      if (!line.entries.empty()) // prescribed values have none
-        hanging_lines.emplace(dof, line);
     dealii::Timer timer;
     for (unsigned int i = 0; i < model.interfaces.size(); ++i)
       if (model.interfaces[i]->is_active(t)) {
@@ -131,24 +126,33 @@ void BlockSystem<dim>::make_relevant_set(const double t)
       all.insert(all.end(), dofs.begin(), dofs.end());
     }
   for (const auto &interface : model.interfaces)
-    if (interface->is_active(t))
+    if (interface->is_active(t)) {
       for (unsigned int i = 0; i < interface->tie().n_terms(); ++i) {
         const auto &of_term = interface->tie().term_dofs(i);
         all.insert(all.end(), of_term.begin(), of_term.end());
       }
+      if (const auto *transmits = dynamic_cast<const Transmits *>(&interface->tie()))
+        for (const HeldUnknown &held : transmits->held())
+          for (const auto &[dof, weight] : held.source)
+            all.push_back(dof);
+    }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   relevant.add_indices(all.begin(), all.end());
   relevant.compress();
 }
 
-/// Of all constraints, for the unknowns that this rank owns.
+/// Of all constraints, for the unknowns that this rank owns. Collective.
 template <int dim>
 ConstraintLines BlockSystem<dim>::lines_at(const double t) const
 {
   ConstraintLines lines;
   for (const auto &domain : model.domains)
     domain->add_constraints(t, lines);
+  const bool are_finite = std::all_of(lines.begin(), lines.end(), [](const auto &entry) {
+    return std::isfinite(entry.second.inhomogeneity);
+  });
+  refuse_undefined(are_finite ? Undefined() : last_undefined(), model.communicator);
   lines.insert(tie_lines.begin(), tie_lines.end());
   return lines;
 }
@@ -181,8 +185,7 @@ void BlockSystem<dim>::make_constraints(const ConstraintLines &lines)
 template <int dim>
 void BlockSystem<dim>::make_sparsity(const double t)
 {
-  const auto relevant_parts = model.numbering->split(relevant);
-  dealii::BlockDynamicSparsityPattern pattern(relevant_parts);
+  dealii::DynamicSparsityPattern pattern(relevant);
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &domain : model.domains) {
     const unsigned int n = domain->n_nodes();
@@ -254,7 +257,7 @@ void BlockSystem<dim>::make_sparsity(const double t)
                                                      relevant);
   has_tangent = false;
   matrix.clear();
-  matrix.reinit(model.numbering->split(model.numbering->owned), pattern, model.communicator, false);
+  matrix.reinit(model.numbering->split(model.numbering->owned), pattern, model.communicator);
 }
 
 template <int dim>
@@ -271,14 +274,21 @@ Vector BlockSystem<dim>::ghosted_vector() const
 }
 
 template <int dim>
-void BlockSystem<dim>::begin_step(const double t, const Vector &x)
+void BlockSystem<dim>::set_time(const double t)
 {
+  share = 1;
   if (t != time) { // else set_up has made them
     if (const ConstraintLines lines = lines_at(t); !are_prescribed(lines))
       make_constraints(lines);
     time = t;
   }
-  reset_norms();
+  problem = {};
+}
+
+template <int dim>
+void BlockSystem<dim>::begin_step(const double t, const Vector &x)
+{
+  set_time(t);
   if (model.interfaces.empty())
     return;
   dealii::Timer timer;
@@ -287,6 +297,17 @@ void BlockSystem<dim>::begin_step(const double t, const Vector &x)
     if (interface->is_active(t))
       interface->tie().begin_step(*interface, t, ghosted_values(), model.communicator);
   tie_seconds += timer.wall_time();
+}
+
+template <int dim>
+void BlockSystem<dim>::hold_back_from(const Vector &x)
+{
+  share = 1;
+  assemble(x, false);
+  held_back = right_hand_side;
+  held_moves.clear();
+  for (const auto &line : update_constraints.get_lines())
+    held_moves[line.index] = line.inhomogeneity;
 }
 
 template <int dim>
@@ -324,6 +345,8 @@ void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
     double target = line.inhomogeneity;
     for (const auto &[other, weight] : line.entries)
       target += weight * ghosted(other);
+    if (share < 1)
+      target -= (1 - share) * held_moves.at(line.index);
     const double move = target - ghosted(line.index);
     largest_move = std::max(largest_move, std::abs(move));
     largest_value = std::max(largest_value, std::abs(target));
@@ -344,7 +367,11 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   right_hand_side = 0;
   if (with_tangent)
     matrix = 0;
-  local_scale.assign(2 * fields.size(), 0.);
+  problem_here = {};
+  last_undefined() = {};
+  const unsigned int n_blocks = field_of_block.size();
+  sizes = {std::vector<double>(n_blocks, 0.), std::vector<double>(n_blocks, 0.),
+           std::vector<double>(n_blocks, 0.)};
 
   bool is_defined = true;
   for (unsigned int d = 0; d < model.domains.size(); ++d)
@@ -362,13 +389,32 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   if (with_tangent)
     matrix.compress(dealii::VectorOperation::add);
   right_hand_side.compress(dealii::VectorOperation::add);
-  dealii::Utilities::MPI::sum(local_scale, model.communicator, local_scale);
-  scale.assign(local_scale.begin(), local_scale.begin() + fields.size());
+  if (share < 1)
+    right_hand_side.add(share - 1, held_back);
+  for (auto *of_blocks : {&sizes.forces, &sizes.on_free, &sizes.of_tangent})
+    dealii::Utilities::MPI::sum(*of_blocks, model.communicator, *of_blocks);
   if (with_tangent)
-    magnitude.assign(local_scale.begin() + fields.size(), local_scale.end());
+    tangent_at_x = sizes.of_tangent;
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   has_tangent = with_tangent ? is_defined : has_tangent;
+  if (!is_defined) {
+    problem = first_of_ranks(problem_here, model.communicator);
+    if (problem.is_at_every_state)
+      throw UserError(problem.reason);
+  }
   return is_defined;
+}
+
+/// Keep the reason that was left last, unless there is one of this assembly.
+template <int dim>
+void BlockSystem<dim>::note_undefined(const std::string &where)
+{
+  if (problem_here)
+    return;
+  problem_here = last_undefined();
+  if (!problem_here)
+    problem_here.reason = "a residual is not a finite number";
+  problem_here.reason += " [" + where + "]";
 }
 
 template <int dim>
@@ -380,20 +426,16 @@ void BlockSystem<dim>::scatter(const std::vector<double> &residual,
   for (unsigned int i = 0; i < residual.size(); ++i)
     local_rhs[i] = -residual[i];
   if (with_tangent)
-    scatters_on->distribute_local_to_global(local_matrix, local_rhs, dofs, matrix, right_hand_side);
+    distribute_local_to_global(update_constraints, local_matrix, local_rhs, dofs, matrix, right_hand_side);
   else
-    scatters_on->distribute_local_to_global(local_rhs, dofs, right_hand_side);
+    update_constraints.distribute_local_to_global(local_rhs, dofs, right_hand_side);
 }
 
 template <int dim>
 bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghosted, const bool with_tangent)
 {
   const Domain<dim> &domain = *model.domains[d];
-  const unsigned int n_local = domain.dofs_per_cell(), n_nodes = domain.n_nodes();
-  std::vector<unsigned int> field; // of each component
-  for (const Field &of_domain : domain.fields())
-    field.insert(field.end(), of_domain.n_components,
-                 std::find(fields.begin(), fields.end(), of_domain.name) - fields.begin());
+  const unsigned int n_local = domain.dofs_per_cell();
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns(n_local), residual(n_local);
   local_matrix.reinit(n_local, n_local);
@@ -401,16 +443,11 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      if (!cell_terms[d]->assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr))
+      if (!cell_terms[d]->assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr)) {
+        note_undefined("domain " + domain.name + ", the cell around " + in_words(cell->center()));
         return false;
-      for (unsigned int i = 0; i < n_local; ++i) {
-        const unsigned int f = field[i / n_nodes];
-        local_scale[f] += residual[i] * residual[i];
-        double of_row = 0;
-        for (unsigned int j = 0; with_tangent && j < n_local; ++j)
-          of_row += std::abs(local_matrix(i, j) * unknowns[j]);
-        local_scale[fields.size() + f] += of_row * of_row;
       }
+      add_sizes(dofs, cell_terms[d]->forces(), unknowns, cell_terms[d]->longest_sum(), with_tangent);
       scatter(residual, dofs, with_tangent);
     }
   return true;
@@ -432,8 +469,12 @@ bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vecto
     if (with_tangent)
       local_matrix = 0;
     if (!interface.tie().assemble(interface, group, time, unknowns, residual,
-                                  with_tangent ? &local_matrix : nullptr))
+                                  with_tangent ? &local_matrix : nullptr)) {
+      note_undefined("interface " + interface.name + " near " +
+                     in_words(interface.pairing().X(source, group.begin)));
       return false;
+    }
+    add_sizes(dofs, residual, unknowns, n_local, with_tangent);
     if (const auto position = merge_repeated(interface, dofs); !position.empty()) {
       std::vector<double> merged_residual(dofs.size(), 0.);
       dealii::FullMatrix<double> merged(dofs.size(), dofs.size());
@@ -470,12 +511,10 @@ void BlockSystem<dim>::assemble_multipliers(const Interface<dim> &interface, con
     residual.assign(dofs.size(), 0.);
     local_matrix.reinit(dofs.size(), dofs.size());
     tie.assemble_term(i, unknowns, residual, with_tangent ? &local_matrix : nullptr);
-    // the size of what cancels in the multiplier's equation
-    const unsigned int f = field_of_block[model.numbering->block_of(dofs.back())];
-    double magnitude_of_row = 0;
-    if (dofs.size() > 1)
-      magnitude_of_row = tie.magnitude_of_term(i, unknowns);
-    local_scale[f] += magnitude_of_row * magnitude_of_row;
+    std::vector<double> of_rows = residual;
+    if (dofs.size() > 1) // in the multiplier's equation the traces cancel
+      of_rows.back() = tie.magnitude_of_term(i, unknowns);
+    add_sizes(dofs, of_rows, unknowns, dofs.size(), with_tangent);
     scatter(residual, dofs, with_tangent);
   }
 }
@@ -498,64 +537,34 @@ bool BlockSystem<dim>::has_multipliers() const
   });
 }
 
-/// What acts on each unknown: the residual, and what those that follow it pass on.
 template <int dim>
-Vector BlockSystem<dim>::forces(const Vector &x)
+NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x) const
 {
-  const dealii::AffineConstraints<double> none = [this]() {
-    auto empty = make_affine_constraints(model.numbering->owned, relevant);
-    empty.close();
-    return empty;
-  }();
-  scatters_on = &none;
-  assemble(x, false);
-  scatters_on = &update_constraints;
-  Vector residual = owned_vector();
-  residual.equ(-1., right_hand_side);
-
-  Vector total = residual, passed_on = owned_vector(), previous = owned_vector();
-  const unsigned int longest_chain = 100;
-  for (unsigned int link = 0; link < longest_chain; ++link) {
-    passed_on = 0;
-    for (const ConstraintLines *lines : {&hanging_lines, &tie_lines})
-      for (const auto &[dof, line] : *lines)
-        if (freed.count(dof) == 0) {
-          const double force = total(dof);
-          for (const auto &[master, weight] : line.entries)
-            passed_on(master) += weight * force;
-        }
-    passed_on.compress(dealii::VectorOperation::add);
-    previous = total;
-    total = residual;
-    total += passed_on;
-    previous -= total;
-    if (previous.linfty_norm() <= 1e-15 * total.linfty_norm())
-      break;
-  }
-  return total;
+  ConstraintLines lines = lines_at(time);
+  for (const auto dof : freed)
+    lines.erase(dof);
+  ghosted_scratch = x;
+  return NodalForces<dim>(model, lines, constraints, ghosted_scratch, time);
 }
 
 template <int dim>
-void BlockSystem<dim>::find_multipliers(const Vector &x)
+void BlockSystem<dim>::find_multipliers(const Vector &x, const NodalForces<dim> &forces)
 {
-  if (!has_multipliers())
-    return;
-  const bool needs_forces =
-      std::any_of(model.interfaces.begin(), model.interfaces.end(), [this](const auto &interface) {
-        return interface->is_active(time) && interface->tie().needs_forces();
-      });
-  const Vector force = needs_forces ? forces(x) : Vector();
+  ghosted_scratch = x;
   for (const auto &interface : model.interfaces)
     if (interface->is_active(time) && interface->tie().has_multipliers())
       interface->tie().find_multipliers(
-          *interface, [&](const auto dof) { return x(dof); }, [&](const auto dof) { return force(dof); },
-          model.communicator);
+          *interface, [&](const auto dof) { return ghosted_scratch(dof); },
+          [&](const auto dof) { return forces(dof); }, model.communicator);
 }
 
 template <int dim>
 std::vector<std::string> BlockSystem<dim>::notes() const
 {
   std::vector<std::string> sentences;
+  for (const auto &domain : model.domains)
+    if (const std::string note = note_on_locking(*domain, model.communicator); !note.empty())
+      sentences.push_back(domain->name + ": " + note);
   for (const auto &interface : model.interfaces)
     if (interface->is_active(time))
       for (const std::string &sentence : interface->tie().notes())
@@ -566,96 +575,93 @@ std::vector<std::string> BlockSystem<dim>::notes() const
   return sentences;
 }
 
+/// What one cell or group of points adds to the sizes. A force on an unknown that follows others acts on
+/// them; on one that is prescribed it is a reaction, in which nothing needs to cancel.
 template <int dim>
-void BlockSystem<dim>::reset_norms()
+void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_index> &dofs,
+                                 const std::vector<double> &forces, const std::vector<double> &unknowns,
+                                 const unsigned int longest_sum, const bool with_tangent)
 {
-  largest.assign(fields.size(), 0.);
-  at_start.clear();
+  for (unsigned int i = 0; i < dofs.size(); ++i) {
+    double of_row = 0;
+    for (unsigned int j = 0; with_tangent && j < dofs.size(); ++j)
+      of_row += std::abs(local_matrix(i, j) * unknowns[j]);
+    const auto add = [&](const unsigned int block, const double weight) {
+      const double force = weight * weight * forces[i] * forces[i];
+      sizes.forces[block] += force;
+      sizes.on_free[block] += longest_sum * force;
+      sizes.of_tangent[block] += longest_sum * weight * weight * of_row * of_row;
+    };
+    const unsigned int block = model.numbering->block_of(dofs[i]);
+    if (!update_constraints.is_constrained(dofs[i]))
+      add(block, 1.);
+    else {
+      sizes.forces[block] += forces[i] * forces[i];
+      for (const auto &[other, weight] : *update_constraints.get_constraint_entries(dofs[i]))
+        add(model.numbering->block_of(other), weight);
+    }
+  }
 }
 
-namespace {
-
-/// Norms of the blocks of a vector, summed by field.
-std::vector<double> norms_by_field(const Vector &vector, const std::vector<unsigned int> &field_of_block,
-                                   const unsigned int n_fields)
+template <int dim>
+std::vector<double> BlockSystem<dim>::residuals() const
 {
-  std::vector<double> squares(n_fields, 0.);
-  for (unsigned int b = 0; b < vector.n_blocks(); ++b)
-    squares[field_of_block[b]] += std::pow(vector.block(b).l2_norm(), 2);
-  for (double &square : squares)
-    square = std::sqrt(square);
-  return squares;
+  std::vector<double> norms;
+  for (unsigned int b = 0; b < right_hand_side.n_blocks(); ++b)
+    norms.push_back(right_hand_side.block(b).l2_norm());
+  return norms;
 }
 
-} // namespace
+template <int dim>
+std::vector<double> BlockSystem<dim>::forces() const
+{
+  std::vector<double> norms;
+  for (const double square : sizes.forces)
+    norms.push_back(std::sqrt(square));
+  return norms;
+}
+
+/// The errors of n terms, each of relative size u, add up like a random walk: u n^(1/2) times the sum of the
+/// sizes (Higham and Mary 2019); likewise those of different cells.
+template <int dim>
+std::vector<double> BlockSystem<dim>::rounding() const
+{
+  const double unit_roundoff = std::numeric_limits<double>::epsilon() / 2;
+  std::vector<double> norms;
+  for (unsigned int b = 0; b < sizes.on_free.size(); ++b)
+    norms.push_back(unit_roundoff * (std::sqrt(sizes.on_free[b]) + std::sqrt(tangent_at_x[b])));
+  return norms;
+}
 
 template <int dim>
-double BlockSystem<dim>::residual_norm(const double absolute_tolerance)
+double BlockSystem<dim>::linear_residual_norm(const Vector &dx, Vector &rest)
 {
-  const std::vector<double> residuals = norms_by_field(right_hand_side, field_of_block, fields.size());
-  norms = residuals;
-  for (unsigned int f = 0; f < fields.size(); ++f) {
-    if (!std::isfinite(residuals[f]))
-      return std::numeric_limits<double>::quiet_NaN();
-    if (is_of_multipliers[f]) // right when the jump is small compared with the traces
-      norms[f] = std::sqrt(scale[f]);
+  // the forces on a block are its right-hand side, what its cells had before, and what other blocks give it
+  rest = right_hand_side;
+  std::vector<double> reference = residuals();
+  const std::vector<double> before = forces();
+  for (unsigned int row = 0; row < dx.n_blocks(); ++row) {
+    reference[row] = std::max(reference[row], before[row]);
+    for (const auto &[column, block] : matrix.row(row)) {
+      dealii::TrilinosWrappers::MPI::Vector product(rest.block(row));
+      block->vmult(product, dx.block(column));
+      rest.block(row) -= product;
+      if (row != column)
+        reference[row] = std::max(reference[row], product.l2_norm());
+    }
   }
-  if (at_start.empty()) {
-    at_start = norms;
-    noise_at_start.clear();
-    accept_residual();
-  }
+  // a block on which nothing acts keeps the rounding of the others, with which it is solved
+  std::vector<double> rounding(fields.size(), 0.);
+  for (unsigned int b = 0; b < dx.n_blocks(); ++b)
+    rounding[field_of_block[b]] =
+        std::max(rounding[field_of_block[b]], std::numeric_limits<double>::epsilon() * reference[b]);
   double relative = 0;
-  for (unsigned int f = 0; f < fields.size(); ++f) {
-    // terms that cancel leave rounding: those of a cell among cells, and within a cell those of K x
-    const double of_cells = std::sqrt(scale[f]), of_tangent = std::sqrt(magnitude[f]);
-    const double noise = std::max(1e-13 * of_cells, 1e-15 * of_tangent);
-    if (noise_at_start.size() == f)
-      noise_at_start.push_back(noise);
-    if (!is_of_multipliers[f] && noise > largest_noise * largest[f] &&
-        noise > largest_growth * noise_at_start[f] && noise_at_start[f] > 0)
-      return std::numeric_limits<double>::quiet_NaN(); // a state so far off that its residual says nothing
-    if (residuals[f] <= std::max(noise, absolute_tolerance))
-      continue;
-    const double reference =
-        std::min(largest[f], largest_of_reference * std::max({at_start[f], of_cells, of_tangent}));
-    const double of_field = reference > 0 ? residuals[f] / reference : 1.;
-    relative = std::max(relative, of_field <= largest_growth ? std::min(of_field, 1.) : of_field);
-  }
-  return relative;
-}
-
-template <int dim>
-void BlockSystem<dim>::accept_residual()
-{
-  for (unsigned int f = 0; f < fields.size(); ++f)
-    largest[f] = std::max(largest[f], norms[f]);
-}
-
-template <int dim>
-double BlockSystem<dim>::linear_residual_norm(const Vector &dx)
-{
-  // the loads of a field are its right-hand side and what other fields give it; the equations of multipliers
-  // have neither, in them the traces of the bodies cancel
-  Vector difference = right_hand_side;
-  std::vector<double> reference = norms_by_field(right_hand_side, field_of_block, fields.size());
-  for (unsigned int row = 0; row < dx.n_blocks(); ++row)
-    for (unsigned int column = 0; column < dx.n_blocks(); ++column)
-      if (matrix.block(row, column).n_nonzero_elements() > 0) {
-        dealii::TrilinosWrappers::MPI::Vector product(difference.block(row));
-        matrix.block(row, column).vmult(product, dx.block(column));
-        difference.block(row) -= product;
-        const unsigned int f = field_of_block[row], g = field_of_block[column];
-        if (is_of_multipliers[f] || (f != g && !is_of_multipliers[g]))
-          reference[f] = std::max(reference[f], product.l2_norm());
-      }
-  const std::vector<double> norms = norms_by_field(difference, field_of_block, fields.size());
-  double relative = 0;
-  for (unsigned int f = 0; f < fields.size(); ++f) {
-    if (!std::isfinite(norms[f]))
+  for (unsigned int b = 0; b < dx.n_blocks(); ++b) {
+    const double norm = rest.block(b).l2_norm();
+    if (!std::isfinite(norm))
       return std::numeric_limits<double>::quiet_NaN();
-    if (const double of_field = std::max(largest[f], reference[f]); of_field > 0)
-      relative = std::max(relative, norms[f] / of_field);
+    if (norm > rounding[field_of_block[b]])
+      relative = std::max(relative, norm / reference[b]);
   }
   return relative;
 }
@@ -664,8 +670,8 @@ template <int dim>
 std::optional<FreeMotion<dim>> BlockSystem<dim>::find_free_motion(const bool in_any_case) const
 {
   for (unsigned int f = 0; f < fields.size(); ++f)
-    if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time)))
-      if (const auto motion = dovetail::find_free_motion(model, fields[f], matrix, update_constraints))
+    if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time, update_constraints)))
+      if (const auto motion = dovetail::find_free_motion(model, fields[f], time, matrix, update_constraints))
         return motion;
   return {};
 }

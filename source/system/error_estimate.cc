@@ -29,17 +29,9 @@ using ScalesOfDomain = std::vector<Scale>; ///< by field
 
 /// The largest dA_cJ / d(grad B_c)_J: lambda + 2 mu, or the largest conductivity in a direction.
 template <int dim>
-double stiffness(const Domain<dim> &domain, const Field &field, const std::vector<double> &mean,
-                 const double t)
+double stiffness(const Response<dim> &response, const Field &field)
 {
-  const unsigned int n = domain.n_components();
-  State<dim> state(n);
-  Response<dim> response(n);
-  state.X = domain.centre();
-  state.t = t;
-  state.value = mean;
-  const bool is_defined = domain.material.evaluate(state, true, response);
-  AssertThrow(is_defined, dealii::ExcMessage("The material of " + domain.name + " is not defined at rest."));
+  const unsigned int n = response.flux.size();
   double largest = 0;
   for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
     for (unsigned int d = 0; d < dim; ++d)
@@ -55,9 +47,15 @@ ScalesOfDomain scales_of(const Domain<dim> &domain, const Vector &ghosted, const
   const auto &element = domain.scalar_element();
   dealii::FEValues<dim> values(domain.mapping(), element,
                                gauss_rule<dim>(element.reference_cell(), domain.degree + 1),
-                               dealii::update_values | dealii::update_gradients | dealii::update_JxW_values);
-  // volume; per component the integrals of B, B^2 and |grad B|^2
-  std::vector<double> integrals(1 + 3 * n, 0.);
+                               dealii::update_values | dealii::update_gradients |
+                                   dealii::update_quadrature_points | dealii::update_JxW_values);
+  // volume; per component the integrals of B^2 and |grad B|^2; volume where the law is defined at rest, and
+  // per field the integral of its stiffness there: laws are asked at points of the body only
+  const unsigned int n_fields = domain.fields().size(), of_law = 1 + 2 * n;
+  std::vector<double> integrals(of_law + 1 + n_fields, 0.);
+  State<dim> state(n);
+  Response<dim> response(n);
+  state.t = t;
   std::vector<Index> dofs;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
@@ -73,24 +71,30 @@ ScalesOfDomain scales_of(const Domain<dim> &domain, const Vector &ghosted, const
             value += values.shape_value(a, q) * unknown;
             gradient += values.shape_grad(a, q) * unknown;
           }
-          integrals[1 + c] += value * values.JxW(q);
-          integrals[1 + n + c] += value * value * values.JxW(q);
-          integrals[1 + 2 * n + c] += gradient.norm_square() * values.JxW(q);
+          state.value[c] = value;
+          integrals[1 + c] += value * value * values.JxW(q);
+          integrals[1 + n + c] += gradient.norm_square() * values.JxW(q);
         }
+        state.X = values.quadrature_point(q);
+        if (!domain.material.evaluate(state, true, response))
+          continue;
+        integrals[of_law] += values.JxW(q);
+        for (unsigned int f = 0; f < n_fields; ++f)
+          integrals[of_law + 1 + f] += stiffness(response, domain.fields()[f]) * values.JxW(q);
       }
     }
   dealii::Utilities::MPI::sum(integrals, communicator, integrals);
 
-  std::vector<double> mean(n);
-  for (unsigned int c = 0; c < n; ++c)
-    mean[c] = integrals[1 + c] / integrals[0];
+  AssertThrow(integrals[of_law] > 0,
+              dealii::ExcMessage("The material of " + domain.name + " is not defined at rest."));
   ScalesOfDomain scales;
-  for (const Field &field : domain.fields()) {
+  for (unsigned int f = 0; f < n_fields; ++f) {
+    const Field &field = domain.fields()[f];
     Scale scale;
-    scale.stiffness = stiffness(domain, field, mean, t);
+    scale.stiffness = integrals[of_law + 1 + f] / integrals[of_law];
     for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
-      scale.energy += scale.stiffness * integrals[1 + 2 * n + c];
-      scale.noise += 1e-16 * scale.stiffness * integrals[1 + n + c] / std::pow(domain.typical_length(), 2);
+      scale.energy += scale.stiffness * integrals[1 + n + c];
+      scale.noise += 1e-16 * scale.stiffness * integrals[1 + c] / std::pow(domain.typical_length(), 2);
     }
     scales.push_back(scale);
   }

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/interface/elastic_joint.h>
 #include <dovetail/system/free_motion.h>
+#include <dovetail/system/joined_domains.h>
+#include <dovetail/system/rigid_motions.h>
 
-#include <dovetail/compatibility.h>
-
+#include <deal.II/base/array_view.h>
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/lapack_full_matrix.h>
 
+#include <Epetra_Vector.h>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace dovetail {
 
@@ -19,34 +25,52 @@ namespace {
 /// of what holds it has 1e-12.
 const double rounding = 1e-14;
 
-/// A rigid motion or constant of one body.
-struct Mode
+/// The bodies of a field that move as one, and their rigid motions or constants by block and number: the
+/// values at the unknowns of this rank.
+template <int dim>
+struct Group
 {
-  unsigned int block, number;
-  Vector values;
+  std::vector<unsigned int> blocks;
+  dealii::Point<dim> centre;
+  double length = 0;
+  unsigned int n_modes = 0;
+  std::map<unsigned int, std::vector<std::vector<double>>> modes;
 };
 
+/// Without their modes.
 template <int dim>
-std::vector<Mode> modes_of_bodies(const Model<dim> &model, const std::string &field,
-                                  const dealii::AffineConstraints<double> &constraints)
+std::vector<Group<dim>> groups_of(const Model<dim> &model, const std::string &field, const double t)
 {
-  std::vector<Mode> modes;
+  const auto first = joined_domains<dim>(model, field, [t](const auto &interface, const TiedField &tied) {
+    const auto *joint = dynamic_cast<const ElasticJoint *>(&interface.tie());
+    return interface.is_active(t) &&
+           (joint == nullptr ? !interface.tie().allows_jump(tied) : joint->surely_holds(tied, t));
+  });
+  std::map<unsigned int, std::vector<unsigned int>> blocks_of;
   const auto &blocks = model.numbering->blocks();
   for (unsigned int b = 0; b < blocks.size(); ++b)
-    if (!blocks[b].is_of_multipliers && blocks[b].field == field) {
-      const auto of_block = model.near_null_space(blocks[b], false);
-      for (unsigned int m = 0; m < of_block.size(); ++m) {
-        modes.push_back({b, m, Vector(model.numbering->split(model.numbering->owned), model.communicator)});
-        auto values = of_block[m].begin();
-        for (const auto local : blocks[b].owned) {
-          if (!constraints.is_constrained(blocks[b].begin + local))
-            modes.back().values.block(b)(local) = *values;
-          ++values;
-        }
-        modes.back().values.compress(dealii::VectorOperation::insert);
-      }
-    }
-  return modes;
+    if (!blocks[b].is_of_multipliers && blocks[b].field == field)
+      blocks_of[first[blocks[b].domain_index]].push_back(b);
+
+  std::vector<Group<dim>> groups;
+  for (const auto &of_group : blocks_of) {
+    Group<dim> group;
+    group.blocks = of_group.second;
+    const auto body = [&](const unsigned int b) -> const Domain<dim> & {
+      return *model.domains[blocks[b].domain_index];
+    };
+    for (const unsigned int b : group.blocks)
+      group.centre += static_cast<dealii::Tensor<1, dim>>(body(b).centre()) * (1. / group.blocks.size());
+    for (const unsigned int b : group.blocks)
+      group.length =
+          std::max(group.length, 2 * body(b).centre().distance(group.centre) + body(b).typical_length());
+    const Block &block = blocks[group.blocks[0]];
+    group.n_modes = body(group.blocks[0]).fields()[block.field_index].n_components == 1 ? 1
+                    : dim == 2                                                          ? 3
+                                                                                        : 6;
+    groups.push_back(std::move(group));
+  }
+  return groups;
 }
 
 /// Of a symmetric matrix; the eigenvectors are columns.
@@ -81,40 +105,105 @@ dealii::FullMatrix<double> orthonormal_basis(const dealii::FullMatrix<double> &M
   return basis;
 }
 
-/// |diag K| times a vector
-Vector times_diagonal(const dealii::TrilinosWrappers::BlockSparseMatrix &tangent, const Vector &vector)
+/// Whether the prescribed unknowns of a group see all its rigid motions: once rotations are taken about the
+/// middle of what is prescribed (a Schur complement), whatever its size.
+bool is_regular(const dealii::FullMatrix<double> &P, const unsigned int dim)
 {
-  Vector product(vector);
-  for (unsigned int b = 0; b < product.n_blocks(); ++b) {
-    const auto &matrix = tangent.block(b, b);
-    for (const auto i : product.block(b).locally_owned_elements())
-      product.block(b)(i) *= std::abs(matrix.diag_element(i));
-    product.block(b).compress(dealii::VectorOperation::insert);
+  const unsigned int n_translations = P.m() == 1 ? 1 : dim, n_rotations = P.m() - n_translations;
+  for (unsigned int c = 0; c < n_translations; ++c)
+    if (!(P(c, c) > 0))
+      return false;
+  if (n_rotations == 0)
+    return true;
+  dealii::FullMatrix<double> S(n_rotations, n_rotations); // P is diagonal in the translations
+  double trace = 0, of_P = 0;
+  for (unsigned int k = 0; k < n_rotations; ++k) {
+    for (unsigned int l = 0; l < n_rotations; ++l) {
+      S(k, l) = P(n_translations + k, n_translations + l);
+      for (unsigned int c = 0; c < n_translations; ++c)
+        S(k, l) -= P(c, n_translations + k) * P(c, n_translations + l) / P(c, c);
+    }
+    trace += S(k, k);
+    of_P += P(n_translations + k, n_translations + k);
   }
-  return product;
+  const auto values = eigenvectors(S).first;
+  const double smallest = *std::min_element(values.begin(), values.end());
+  return smallest > 1e-6 * trace && trace > 1e-12 * of_P;
+}
+
+/// By group, z_k.K z_l and z_k.|diag K| z_l.
+template <int dim>
+std::array<dealii::FullMatrix<double>, 2> energies(const std::vector<Group<dim>> &groups,
+                                                   const BlockMatrix &tangent, const MPI_Comm &communicator)
+{
+  std::vector<unsigned int> first_mode = {0};
+  std::map<unsigned int, unsigned int> group_of;
+  for (unsigned int g = 0; g < groups.size(); ++g) {
+    first_mode.push_back(first_mode.back() + groups[g].n_modes);
+    for (const unsigned int b : groups[g].blocks)
+      group_of[b] = g;
+  }
+  const unsigned int n = first_mode.back();
+  std::array<dealii::FullMatrix<double>, 2> result{{{n, n}, {n, n}}};
+  auto &[energy, mass] = result;
+  const auto product = [](const std::vector<double> &one, const double *other) {
+    return std::inner_product(one.begin(), one.end(), other, 0.);
+  };
+  for (const auto &[row, g] : group_of) {
+    const auto &of_row = groups[g].modes.at(row);
+    for (const auto &[column, block] : tangent.row(row)) {
+      if (group_of.count(column) == 0)
+        continue;
+      const unsigned int h = group_of.at(column);
+      dealii::TrilinosWrappers::MPI::Vector z(block->locally_owned_domain_indices(), communicator),
+          Kz(block->locally_owned_range_indices(), communicator);
+      for (unsigned int l = 0; l < groups[h].n_modes; ++l) {
+        const auto &values = groups[h].modes.at(column)[l];
+        std::copy(values.begin(), values.end(), z.trilinos_vector()[0]);
+        block->vmult(Kz, z);
+        for (unsigned int k = 0; k < groups[g].n_modes; ++k)
+          energy(first_mode[g] + k, first_mode[h] + l) += product(of_row[k], Kz.trilinos_vector()[0]);
+      }
+    }
+    Epetra_Vector diagonal(tangent.block(row, row).trilinos_matrix().RowMap());
+    tangent.block(row, row).trilinos_matrix().ExtractDiagonalCopy(diagonal);
+    for (unsigned int k = 0; k < groups[g].n_modes; ++k)
+      for (unsigned int l = 0; l < groups[g].n_modes; ++l)
+        for (unsigned int i = 0; i < of_row[k].size(); ++i)
+          mass(first_mode[g] + k, first_mode[g] + l) += of_row[k][i] * std::abs(diagonal[i]) * of_row[l][i];
+  }
+  for (auto &matrix : result)
+    if (n > 0)
+      dealii::Utilities::MPI::sum(dealii::ArrayView<const double>(&matrix(0, 0), n * n), communicator,
+                                  dealii::ArrayView<double>(&matrix(0, 0), n * n));
+  return result;
 }
 
 /// @param shares of the modes in the motion
 template <int dim>
-FreeMotion<dim> describe(const Model<dim> &model, const std::string &field, const std::vector<Mode> &modes,
-                         const dealii::Vector<double> &shares)
+FreeMotion<dim> describe(const Model<dim> &model, const std::string &field,
+                         const std::vector<Group<dim>> &groups, const dealii::Vector<double> &shares)
 {
   FreeMotion<dim> motion = {field, {}, "a constant"};
   const double relevant = 1e-3 * shares.linfty_norm();
   std::array<bool, dim> moves_along{};
   bool is_vector = false, rotates = false;
-  for (unsigned int i = 0; i < modes.size(); ++i) {
-    is_vector = is_vector || modes[i].number > 0;
-    if (std::abs(shares[i]) <= relevant)
-      continue;
-    const auto *body = model.domains[model.numbering->blocks()[modes[i].block].domain_index].get();
-    if (motion.bodies.empty() || motion.bodies.back() != body)
-      motion.bodies.push_back(body);
-    if (modes[i].number < dim)
-      moves_along[modes[i].number] = true;
-    else
-      rotates = true;
-  }
+  std::set<unsigned int> moving; // in the order of the scene
+  unsigned int i = 0;
+  for (const auto &group : groups)
+    for (unsigned int mode = 0; mode < group.n_modes; ++mode, ++i) {
+      is_vector = is_vector || mode > 0;
+      if (std::abs(shares[i]) <= relevant)
+        continue;
+      for (const unsigned int b : group.blocks)
+        moving.insert(model.numbering->blocks()[b].domain_index);
+      if (mode < dim)
+        moves_along[mode] = true;
+      else
+        rotates = true;
+    }
+  for (const unsigned int d : moving)
+    motion.bodies.push_back(model.domains[d].get());
   if (is_vector && rotates)
     motion.kind = "a rotation";
   else if (is_vector) {
@@ -139,45 +228,62 @@ std::string FreeMotion<dim>::in_words() const
 }
 
 template <int dim>
-bool is_surely_held(const Model<dim> &model, const std::string &field, const double t)
+bool is_surely_held(const Model<dim> &model, const std::string &field, const double t,
+                    const dealii::AffineConstraints<double> &constraints)
 {
-  std::set<const Domain<dim> *> held;
-  for (const auto &domain : model.domains)
-    for (const auto &condition : domain->conditions())
-      if (condition->field.name == field && condition->is_active(t) &&
-          condition->prescribed_components().size() == condition->field.n_components)
-        held.insert(domain.get());
-  for (bool is_new = true; is_new;) {
-    is_new = false;
-    for (const auto &interface : model.interfaces)
-      for (const auto &tied : interface->fields)
-        if (tied.name == field && interface->is_active(t) && !interface->tie().allows_jump(tied))
-          for (const unsigned int side : {source, destination})
-            if (held.count(interface->sides[side].domain) > 0)
-              is_new = held.insert(interface->sides[1 - side].domain).second || is_new;
+  const auto is_prescribed = [&](const dealii::types::global_dof_index dof) {
+    return constraints.is_constrained(dof) && constraints.get_constraint_entries(dof)->empty();
+  };
+  for (const auto &group : groups_of(model, field, t)) {
+    dealii::FullMatrix<double> P(group.n_modes, group.n_modes);
+    for (const unsigned int b : group.blocks) {
+      const Block &block = model.numbering->blocks()[b];
+      const auto &conditions = model.domains[block.domain_index]->conditions();
+      if (std::none_of(conditions.begin(), conditions.end(), [&](const auto &condition) {
+            return condition->field.name == field && condition->is_active(t) &&
+                   !condition->prescribed_components().empty();
+          }))
+        continue;
+      const auto modes = rigid_motions(*model.domains[block.domain_index], block, group.centre, group.length);
+      unsigned int i = 0;
+      for (const auto local : block.owned) {
+        if (is_prescribed(block.begin + local))
+          for (unsigned int k = 0; k < group.n_modes; ++k)
+            for (unsigned int l = 0; l < group.n_modes; ++l)
+              P(k, l) += modes[k][i] * modes[l][i];
+        ++i;
+      }
+    }
+    const unsigned int size = group.n_modes * group.n_modes;
+    dealii::Utilities::MPI::sum(dealii::ArrayView<const double>(&P(0, 0), size), model.communicator,
+                                dealii::ArrayView<double>(&P(0, 0), size));
+    if (!is_regular(P, dim))
+      return false;
   }
-  return std::all_of(model.domains.begin(), model.domains.end(), [&](const auto &domain) {
-    return domain->material.find_field(field) == nullptr || held.count(domain.get()) > 0;
-  });
+  return true;
 }
 
 template <int dim>
 std::optional<FreeMotion<dim>> find_free_motion(const Model<dim> &model, const std::string &field,
-                                                const dealii::TrilinosWrappers::BlockSparseMatrix &tangent,
+                                                const double t, const BlockMatrix &tangent,
                                                 const dealii::AffineConstraints<double> &constraints)
 {
-  const std::vector<Mode> modes = modes_of_bodies(model, field, constraints);
-  const unsigned int n = modes.size();
-  dealii::FullMatrix<double> energy(n, n), mass(n, n);
-  for (unsigned int j = 0; j < n; ++j) {
-    Vector product(modes[j].values);
-    tangent.vmult(product, modes[j].values);
-    const Vector of_diagonal = times_diagonal(tangent, modes[j].values);
-    for (unsigned int i = 0; i < n; ++i) {
-      energy(i, j) = modes[i].values * product;
-      mass(i, j) = modes[i].block == modes[j].block ? modes[i].values * of_diagonal : 0.;
+  auto groups = groups_of(model, field, t);
+  for (auto &group : groups)
+    for (const unsigned int b : group.blocks) {
+      const Block &block = model.numbering->blocks()[b];
+      auto &modes = group.modes[b] =
+          rigid_motions(*model.domains[block.domain_index], block, group.centre, group.length);
+      unsigned int i = 0;
+      for (const auto local : block.owned) {
+        if (constraints.is_constrained(block.begin + local))
+          for (auto &mode : modes)
+            mode[i] = 0;
+        ++i;
+      }
     }
-  }
+  const auto [energy, mass] = energies(groups, tangent, model.communicator);
+  const unsigned int n = energy.m();
 
   // modes of bodies that are prescribed wholly are zero; the others get the length one
   std::vector<unsigned int> free;
@@ -206,20 +312,22 @@ std::optional<FreeMotion<dim>> find_free_motion(const Model<dim> &model, const s
       for (unsigned int k = 0; k < n_free; ++k)
         for (unsigned int l = 0; l < basis.n(); ++l)
           shares[free[k]] += basis(k, l) * vectors(l, i);
-      return describe(model, field, modes, shares);
+      return describe(model, field, groups, shares);
     }
   return {};
 }
 
 template struct FreeMotion<2>;
 template struct FreeMotion<3>;
-template bool is_surely_held(const Model<2> &, const std::string &, double);
-template bool is_surely_held(const Model<3> &, const std::string &, double);
-template std::optional<FreeMotion<2>> find_free_motion(const Model<2> &, const std::string &,
-                                                       const dealii::TrilinosWrappers::BlockSparseMatrix &,
+template bool is_surely_held(const Model<2> &, const std::string &, double,
+                             const dealii::AffineConstraints<double> &);
+template bool is_surely_held(const Model<3> &, const std::string &, double,
+                             const dealii::AffineConstraints<double> &);
+template std::optional<FreeMotion<2>> find_free_motion(const Model<2> &, const std::string &, double,
+                                                       const BlockMatrix &,
                                                        const dealii::AffineConstraints<double> &);
-template std::optional<FreeMotion<3>> find_free_motion(const Model<3> &, const std::string &,
-                                                       const dealii::TrilinosWrappers::BlockSparseMatrix &,
+template std::optional<FreeMotion<3>> find_free_motion(const Model<3> &, const std::string &, double,
+                                                       const BlockMatrix &,
                                                        const dealii::AffineConstraints<double> &);
 
 } // namespace dovetail

@@ -3,7 +3,9 @@
 
 #include <dovetail/interface/facing_boundaries.h>
 #include <dovetail/interface/make_cover.h>
+#include <dovetail/system/joined_domains.h>
 #include <dovetail/system/model.h>
+#include <dovetail/system/rigid_motions.h>
 
 #include <deal.II/base/timer.h>
 
@@ -53,7 +55,7 @@ Model<dim>::Model(const Section &scene, const MPI_Comm &communicator)
   for (const std::string &name : scene.announce(
            "Interfaces", "Interface",
            "Names of the pairs of boundaries that are tied; automatic: one by Nitsche's method for "
-           "each pair of bodies that face each other within 0.2 face sizes [-]"))
+           "each pair of bodies that face each other within 0.2 face sizes and 45 degrees [-]"))
     interfaces.push_back(
         std::make_unique<Interface<dim>>(name, scene.subsection("Interface " + name), domains, toggles));
 
@@ -133,7 +135,8 @@ void Model<dim>::find_interfaces(const Section &scene) const
   }
   scene.check(
       !names.empty(), "Interfaces",
-      "is automatic, but no two bodies that share a field face each other within 0.2 face sizes. Check "
+      "is automatic, but no two bodies that share a field face each other within 0.2 face sizes and 45 "
+      "degrees. Check "
       "Scale and Shift of the meshes, or name the interfaces.");
   scene.give("", "Interfaces", comma_separated(names), reason);
 }
@@ -234,10 +237,14 @@ Vector Model<dim>::refine(const std::vector<std::vector<bool>> &marked, const Ve
 template <int dim>
 void Model<dim>::check_constants(const std::optional<double> t) const
 {
+  std::map<std::pair<std::string, unsigned int>, std::set<const Domain<dim> *>> held;
   for (const auto &domain : domains)
     for (const Field &field : domain->fields())
-      for (unsigned int c = 0; c < field.n_components; ++c)
-        if (held_domains(field.name, c, t).count(domain.get()) == 0)
+      for (unsigned int c = 0; c < field.n_components; ++c) {
+        const auto [entry, is_new] = held.try_emplace({field.name, c});
+        if (is_new)
+          entry->second = held_domains(field.name, c, t);
+        if (entry->second.count(domain.get()) == 0)
           domain->section.fail(
               "Boundary conditions",
               "leave the " + field.name + " of this domain free to drift by a constant" +
@@ -246,6 +253,7 @@ void Model<dim>::check_constants(const std::optional<double> t) const
                   ". Give it a condition of Type = value" +
                   std::string(field.n_components > 1 ? "" : " or convection") +
                   " here or on a domain it is tied to.");
+      }
 }
 
 /// The domains in which a condition reaches a component of a field, directly or through interfaces.
@@ -253,25 +261,25 @@ template <int dim>
 std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field, const unsigned int component,
                                                        const std::optional<double> t) const
 {
+  const auto holds = [&](const Condition<dim> &condition) {
+    const auto components = condition.prescribed_components();
+    return condition.field.name == field && condition.removes_constants() &&
+           (!t || condition.is_active(*t)) &&
+           (condition.adds_flux() ||
+            std::find(components.begin(), components.end(), component) != components.end());
+  };
+  const auto first = joined_domains<dim>(*this, field, [&](const auto &interface, const TiedField &tied) {
+    return interface.tie().holds(tied) && (!t || interface.is_active(*t));
+  });
+  std::vector<bool> is_held(domains.size(), false);
+  for (unsigned int d = 0; d < domains.size(); ++d)
+    for (const auto &condition : domains[d]->conditions())
+      if (holds(*condition))
+        is_held[first[d]] = true;
   std::set<const Domain<dim> *> held;
-  for (const auto &domain : domains)
-    for (const auto &condition : domain->conditions())
-      if (condition->field.name == field && condition->removes_constants() &&
-          (!t || condition->is_active(*t))) {
-        const auto components = condition->prescribed_components();
-        if (condition->adds_flux() ||
-            std::find(components.begin(), components.end(), component) != components.end())
-          held.insert(domain.get());
-      }
-  for (bool is_new = true; is_new;) {
-    is_new = false;
-    for (const auto &interface : interfaces)
-      for (const auto &tied : interface->fields)
-        if (tied.name == field && interface->tie().holds(tied) && (!t || interface->is_active(*t)))
-          for (const unsigned int side : {source, destination})
-            if (held.count(interface->sides[side].domain) > 0)
-              is_new = held.insert(interface->sides[1 - side].domain).second || is_new;
-  }
+  for (unsigned int d = 0; d < domains.size(); ++d)
+    if (is_held[first[d]])
+      held.insert(domains[d].get());
   return held;
 }
 
@@ -378,49 +386,8 @@ std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block,
                                                              const bool of_all_domains) const
 {
   const Domain<dim> &domain = *domains[block.domain_index];
-  const Field &field = domain.fields()[block.field_index];
-  const unsigned int n_local = block.owned.n_elements(), n = domain.n_nodes();
-  if (field.n_components == 1)
-    return {std::vector<double>(n_local, 1.)};
-
-  const dealii::Point<dim> centre = of_all_domains ? domains[0]->centre() : domain.centre();
-  const double length = of_all_domains ? domains[0]->typical_length() : domain.typical_length();
-  const unsigned int n_modes = dim == 2 ? 3 : 6;
-  std::vector<std::vector<double>> modes(n_modes, std::vector<double>(n_local, 0.));
-  dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
-                                 domain.scalar_element().get_unit_support_points(),
-                                 dealii::update_quadrature_points);
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<bool> is_done(n_local, false);
-  for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned()) {
-      domain.cell_dofs(cell, dofs);
-      bool is_mapped = false;
-      for (unsigned int a = 0; a < n; ++a)
-        for (unsigned int c = 0; c < dim; ++c) {
-          const auto dof = dofs[(field.first_component + c) * n + a] - block.begin;
-          if (!block.owned.is_element(dof))
-            continue;
-          const auto i = block.owned.index_within_set(dof);
-          if (is_done[i])
-            continue;
-          is_done[i] = true;
-          if (!is_mapped)
-            at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-          is_mapped = true;
-          const dealii::Tensor<1, dim> r = (at_nodes.quadrature_point(a) - centre) * (2. / length);
-          modes[c][i] = 1;
-          if constexpr (dim == 2)
-            modes[2][i] = c == 0 ? -r[1] : r[0];
-          else
-            for (unsigned int axis = 0; axis < 3; ++axis) {
-              dealii::Tensor<1, dim> e;
-              e[axis] = 1;
-              modes[3 + axis][i] = dealii::cross_product_3d(e, r)[c];
-            }
-        }
-    }
-  return modes;
+  const Domain<dim> &reference = of_all_domains ? *domains[0] : domain;
+  return rigid_motions(domain, block, reference.centre(), reference.typical_length());
 }
 
 template <int dim>

@@ -90,10 +90,10 @@ void check(const Case &of)
         dealii::Tensor<1, dim> gradients;
         for (unsigned int a = 0; a < n; ++a) {
           values += pairing.values(side, q)[a];
-          trial += pairing.trial(side, q)[a];
+          trial += pairing.trial(side, q, 0)[a];
           gradients += pairing.gradients(side, q)[a];
           for (unsigned int c = 0; c < dim; ++c)
-            jump_of_test[c] += (side == source ? 1 : -1) * pairing.test(side, q)[a] *
+            jump_of_test[c] += (side == source ? 1 : -1) * pairing.test(side, q, 0)[a] *
                                unknowns[(side == source ? 0 : interface.n_local(source)) + c * n + a];
         }
         partition = std::max({partition, std::abs(values - 1), std::abs(trial - 1), gradients.norm()});

@@ -133,7 +133,7 @@ int main(int argc, char **argv)
 
   Report report(directory, MPI_COMM_WORLD);
   report["domains"] = measure_domains(given.model, given.solution, 1.);
-  report["interfaces"] = measure_interfaces(given.model, given.solution, 1.);
+  report["interfaces"] = measure_interfaces(given.model, given.solution, *given.reactions);
   report.add_step(1, {2., std::nan("")}, {3});
   report.leave_out("cake: nobody is hungry");
   report.write();

@@ -7,6 +7,10 @@
 
 #include "../system/scene_model.h"
 
+#include <dovetail/output/reactions.h>
+
+#include <memory>
+
 namespace test {
 
 /// The model of a scene, paired, and the interpolant of its exact solution at t = 1.
@@ -15,9 +19,9 @@ struct GivenSolution : SceneModel<dim>
 {
   explicit GivenSolution(const std::string &prm) : SceneModel<dim>(prm)
   {
-    BlockSystem<dim> system(this->model);
-    system.set_up(1);
-    Vector owned = system.owned_vector();
+    system = std::make_unique<BlockSystem<dim>>(this->model);
+    system->set_up(1);
+    Vector owned = system->owned_vector();
     const auto exact = [this](const unsigned int d, const unsigned int c, const dealii::Point<dim> &X) {
       const Domain<dim> &domain = *this->model.domains[d];
       for (const Field &field : domain.fields())
@@ -26,12 +30,18 @@ struct GivenSolution : SceneModel<dim>
       return 0.;
     };
     interpolate<dim>(this->model, exact, owned);
-    solution = system.ghosted_vector();
+    solution = system->ghosted_vector();
     solution = owned;
-    system.begin_step(1, owned);
+    system->begin_step(1, owned);
+    forces = std::make_unique<NodalForces<dim>>(system->nodal_forces(owned));
+    system->find_multipliers(owned, *forces);
+    reactions = std::make_unique<Reactions<dim>>(this->model, *forces, solution);
   }
 
   Vector solution;
+  std::unique_ptr<BlockSystem<dim>> system;
+  std::unique_ptr<NodalForces<dim>> forces;
+  std::unique_ptr<Reactions<dim>> reactions;
 };
 
 } // namespace test

@@ -110,7 +110,7 @@ end
   print("extremes", {left["maximum"]["temperature"], left["minimum"]["temperature"],
                      right["maximum"]["temperature"], right["minimum"]["temperature"]});
 
-  const auto seam = measure_interfaces(given.model, given.solution, 1.)["seam"];
+  const auto seam = measure_interfaces(given.model, given.solution, *given.reactions)["seam"];
   print("areas",
         {seam["area source"], seam["area destination"], seam["covered source"], seam["covered destination"]});
   print("uncovered, gap", {seam["uncovered points"], seam["largest gap"]});
@@ -126,6 +126,6 @@ end
         {seam["resultant source"]["temperature"][0], seam["resultant destination"]["temperature"][0]});
 
   const Probes<2> probes(given.scene, given.model);
-  const auto values = probes.evaluate(given.solution, 1.);
+  const auto values = probes.evaluate(given.solution, *given.reactions);
   print("probes", {values["corner"], values["middle"], values["shared corner"]}); // 2, (h^2 + (2h)^2)/2, 1/4
 }

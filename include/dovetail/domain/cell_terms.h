@@ -10,6 +10,7 @@
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/full_matrix.h>
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -38,7 +39,24 @@ public:
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent);
 
+  /// The part of the residual that asks no law: minus the sources and the boundary influxes. Overwrites
+  /// @p residual. @return false if the cell has neither; it is zero then.
+  bool assemble_loads(const typename Domain<dim>::cell_iterator &cell, double t,
+                      const std::vector<double> &unknowns, std::vector<double> &residual);
+
+  /// Of the last assemble(), by local unknown: the sum of the absolute contributions of all points.
+  const std::vector<double> &forces() const { return force_sizes; }
+  /// How many roundings stand behind an entry of the residual: the terms of a gradient, of the product with
+  /// the flux, of the sum over the points, and of that over the cells at a node.
+  unsigned int longest_sum() const { return n_nodes + dim + cell_values.n_quadrature_points + (1u << dim); }
+
 private:
+  void add(const unsigned int i, const double contribution, std::vector<double> &residual)
+  {
+    residual[i] += contribution;
+    force_sizes[i] += std::abs(contribution);
+  }
+
   void add_source(double t, std::vector<double> &residual);
   /// The terms of the fluxes' derivatives, or those of the cell before if nothing can have changed.
   void add_tangent(dealii::FullMatrix<double> &tangent);
@@ -72,6 +90,7 @@ private:
   std::vector<const Condition<dim> *> flux_conditions;
   std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
   std::vector<double> source_at_points;
+  std::vector<double> force_sizes;
 };
 
 } // namespace dovetail

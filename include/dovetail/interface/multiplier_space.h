@@ -42,6 +42,12 @@ public:
   {
     std::map<Index, double> weights;
     double diagonal = 0; ///< of the unknown that the row belongs to
+    /// If the destination's gradient bridges a share of a gap: its part of the weights, and what the source's
+    /// gain if its own gradient bridges that share instead.
+    std::map<Index, double> of_own_gradient, source_gain;
+    /// Sums of the weights of each side's unknowns.
+    double of_source = 0, of_destination = 0;
+    unsigned int field = 0, component = 0; ///< of Interface::fields
   };
 
   MultiplierSpace(const Interface<dim> &interface, bool is_dual) : interface(interface), is_dual(is_dual) {}
@@ -104,6 +110,9 @@ private:
   dealii::FullMatrix<double> node_coordinates(const Face &face) const;
   dealii::FullMatrix<double> polynomials(const Face &face, unsigned int degree) const;
   void add_rows(const Face &face, std::map<Index, Row> &to) const;
+  void add_own_gradient(const typename Pairing<dim>::Group &group, unsigned int field, unsigned int component,
+                        const std::vector<double> &of_destination, const std::vector<double> &of_source,
+                        Row &row) const;
   std::map<Index, unsigned int> owners(const std::set<Index> &dofs, const MPI_Comm &communicator) const;
 
   const Interface<dim> &interface;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/interface/trace_eigenvalue.h>
 
 #include <limits>
 
@@ -22,13 +23,16 @@ namespace dovetail {
 ///
 /// theta = 1 is symmetric, 0 nonsymmetric (delta{A} is never evaluated), -1 skew-symmetric. The tangent is
 /// exact: for theta != 0 and a nonlinear law it holds the second derivative of A, contracted with e. Weights
-/// and penalty are frozen at the beginning of a step.
+/// and penalty are frozen at the beginning of a step. For theta > 0 and a nonlinear law of a vector field, -1
+/// takes the place of theta at points at which the penalty does not bound the tangent: the skew-symmetric
+/// form asks for no bound, and every theta is consistent.
 template <int dim>
 class Nitsche : public Tie<dim>
 {
 public:
   explicit Nitsche(const Section &section);
 
+  void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
   std::array<bool, 2> integrates_on() const override { return sides_of_integration; }
   bool adds_terms() const override { return true; }
   bool is_symmetric() const override { return theta == 1. && !own_sides; }
@@ -81,6 +85,10 @@ private:
   {
     std::array<double, 2> weight = {{0, 0}};
     double gamma = 0;
+    /// The sides' shares in the least penalty at the beginning of a step, and |N.dA/dgrad B| then; 0: not
+    /// known.
+    std::array<double, 2> bound = {{0, 0}}, stiffness = {{0, 0}};
+    bool is_skew = false; ///< -1 takes the place of theta until the end of the step
   };
 
   /// The tensors a and b: one value along N, another one across it.
@@ -97,7 +105,9 @@ private:
     }
   };
 
-  static double read_multiplier(const Section &section, PenaltyRule rule);
+  static void check_value(const Section &section, double gamma);
+  void check_value(const Interface<dim> &interface, double t, const MPI_Comm &communicator) const;
+  static double read_multiplier(const Section &section, PenaltyRule rule, double theta);
   bool needs_eigenvalues() const;
   bool has_constant_penalty(const Interface<dim> &interface) const;
   void find_eigenvalues(const Interface<dim> &interface, double t,
@@ -109,6 +119,11 @@ private:
   double choose(const Interface<dim> &interface, unsigned int field_index,
                 const typename Pairing<dim>::Group &group, unsigned int q, double t,
                 Parameters &chosen) const;
+  bool may_turn_skew(const Interface<dim> &interface, const TiedField &field) const;
+  void note_bound(unsigned int field_index, const typename Pairing<dim>::Group &group,
+                  Parameters &chosen) const;
+  double theta_at(const Interface<dim> &interface, const TiedField &field, unsigned int q,
+                  Parameters &parameters) const;
   void note_margin(unsigned int field_index, const typename Pairing<dim>::Group &group,
                    const Parameters &chosen, double unit);
   void warn_if_not_coercive(const Interface<dim> &interface, const MPI_Comm &communicator);
@@ -150,8 +165,8 @@ private:
   /// Of a penalty in a step: harmless, too much, too much.
   static constexpr double small_growth = 1.5, largest_growth = 10, largest_decrease = 100;
   bool has_begun = false, has_warned = false;
-  /// By field and side, of the cells behind the points; empty if nothing needs them.
-  std::vector<std::array<std::vector<double>, 2>> lambda;
+  /// By field, of the cells behind the points; empty if nothing needs them.
+  std::vector<TraceEigenvalues> lambda;
   typename Tie<dim>::Penalty range;
   double least_multiplier = 0; ///< with which all points would be coercive
   double excess = 0;           ///< largest gamma in units of that which theta = 1 needs
@@ -161,6 +176,7 @@ private:
   // at the current point: states and responses of the two sides, and of the current field what R needs
   std::array<State<dim>, 2> state;
   std::array<Response<dim>, 2> response;
+  double theta_here = 0;                                      ///< theta or -1
   std::vector<double> jump, mean_flux, transmitted, mismatch; ///< [B], {A}, s and e
   std::vector<double> mean_flux_of;                           ///< d{A}_c / dx_i at c * n_local + i
   std::vector<double> transmitted_of;                         ///< a.d{A}, likewise; unless a = 1

@@ -12,6 +12,7 @@
 #include <dovetail/interface/partner_shapes.h>
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <map>
 #include <set>
@@ -50,9 +51,9 @@ struct InterfaceSide
 template <int dim>
 SideFaces<dim> faces_of(const InterfaceSide<dim> &side);
 
-/// What a jump does with the gap between facing points: the partner's field is extended affinely to the
-/// quadrature point, B(X') + grad B(X').(X - X'), for solution and test functions, for the solution only, or
-/// not at all.
+/// What a jump does with the gap between facing points X (own) and X' (partner): with the share s of extend()
+/// both fields are extended affinely to the point between them, B(X) + s grad B(X).(X' - X) and B(X') + (1 - s)
+/// grad B(X').(X - X'), for solution and test functions, for the solution only, or not at all.
 enum class GapExtension { symmetric, trial, none };
 
 /// Where the points of an interface lie: on the common refinement of the faces of both sides, or at the Gauss
@@ -115,6 +116,11 @@ public:
   Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
           const std::array<bool, 2> &with_cover, const MPI_Comm &communicator);
 
+  /// For each tied field, the share of a gap that the field of the side on whose face the point lies bridges,
+  /// 0 to 1; the partner's bridges the rest. Without a gap nobody is asked.
+  using OwnShare = std::function<double(unsigned int own, unsigned int q)>;
+  void extend(const std::vector<OwnShare> &share_of_field);
+
   std::array<std::vector<CellBehind>, 2> cells;
   std::vector<Group> groups;
   std::vector<Piece> pieces; ///< of the sides on which points lie, to be shown
@@ -128,6 +134,8 @@ public:
   {
     return (points[source][q] - points[destination][q] + shift).norm();
   }
+  /// From the partner of a point to it, with shift.
+  const dealii::Tensor<1, dim> &offset(const unsigned int q) const { return offsets[q]; }
   /// Material coordinates, without shift.
   const dealii::Point<dim> &X(const unsigned int side, const unsigned int q) const { return points[side][q]; }
   const dealii::Tensor<1, dim> &N(const unsigned int side, const unsigned int q) const
@@ -142,14 +150,21 @@ public:
   {
     return &shape_gradients[side][q * n_nodes[side]];
   }
-  /// Values with which solution and test functions enter the jump.
-  const double *trial(const unsigned int side, const unsigned int q) const
+  /// Values with which solution and test functions of a tied field enter the jump.
+  const double *trial(const unsigned int side, const unsigned int q, const unsigned int field) const
   {
-    return extension == GapExtension::none ? values(side, q) : &extended_values[side][q * n_nodes[side]];
+    return extended_values.empty()
+               ? values(side, q)
+               : &extended_values[extension_of_field[field]][side][q * n_nodes[side]];
   }
-  const double *test(const unsigned int side, const unsigned int q) const
+  /// Whether the field of the side on whose face the point lies bridges a share of the gap.
+  bool own_side_bridges(const unsigned int q, const unsigned int field) const
   {
-    return extension == GapExtension::symmetric ? &extended_values[side][q * n_nodes[side]] : values(side, q);
+    return !extended_values.empty() && own_shares[extension_of_field[field]][q] > 0;
+  }
+  const double *test(const unsigned int side, const unsigned int q, const unsigned int field) const
+  {
+    return extension == GapExtension::symmetric ? trial(side, q, field) : values(side, q);
   }
 
   const Coverage &coverage() const { return account; }
@@ -157,6 +172,7 @@ public:
   const InterfaceWork &work() const { return all_work; }      ///< for the pairing itself
 
 private:
+  bool has_gap() const;
   void integrate(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own, const Options &options,
                  double factor, const MPI_Comm &communicator);
   FacePoints<dim> find_points(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own,
@@ -171,8 +187,12 @@ private:
   std::vector<double> weights;
   std::array<std::vector<dealii::Point<dim>>, 2> points;
   std::array<std::vector<dealii::Tensor<1, dim>>, 2> normals;
-  std::array<std::vector<double>, 2> shape_values, extended_values;
+  std::vector<dealii::Tensor<1, dim>> offsets;
+  std::array<std::vector<double>, 2> shape_values;
   std::array<std::vector<dealii::Tensor<1, dim>>, 2> shape_gradients;
+  std::vector<std::array<std::vector<double>, 2>> extended_values; ///< empty: nothing is extended
+  std::vector<std::vector<double>> own_shares;                     ///< likewise, by point
+  std::vector<unsigned int> extension_of_field;                    ///< index into both
   std::array<typename Cover<dim>::Faces, 2> cover;
   std::array<double, 2> face_size; ///< of the sides, mean
   Coverage account;

@@ -23,6 +23,14 @@ struct SideRatios
 template <int dim>
 SideRatios side_ratios(const Interface<dim> &interface, const MPI_Comm &communicator);
 
+/// Of the gap between facing points X (of the source, of the destination), the share that the extension of
+/// the side @p own bridges, whose gradient is k_partner/k_own times as large as the partner's: none up to
+/// equal stiffnesses k and in a body that is tied to itself, 1 - k_partner/k_own beyond. k is |dA/dgrad B|
+/// there, before the first step.
+template <int dim>
+double own_share_of_gap(const Interface<dim> &interface, const TiedField &field, unsigned int own,
+                        const std::array<dealii::Point<dim>, 2> &X);
+
 /// How much stiffer a destination may be that follows a source whose trace it cannot represent.
 inline constexpr double largest_stiffness_of_follower = 3;
 
@@ -30,5 +38,9 @@ inline constexpr double largest_stiffness_of_follower = 3;
 /// take another one's trace answers every deviation of that trace from its own with its stiffness. Its
 /// deformation stays right, but the flux through the interface errs by the ratio of the stiffnesses.
 std::string words_for_stiff_follower(double stiffness);
+
+/// What a user should know if a destination's multipliers tie a source that is softer and finer: between two
+/// of them the source slips, the more the larger its strain.
+std::string words_for_fine_soft_source(const SideRatios &ratios);
 
 } // namespace dovetail

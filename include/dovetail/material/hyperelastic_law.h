@@ -9,6 +9,19 @@
 
 namespace dovetail {
 
+/// What a purely elastic law sees: F = I + H, and what is small where H is, each to its own last digit.
+struct Deformation
+{
+  explicit Deformation(const dealii::Tensor<2, 3> &H);
+  dealii::Tensor<2, 3> green_strain() const; ///< E = (H + H^T + H^T H)/2
+  double trace_of_green_strain() const;
+
+  const dealii::Tensor<2, 3> H;
+  dealii::Tensor<2, 3> F;
+  double J_minus_1; ///< of J = det F: the sum of the three invariants of H
+  double J;
+};
+
 /// A solid with the energy @f[ W(F, e) = s^3 W_e(F/s), \quad s = 1 + e, @f] per volume at the reference
 /// temperature: the multiplicative split F = F_e s of Stojanovic, Djuric & Vujosevic (1964). F = s I is free
 /// of stress for every e. A member of the family gives P_e = dW_e/dF and two more derivatives; this class
@@ -16,16 +29,17 @@ namespace dovetail {
 class HyperelasticLaw : public SolidLaw
 {
 public:
-  bool evaluate(const dealii::Tensor<2, 3> &F, double e, bool with_derivatives,
+  bool evaluate(const dealii::Tensor<2, 3> &H, double e, bool with_derivatives,
                 Response &response) const final;
-  Curvature curvature(const dealii::Tensor<2, 3> &F, double e, const dealii::Tensor<2, 3> &w) const final;
+  Curvature curvature(const dealii::Tensor<2, 3> &H, double e, const dealii::Tensor<2, 3> &w) const final;
 
 protected:
-  /// P = dW_e/dF and, unless @p D is nullptr, D = d²W_e/dF² (every entry of it). @pre J = det F > 0.
-  virtual void elastic_response(const dealii::Tensor<2, 3> &F, double J, dealii::Tensor<2, 3> &P,
+  /// P = dW_e/dF and, unless @p D is nullptr, D = d²W_e/dF² (every entry of it). P must vanish with H, and so
+  /// must its rounding. @pre J = det F > 0.
+  virtual void elastic_response(const Deformation &deformation, dealii::Tensor<2, 3> &P,
                                 dealii::Tensor<4, 3> *D) const = 0;
   /// d²(w:P)/dF² for the same P. @pre J = det F > 0.
-  virtual dealii::Tensor<4, 3> elastic_curvature(const dealii::Tensor<2, 3> &F, double J,
+  virtual dealii::Tensor<4, 3> elastic_curvature(const Deformation &deformation,
                                                  const dealii::Tensor<2, 3> &w) const = 0;
 };
 

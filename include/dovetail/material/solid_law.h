@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Laws of solids at one point, always in three dimensions: Material embeds plane strain (F_33 = 1).
+// Laws of solids at one point, always in three dimensions: Material embeds plane strain (H_33 = 0).
 
 #pragma once
 
@@ -11,8 +11,10 @@
 
 namespace dovetail {
 
-/// The first Piola-Kirchhoff stress P(F, e) of a solid, F = I + grad u in material coordinates and e = alpha
-/// (T - T0) the free thermal strain [-]. Knows no mesh, no dofs, no temperature.
+/// The first Piola-Kirchhoff stress P(F, e) of a solid, F = I + H in material coordinates and e = alpha (T -
+/// T0) the free thermal strain [-]. A law gets the displacement gradient H = grad u itself: F would round it
+/// at 1e-16 whatever its size, and P at 1e-16 of the modulus, which is all of it under a small load. Knows no
+/// mesh, no dofs, no temperature.
 class SolidLaw
 {
 public:
@@ -34,10 +36,11 @@ public:
     double ee = 0;
   };
 
-  /// @return false if the stress is not defined at this state (J <= 0): the step is cut, nothing crashes.
-  virtual bool evaluate(const dealii::Tensor<2, 3> &F, double e, bool with_derivatives,
+  /// The rounding of P must shrink with H and e. @return false if the stress is not defined at this state (J
+  /// <= 0), with the reason left as scene/undefined.h says: the step is cut, nothing crashes.
+  virtual bool evaluate(const dealii::Tensor<2, 3> &H, double e, bool with_derivatives,
                         Response &response) const = 0;
-  virtual Curvature curvature(const dealii::Tensor<2, 3> &F, double e,
+  virtual Curvature curvature(const dealii::Tensor<2, 3> &H, double e,
                               const dealii::Tensor<2, 3> &w) const = 0;
 
   /// P is affine in (F, e): one solve, no curvature.

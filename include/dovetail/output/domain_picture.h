@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/domain/domain.h>
+#include <dovetail/output/picture.h>
 #include <dovetail/system/vector.h>
 
 #include <deal.II/base/data_out_base.h>
@@ -31,7 +32,7 @@ group_by_name(const std::vector<std::string> &names);
 /// A hypercube of degree p is one patch of p^dim parts, a simplex is one linear or quadratic cell of VTK.
 /// deal.II's DataOut would do, but knows only names without blanks and tensors of the dimension of space.
 template <int dim>
-class DomainPicture : public dealii::DataOutInterface<dim>
+class DomainPicture : public Picture<dim>
 {
 public:
   using Patch = dealii::DataOutBase::Patch<dim>;

@@ -24,7 +24,7 @@ namespace dovetail {
 /// Pieces of segments are lines, triangles and parallelograms; a mapped Gauss point has its share of the
 /// face.
 template <int dim>
-class InterfaceSurface : public dealii::DataOutInterface<dim - 1, dim>
+class InterfaceSurface : public Picture<dim - 1, dim>
 {
 public:
   using Patch = dealii::DataOutBase::Patch<dim - 1, dim>;

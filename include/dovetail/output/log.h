@@ -13,9 +13,6 @@
 
 namespace dovetail {
 
-/// Whether somebody looks who wants progress bars.
-bool stdout_is_terminal();
-
 /// Writes to the standard output of rank 0; on a terminal with a progress bar over the steps below the last
 /// line.
 class Log
@@ -33,7 +30,8 @@ public:
   /// What will be done, and what not and why.
   void plan(const Plan &plan);
 
-  void step_begins(unsigned int step, unsigned int n_steps, double time);
+  /// @p step may be beyond @p n_steps when steps were halved; @p time is that of its end.
+  void step_begins(unsigned int step, unsigned int n_steps, double time, double end_time);
   /// Iteration 0 is the start: no linear iterations then.
   void newton_iteration(unsigned int iteration, double residual, unsigned int linear_iterations = 0,
                         double damping = 1);
@@ -55,7 +53,8 @@ private:
 
   const bool is_speaking; ///< this is rank 0
   const bool has_terminal;
-  unsigned int n_done = 0, n_steps = 0;
+  bool has_bar = false;
+  double time_of_step = 0, time_done = 0, end_time = 1;
 };
 
 } // namespace dovetail

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/output/reactions.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
@@ -20,12 +21,12 @@ nlohmann::ordered_json measure_domains(const Model<dim> &model, const Vector &so
 
 /// For each interface its coverage and, for each tied field, L2 norms over its points of the jump [B], of
 /// A_src.N_src + A_dst.N_dst ("flux jump") and of the tie's numerical flux minus the exact one ("flux error",
-/// with `Exact` of the source's domain or else of the destination's), the reactions of both sides without the
-/// tie, and what the tie says of its penalty. Collective; @p solution is ghosted and holds the partners'
-/// unknowns.
+/// with `Exact` of the source's domain or else of the destination's), what the tie gives to both sides, and
+/// what the tie says of its penalty. Collective; @p solution is ghosted and holds the partners' unknowns.
 ///
 /// @pre The model is paired, and the ties of active interfaces have begun a step.
 template <int dim>
-nlohmann::ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution, double t);
+nlohmann::ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution,
+                                          const Reactions<dim> &reactions);
 
 } // namespace dovetail

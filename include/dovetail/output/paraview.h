@@ -37,8 +37,8 @@ public:
   bool is_on() const { return writes; }
 
   /// Add a time step, or write the last one anew if it has this time; solution.pvd is whole after each.
-  /// Collective; @p solution is ghosted. @pre The model is paired. @throw UserError on all ranks if a file
-  /// cannot be written.
+  /// Collective; @p solution is ghosted. @pre The model is paired. @throw UserError or OutputError on all
+  /// ranks if a file cannot be written.
   void write(double time, const Vector &solution);
   unsigned int n_files() const { return n_written; } ///< so far, those written anew counted again
 
@@ -55,11 +55,12 @@ private:
 
   void read_fields(const Section &output);
   void prepare(); ///< blocks and the directory, before the first step is written
-  void write_blocks(double time, const Vector &solution);
   void name_files();
-  void write_indices() const;
-  template <typename Write>
-  void checked(const Write &write) const;
+  void show_uncovered_points(unsigned int interface);
+  template <typename Show>
+  void write_picture(const std::string &file, const dealii::DataOutBase::VtkFlags &flags, const Show &show);
+  void write_indices();
+  void check(const Obstacle &obstacle) const;
 
   const Model<dim> &model;
   const std::string directory;

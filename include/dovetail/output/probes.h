@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/output/reactions.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
@@ -15,7 +16,7 @@
 namespace dovetail {
 
 /// All probes of a scene: values of a field at points, and resultants of its flux over boundaries
-/// (reaction()).
+/// (Reactions::resultant).
 ///
 ///     set Probes = tip, heat out
 ///     subsection Probe tip
@@ -39,7 +40,7 @@ public:
   void locate_again();
 
   /// A number for scalars, an array for vectors. Collective; @p solution is ghosted.
-  nlohmann::ordered_json evaluate(const Vector &solution, double t) const;
+  nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
 
 private:
   /// A body is found at a point up to this fraction of the cell's size: typed coordinates are rounded, and

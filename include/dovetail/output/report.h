@@ -23,8 +23,8 @@ public:
   /// Knows "version", "dealii" and "ranks" itself. @p directory is made if it does not exist. Collective.
   Report(const std::string &directory, const MPI_Comm &communicator);
 
-  /// The value of one of the keys: dofs, converged, errors against, domains, interfaces, probes, steps,
-  /// adaptive cycles, seconds, counters, plan, left out.
+  /// The value of one of the keys: dofs, converged, errors against, domains, interfaces, balance, probes,
+  /// steps, adaptive cycles, seconds, counters, plan, left out.
   nlohmann::ordered_json &operator[](const std::string &key);
 
   /// A key that only some scenes have.
@@ -36,9 +36,10 @@ public:
   void leave_out(const std::string &sentence); ///< "what: why", what this run did not do
 
   /// Write `<Directory>/report.json`; numbers that are not finite become null. "peak memory MiB" is the sum
-  /// over the ranks of the largest resident memory each had. Collective.
-  /// @return the whole report, for the log.
-  const nlohmann::ordered_json &write();
+  /// over the ranks of the largest resident memory each had. Collective. @throw UserError or OutputError on
+  /// all ranks if the file cannot be written; then an older one stays as it is.
+  void write();
+  const nlohmann::ordered_json &all() const { return content; }
 
   const std::string file_name;
 
@@ -47,7 +48,8 @@ private:
   nlohmann::ordered_json content;
 };
 
-/// Make a directory on rank 0 and wait for it. Collective. @throw UserError on all ranks if that fails.
+/// Make a directory on rank 0 and wait for it. Collective. @throw UserError or OutputError on all ranks if
+/// that fails.
 void make_directory(const std::string &directory, const MPI_Comm &communicator);
 
 } // namespace dovetail

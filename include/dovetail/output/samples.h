@@ -38,9 +38,14 @@ struct Samples
 template <int dim>
 std::string side_in_words(const InterfaceSide<dim> &side);
 
-/// Collective; @p solution is ghosted. @throw UserError if the file cannot be written.
+/// Collective; @p solution is ghosted. @throw UserError or OutputError if the file cannot be written.
 template <int dim>
 void write_samples(const Model<dim> &model, const Vector &solution, double t, const std::string &file);
+
+/// Why samples should not be written to @p file, before anything is computed: a sentence, or empty.
+/// Collective.
+std::string obstacle_to_samples(const std::string &file, const std::string &reference,
+                                const MPI_Comm &communicator);
 
 /// Rank 0 reads the first line. Collective. @throw UserError, complete after "… FILE", on all ranks alike if
 /// this is no whole file of samples in @p dim dimensions.

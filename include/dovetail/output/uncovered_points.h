@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/output/picture.h>
 
 #include <deal.II/base/data_out_base.h>
 
@@ -19,7 +20,7 @@ namespace dovetail {
 /// A cloud of points with, for each, `side` (0: source, 1: destination), `distance` to the nearest face
 /// within reach and `angle` [rad] between its normal and the opposite one (both -1 if there is none).
 template <int dim>
-class UncoveredPoints : public dealii::DataOutInterface<0, dim>
+class UncoveredPoints : public Picture<0, dim>
 {
 public:
   explicit UncoveredPoints(const Pairing<dim> &pairing);

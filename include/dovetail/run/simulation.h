@@ -11,12 +11,14 @@
 #include <dovetail/output/probes.h>
 #include <dovetail/output/reference.h>
 #include <dovetail/output/report.h>
+#include <dovetail/run/newton_step.h>
 #include <dovetail/run/phases.h>
 #include <dovetail/solve/linear_solver.h>
 #include <dovetail/solve/newton.h>
 #include <dovetail/system/block_system.h>
 #include <dovetail/system/error_estimate.h>
 
+#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -58,23 +60,31 @@ private:
   Plan plan() const;
   /// Model::linear_part, where constrained unknowns are the sum of those they follow.
   std::vector<SolveGroup::Sum> linear_part(unsigned int block_number) const;
-  void set_initial_values();
+  void check_formulas() const;
+  void set_initial_values(double t);
+  void make_system(double t);
   void set_up(double t);
   void begin_step(double t);
   void tell_notes();
-  bool advance(double t);
-  bool may_be_halved() const;
+  bool advance(double t, double from);
+  void check_range(double t);
+  bool nothing_changes(double t, double from);
+  bool loads_depend_on_time(double t, double from);
+  NewtonResult continue_in_load(double t);
   void go_back(double t);
   void take_account();
   NewtonResult solve_step();
   NewtonResult solve_until_penalties_fit(double t);
   void check_is_held() const;
-  void explain_failure();
+  void explain_failure(double t);
   bool run_cycles(double t);
   NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t);
-  void find_multipliers();
+  void find_forces();
+  void write_used() const;
+  template <typename Write>
+  void try_to_write(const Write &write);
   void write_output(double t, unsigned int step, bool is_last);
-  void measure(double t);
+  void measure(double t, bool is_converged);
   void compare(double t, bool is_converged);
   void measure_spectrum_of_groups();
   void write_report(bool is_converged);
@@ -97,16 +107,14 @@ private:
   std::unique_ptr<BlockSystem<dim>> system;
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<Report> report;
-  Vector solution, trial, update;
-  bool can_be_halved = true;     ///< the step that has failed
-  bool is_first_assembly = true; ///< of a step
-  std::array<double, 2> loads{}; ///< norms at its beginning: of the residual, of what is prescribed
-  std::optional<std::array<double, 2>> loads_of_failure; ///< of the step before, if it failed, too
-  bool has_new_tangent = false;                          ///< that the linear solver has not seen
-  bool lacks_multipliers = false;                        ///< those of the solution have not been looked for
-  std::string problem_of_step;                           ///< wrong input that a later step has found
-  std::string problem_of_output;                         ///< why no more pictures are written
-  typename BlockSystem<dim>::Assemblies assemblies;      ///< of systems that are no more
+  std::unique_ptr<NewtonStep<dim>> newton_step;
+  Vector solution;
+  bool can_be_halved = true;                        ///< the step that has failed
+  std::optional<NodalForces<dim>> forces;           ///< at the solution, once they are asked for
+  bool lacks_multipliers = false;                   ///< those of the solution have not been looked for
+  std::string problem_of_step;                      ///< wrong input that a later step has found
+  std::exception_ptr problem_of_output;             ///< why no more pictures are written
+  typename BlockSystem<dim>::Assemblies assemblies; ///< of systems that are no more
 };
 
 /// Read every entry that a scene can have, for the reference (@p text from SceneText::for_documentation).

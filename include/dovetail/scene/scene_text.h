@@ -48,7 +48,7 @@ public:
   void print_reference(std::ostream &out) const;
 
   const std::string &file_name() const;
-  std::string name() const; ///< of the file, without folder and ending
+  std::string name() const; ///< of the file, without folder and ending; names a directory
 
   /// What the file and the overrides set, by path: "Interface seam/Theta" -> "-1".
   std::map<std::string, std::string> given() const;

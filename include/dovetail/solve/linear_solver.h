@@ -6,9 +6,7 @@
 #pragma once
 
 #include <dovetail/scene/section.h>
-
-#include <deal.II/lac/trilinos_block_sparse_matrix.h>
-#include <deal.II/lac/trilinos_parallel_block_vector.h>
+#include <dovetail/solve/block_matrix.h>
 
 #include <functional>
 #include <memory>
@@ -50,7 +48,7 @@ struct SolveGroup
 class LinearSolver
 {
 public:
-  using Matrix = dealii::TrilinosWrappers::BlockSparseMatrix;
+  using Matrix = BlockMatrix;
   using Vector = dealii::TrilinosWrappers::MPI::BlockVector;
 
   LinearSolver(const Section &section, std::vector<SolveGroup> groups);
@@ -62,8 +60,20 @@ public:
   void forget_matrix();
 
   /// @return the number of linear iterations (1 per direct solve), or nothing if even the direct solver
-  /// failed. A group whose iteration fails is solved directly, now and from then on.
+  /// failed. A group whose iteration fails, or ends above the tolerance though rounding would let it go on,
+  /// is solved directly, now and from then on. What one rank alone meets (an exception of a library, no
+  /// memory) all ranks agree on before another way is tried.
   std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side);
+
+  /// From now on everything is solved directly. @return false if it is already.
+  bool prefer_direct();
+
+  /// What a user should know about how it went, the same on all ranks.
+  const std::vector<std::string> &notes() const { return all_notes; }
+
+  /// For tests: called where memory is taken or a library is entered, with the name of the place; it may
+  /// throw.
+  void set_fault(std::function<void(const std::string &place)> fault);
 
   /// What each group is solved with, or will be, for the plan: "displacement: CG with multigrid".
   std::vector<std::string> description() const;
@@ -80,6 +90,7 @@ private:
   std::vector<std::unique_ptr<Group>> groups;
   unsigned int type; ///< 0 automatic, 1 direct, 2 multigrid
   double relative_tolerance;
+  std::vector<std::string> all_notes;
 };
 
 } // namespace dovetail

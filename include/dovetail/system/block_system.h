@@ -6,12 +6,14 @@
 #pragma once
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/scene/undefined.h>
+#include <dovetail/solve/block_matrix.h>
 #include <dovetail/system/free_motion.h>
 #include <dovetail/system/model.h>
+#include <dovetail/system/nodal_forces.h>
 #include <dovetail/system/vector.h>
 
 #include <deal.II/lac/affine_constraints.h>
-#include <deal.II/lac/trilinos_block_sparse_matrix.h>
 
 #include <memory>
 #include <vector>
@@ -36,12 +38,24 @@ public:
 
   /// Prescribed values of time @p t; weights and penalties of the ties frozen at @p x.
   void begin_step(double t, const Vector &x);
+  /// Loads and prescribed values of time @p t; ties stay as they have been begun. @pre not is_outdated(t)
+  void set_time(double t);
   /// After a step has converged at @p x: freeze those weights and penalties anew that do not fit it any more.
   /// Collective. @return whether there were any; then the step must be solved on.
   bool refreeze(double t, const Vector &x);
 
-  /// R(x), and the tangent. @return false, on all ranks alike, if a law is not defined at x.
+  /// R(x), and the tangent. @return false, on all ranks alike, if a law is not defined at x. @throw UserError
+  /// if what is not defined is not so at any x.
   bool assemble(const Vector &x, bool with_tangent);
+  /// Of the last assembly since begin_step() that was not defined: which law at which state, in which domain
+  /// and cell; the same on all ranks.
+  const Undefined &why_undefined() const { return problem; }
+
+  /// Newton's homotopy from @p x, for loads that cannot be divided in time: from now on x solves the system
+  /// with share 0, and share 1 is the system itself. What is held back is 1 - share of the residual at x and
+  /// of what the constraints have to move there. Until begin_step.
+  void hold_back_from(const Vector &x);
+  void set_share(double value) { share = value; }
 
   /// Whether the tangent of the last assembly is that of every state and time until set_up is called again.
   bool keeps_tangent() const { return has_tangent && model.has_constant_tangent(); }
@@ -55,24 +69,23 @@ public:
   };
   const Assemblies &assemblies() const { return n_assemblies; }
 
-  const dealii::TrilinosWrappers::BlockSparseMatrix &tangent() const { return matrix; }
+  const BlockMatrix &tangent() const { return matrix; }
   const Vector &negative_residual() const { return right_hand_side; }
   /// Prescribed values, hanging nodes and ties of the unknowns relevant to this rank, resolved.
   const dealii::AffineConstraints<double> &all_constraints() const { return constraints; }
 
-  /// Largest over the fields of ||R_f|| relative to its largest value among the states that have been
-  /// accepted in this step; a field whose residual is rounding noise of |K||x| or not above @p
-  /// absolute_tolerance counts as zero. That largest value counts at most as a hundred times what the cells'
-  /// residuals and |K||x| are now: after an update that went astray (an exponential law) it would make
-  /// anything look small. A residual that is larger, but not by more than the factor largest_growth, gives 1:
-  /// bending goes through such states.
-  double residual_norm(double absolute_tolerance = 0);
-  /// The state of the last residual_norm() is accepted; the first one of a step always is.
-  void accept_residual();
-  /// Forget the largest values: a new step begins.
-  void reset_norms();
-  /// The norm that the residual would have after dx, for linear systems: of K dx + R.
-  double linear_residual_norm(const Vector &dx);
+  /// What is at work in the equations of each block of unknowns at the state of the last assembly, as
+  /// Euclidean norms: the residual; the forces, of every cell and tie for itself, be they internal, given,
+  /// transmitted or reactions (of multipliers: the traces that cancel); what rounding can leave of them, a
+  /// bound of the standard deviation, doc/theory/convergence.md.
+  std::vector<double> residuals() const;
+  std::vector<double> forces() const;
+  std::vector<double> rounding() const;
+  /// By block: the number of its field; multipliers have one of their own for each interface.
+  const std::vector<unsigned int> &fields_of_blocks() const { return field_of_block; }
+  /// For linear systems, over the blocks the largest of ||K dx + R|| relative to the forces there.
+  /// @p rest becomes -R - K dx.
+  double linear_residual_norm(const Vector &dx, Vector &rest);
 
   /// Whether the last assembled right-hand side moves prescribed values.
   bool moves_constraints() const { return constraints_move; }
@@ -88,8 +101,12 @@ public:
   /// Complete @p dx by the constrained unknowns.
   void distribute(Vector &dx) const;
 
-  /// Before output: the multipliers of the ties at a solution. Collective.
-  void find_multipliers(const Vector &x);
+  /// What holds the constrained unknowns at a solution of the current time. Collective; refers to
+  /// constraints of this system.
+  NodalForces<dim> nodal_forces(const Vector &x) const;
+  bool has_multipliers() const; ///< some tie that is active now
+  /// Before output: the multipliers of the ties at a solution and what they transmit. Collective.
+  void find_multipliers(const Vector &x, const NodalForces<dim> &forces);
   /// What the ties did that a user should know; after set_up, the same on all ranks.
   std::vector<std::string> notes() const;
 
@@ -103,7 +120,6 @@ public:
 
 private:
   typename Tie<dim>::Unknowns ghosted_values() const;
-  using SparseMatrix = dealii::TrilinosWrappers::BlockSparseMatrix;
 
   void make_relevant_set(double t);
   ConstraintLines lines_at(double t) const;
@@ -116,12 +132,12 @@ private:
   void assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
   template <typename Visit>
   void for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const;
-  bool has_multipliers() const;
   void apply(const dealii::AffineConstraints<double> &lines, Vector &x) const;
-  Vector forces(const Vector &x);
+  void add_sizes(const std::vector<dealii::types::global_dof_index> &dofs, const std::vector<double> &forces,
+                 const std::vector<double> &unknowns, unsigned int longest_sum, bool with_tangent);
   void scatter(const std::vector<double> &residual, const std::vector<dealii::types::global_dof_index> &dofs,
                bool with_tangent);
-  const dealii::AffineConstraints<double> *scatters_on; ///< the constraints that scatter obeys
+  void note_undefined(const std::string &where);
   std::vector<bool> active_toggles(double t) const;
 
   Model<dim> &model;
@@ -131,28 +147,32 @@ private:
   std::vector<bool> is_of_multipliers; ///< by field
   dealii::IndexSet relevant;           ///< relevant unknowns of the domains and those behind interface points
   ConstraintLines tie_lines;           ///< of owned unknowns
-  ConstraintLines hanging_lines;       ///< likewise, if there are interfaces
   std::set<dealii::types::global_dof_index> freed;      ///< of tie_lines, where they would have no solution
   dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx
   bool constraints_move = false;
   double move = 0;
   std::vector<bool> toggles_of_set_up;
-  SparseMatrix matrix;
-  bool has_tangent = false; ///< since set_up
+  BlockMatrix matrix;
+  bool has_tangent = false;        ///< since set_up
+  Undefined problem, problem_here; ///< over all ranks; on this one, in the present assembly
   Assemblies n_assemblies;
   Vector right_hand_side;
   mutable Vector ghosted_scratch;
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
   dealii::FullMatrix<double> local_matrix;
   dealii::Vector<double> local_rhs;
-  std::vector<double>
-      local_scale; ///< per field: sums of squares over the cells, of R_i, then of sum_j |K_ij x_j|
-  std::vector<double> scale, magnitude, largest; ///< per field; magnitude: of the last tangent
-  std::vector<double> norms, at_start;           ///< likewise: of the last residual, of the first of the step
-  static constexpr double largest_growth = 1e6, largest_of_reference = 100;
-  std::vector<double> noise_at_start;          ///< per field, of this step
-  static constexpr double largest_noise = 100; ///< over the largest accepted residual of the step
+  /// Sums of squares over cells and ties, by block: of the forces; of those on free unknowns, and of
+  /// sum_j |K_ij x_j| there, times the number of terms.
+  struct Sizes
+  {
+    std::vector<double> forces, on_free, of_tangent;
+  };
+  Sizes sizes;
+  std::vector<double> tangent_at_x;                             ///< of_tangent of the last tangent
+  double share = 1;                                             ///< of what is held back
+  Vector held_back;                                             ///< the negative residual
+  std::map<dealii::types::global_dof_index, double> held_moves; ///< of relevant constrained unknowns
   double tie_seconds = 0;
 };
 

@@ -32,15 +32,18 @@ VERY_STIFF = 1e8  # times k / L: a joint that is as good as tied
 
 class Axis:
     """values: what is varied; benign: the value the others are compared with; entries(value): entries of the scene;
-    small: values of the small map; measure: the error of the bodies that counts; allowed: how many times that of the benign
-    value it may be; with_flux: whether the flux is judged."""
+    small: values of the small map; measure: the error of the bodies that counts; with_flux: whether the flux is judged; interfaces: those
+    that the tie is given to; reference(value): where no solution is known in closed form, (probe, component, its value), of which the
+    error may be 1 %; rounding(value): relative errors below it count as none."""
 
     def __init__(self, name, title, scene, values, benign, entries, small=(), ties=None, label="", log=True,
-                 measure="energy", spectrum=True, field="temperature", allowed=2.0, with_flux=True):
+                 measure="energy", spectrum=True, field="temperature", with_flux=True, interfaces=("seam",), reference=None,
+                 rounding=lambda value: 1e-6):
         self.name, self.title, self.scene, self.values, self.benign = name, title, scene, values, benign
         self.entries, self.small, self.ties, self.label, self.log = entries, small, ties or list(ALL), label, log
         self.measure, self.spectrum, self.field = measure, spectrum, field
-        self.allowed, self.with_flux = allowed, with_flux
+        self.with_flux, self.interfaces, self.reference = with_flux, interfaces, reference
+        self.rounding = rounding
 
 
 def box(nx, ny, x0, y0, x1, y1):
@@ -147,8 +150,84 @@ def rotation(degrees, steps):
     return entries
 
 
+def skewed(s):
+    """Whirling one way on the left and the other way on the right; the skew part lets heat through free sides, so they are prescribed."""
+    entries = {}
+    for domain, sign in (("left", 1.0), ("right", -1.0)):
+        entries[f"Material of {domain}/Heat/Conductivity"] = f"1; {sign * s!r}; {-sign * s!r}; 1"
+        entries.update(body(domain, "temperature", None, exact.heat(1.0, skew=sign * s), ["end"]))
+        entries[f"Domain {domain}/Boundary condition end/Boundary ids"] = "0, 2, 3" if domain == "left" else "1, 2, 3"
+    return entries
+
+
+def coat(physics, ratio, degree):
+    """The right body is one cell thick, and its cells are `ratio` times as long as thick. The flux through its outer side is given: a
+    prescribed value would be an equation for the flux of a thin body with the rounding and the interpolation of the other one."""
+    end = 1.0 + 1.0 / 9 / ratio
+    entries = squares(physics)
+    entries["Domain right/Mesh/Arguments"] = box(1, 9, 1.0, 0.0, end, 1.0)
+    for domain in ("left", "right"):
+        entries[f"Domain {domain}/Degree"] = str(degree)
+    entries["Domain right/Boundary condition end/Type"] = "flux"
+    entries["Domain right/Boundary condition end/Expression"] = (
+        "1 + cos(pi*y)" if physics == "heat" else exact.elastic_traction(end))
+    return entries
+
+
+def three(thickness, k):
+    entries = {"Domain middle/Mesh/Arguments": box(1, 9, 1.0, 0.0, 1.0 + thickness, 1.0),
+               "Domain right/Mesh/Arguments": box(7, 7, 1.0 + thickness, 0.0, 2.0 + thickness, 1.0)}
+    for domain, k_i, solution in zip(("left", "middle", "right"), k, exact.three(thickness, k)):
+        entries[f"Material of {domain}/Heat/Conductivity"] = repr(k_i)
+        entries.update(body(domain, "temperature", None, solution, [] if domain == "middle" else ["end"]))
+    return entries
+
+
+def chain(n):
+    """Bodies 0 … n-1; the scene has the first two of them, of which the second becomes the last."""
+    entries = {"Domains": ", ".join(f"body {i}" for i in range(n)),
+               "Interfaces": ", ".join(["seam"] + [f"seam {i}" for i in range(1, n - 1)])}
+    solution = "0.01*x; -0.01*0.3/0.7*y"
+    for i in range(1, n):
+        own = f"Domain body {i}/"
+        entries[own + "Mesh/Generator"] = "subdivided_hyper_rectangle"
+        cells = 2 + i % 2
+        entries[own + "Mesh/Arguments"] = box(cells, cells, float(i), 0.0, i + 1.0, 1.0)
+        entries[own + "Material"] = "of all"
+        entries[own + "Exact/displacement"] = solution
+        # the scene has a second body that is pulled; where it is not the last one, nothing acts on its free side
+        conditions = {"floor": ("value", "2", "0")}
+        if i in (1, n - 1):
+            conditions["pulled"] = ("flux", "1", "0.01; 0") if i == n - 1 else ("flux", "3", "0; 0")
+        entries[own + "Boundary conditions"] = ", ".join(conditions)
+        for name, (kind, ids, expression) in conditions.items():
+            condition = own + f"Boundary condition {name}/"
+            entries.update({condition + "Type": kind, condition + "Field": "displacement", condition + "Boundary ids": ids,
+                            condition + "Expression": expression})
+        entries[own + "Boundary condition floor/Components"] = "y"
+        if i > 1:
+            seam = f"Interface seam {i - 1}/"
+            entries.update({seam + "Type": "Nitsche", seam + "Source": f"body {i - 1} : 1", seam + "Destination": f"body {i} : 0"})
+    return entries
+
+
+def pull(load, course="t", steps=1):
+    """course: of the load in time, with its value at t = 1."""
+    text, at_end = {"t": ("t", 1), "held": ("if(t < 0.5, 2*t, 1)", 1), "unloaded": ("if(t < 0.5, 2*t, 2 - 2*t)", 0)}[course]
+    a, b = exact.pull(load * at_end)
+    entries = {"Domain right/Boundary condition pull/Expression": f"{load!r}*{text}; 0", "Steps/Number of steps": str(steps)}
+    for domain in ("left", "right"):
+        entries[f"Domain {domain}/Exact/displacement"] = f"{a!r}*x; {b!r}*y"
+    return entries
+
+
 def decades(first, last, step=1):
     return [10.0 ** e for e in range(first, last + 1, step)]
+
+
+def bending_rounding(ratio):
+    """The condition number of a thin beam grows like the fourth power of length over thickness."""
+    return max(1e-6, 1e-15 * ratio ** 4)
 
 
 CONTRASTS = [1e-10, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e10]
@@ -187,10 +266,9 @@ AXES += [
          decades(-10, 10, 5), 1.0, lambda c: cubes((1.0, c)), small=(1e10,), ties=FEW, spectrum=False,
          label="k of the destination / k of the source"),
     Axis("layers", "Two tied layers in bending: length to thickness of a layer", "layers", [10.0, 100.0, 1000.0], 10.0,
-         layers, small=(1000.0,), label="length / thickness", field="displacement", allowed=10.0, with_flux=False),
+         layers, small=(1000.0,), label="length / thickness", field="displacement", rounding=bending_rounding),
     Axis("matching_layers", "The same on matching meshes", "layers", [10.0, 100.0, 1000.0], 10.0,
-         lambda ratio: layers(ratio, (12, 12)), ties=FEW, label="length / thickness", field="displacement",
-         allowed=10.0, with_flux=False),
+         lambda ratio: layers(ratio, (12, 12)), ties=FEW, label="length / thickness", field="displacement", rounding=bending_rounding),
     Axis("conductivity", "Conductivity k(T) over m decades, one step, halved if it does not converge", "conductivity",
          [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 0.0, conductivity, small=(6.0,), label="m", log=False, ties=FEW, spectrum=False),
     Axis("neo_hookean", "Neo-Hookean, one step: strain", "neo_hookean", [0.05, 0.25, 0.5], 0.05, neo_hookean,
@@ -203,16 +281,57 @@ AXES += [
          ties=FEW),
 ]
 
+TEMPERATURES = [-7.0, -1.0, 0.0, 0.5, 1.0, 7.0]
+AXES += [
+    Axis("skew", "Skew part of the conductivity, of opposite sign on the two sides", "heat", [0.0, 0.1, 1.0, 3.0, 10.0], 0.0, skewed,
+         small=(3.0,), label="s / k", log=False),
+    Axis("first_guess", "First guess of the temperature, k(T) over three decades", "conductivity", TEMPERATURES, 0.5,
+         lambda T: {f"Domain {domain}/Initial/temperature": repr(T) for domain in ("left", "right")}, small=(7.0,),
+         label="first guess; the solution lies between 0 and 1", log=False, ties=FEW, spectrum=False),
+    Axis("middle", "One cell between two ties: its thickness", "three", [1.0, 0.1, 1e-2, 1e-4, 1e-6], 0.1,
+         lambda d: three(d, (1.0, 10.0, 0.1)), small=(1e-6,), label="thickness", ties=FEW, spectrum=False,
+         interfaces=("seam", "second seam")),
+    Axis("middle_contrast", "One cell between two ties: its conductivity", "three", decades(-6, 6, 3), 1.0,
+         lambda k: three(0.1, (1.0, k, 1.0)), small=(1e-6,), label="k of the middle", ties=FEW, spectrum=False,
+         interfaces=("seam", "second seam")),
+    Axis("corner", "Partly covered sides with prescribed corners: the right body is moved by", "corner",
+         [0.5, 0.3, 0.1, 1e-2, 1e-4, 1e-6], 0.5, lambda shift: {"Domain right/Mesh/Shift": f"0; {shift!r}"}, small=(1e-4,),
+         label="shift", log=False, spectrum=False, measure="H1"),
+    Axis("rim", "An edge that is curved within the interface: degree", "rim", [1, 2, 3], 1,
+         lambda p: {f"Domain {domain}/Degree": str(p) for domain in ("block", "plate")}, small=(2,), label="degree", log=False,
+         ties=FEW, spectrum=False),
+    Axis("chain", "Bodies in a chain", "chain", [2, 5, 20, 50, 200], 2, chain, small=(20,), label="bodies", ties=FEW, spectrum=False,
+         field="displacement"),
+    Axis("load", "Load over Young modulus, Saint Venant-Kirchhoff", "pull", decades(-12, 0, 2), 1e-2, pull, small=(1e-12,),
+         label="load / E", ties=FEW, spectrum=False, field="displacement"),
+    Axis("load_neo_hookean", "Neo-Hookean, plane wave: strain", "neo_hookean", [1e-6, 1e-4, 1e-2, 0.05, 0.5], 0.05, neo_hookean,
+         small=(1e-6,), label="strain", ties=FEW, spectrum=False, field="displacement"),
+]
+for course in ("t", "held", "unloaded"):
+    AXES.append(Axis("steps_" + {"t": "growing"}.get(course, course), f"Number of steps; the load is {'growing' if course == 't' else course}",
+                     "pull", [2, 10, 100, 1000], 2, lambda n, c=course: pull(1e-2, c, n), small=(10,), label="steps", ties=FEW,
+                     spectrum=False, field="displacement"))
+for physics, field in (("heat", "temperature"), ("elastic", "displacement")):
+    for degree in (1, 2, 3, 4):
+        AXES.append(Axis(f"aspect_{physics}_degree_{degree}", f"Length over thickness of the interface cells of one side, degree {degree}", physics,
+                         decades(0, 8, 2), 1.0, lambda r, p=physics, d=degree: coat(p, r, d), small=(1e8,), ties=FEW, spectrum=False,
+                         label="length / thickness", field=field))
+
+
+def joint_stiffness(axis, value):
+    """As good as tied, in units of the softer body and of the cells."""
+    length = value if axis.name.startswith("units") else 1.0
+    softer = min(1.0, value) if axis.name.startswith(("contrast", "multigrid", "middle_contrast")) else 1.0
+    return repr(VERY_STIFF * softer / length)
+
 
 def entries_of_tie(axis, name, value):
     """Full paths; the joint of a contact resistance follows the units of the axis."""
-    entries = {SEAM + entry: str(text) for entry, text in ALL[name].items()}
+    interfaces = axis.interfaces
+    if axis.name == "chain":
+        interfaces = ["seam"] + [f"seam {i}" for i in range(1, value - 1)]
+    entries = {f"Interface {interface}/{entry}": str(text) for interface in interfaces for entry, text in ALL[name].items()}
     if name == "contact resistance":
-        length = value if axis.name.startswith("units") else 1.0
-        softer = min(1.0, value) if axis.name.startswith(("contrast", "multigrid")) else 1.0
-        stiffness = repr(VERY_STIFF * softer / length)
-        if axis.field == "temperature":
-            entries[SEAM + "Conductance"] = stiffness
-        else:
-            entries[SEAM + "Joint stiffness"] = stiffness
+        joint = "Conductance" if axis.field == "temperature" else "Joint stiffness"
+        entries.update({f"Interface {interface}/{joint}": joint_stiffness(axis, value) for interface in interfaces})
     return entries

@@ -5,8 +5,11 @@
 import math
 
 
-def heat(k, length=1.0, dim=2):
-    """T = g + (x - L) q / k on both sides of the seam x = L, with one trace g and one flux q = k dT/dx."""
+def heat(k, length=1.0, dim=2, skew=0.0):
+    """T = g + (x - L) q / k on both sides of the seam x = L, with one trace g and one flux q = k dT/dx; with a skew part of the
+    conductivity, K = (k, s; -s, k), the flux is k dT/dx + s dT/dy."""
+    if skew:
+        return heat_skew(k, skew)
     wave = f"cos(pi*y/{length!r})" + (f"*cos(pi*z/{length!r})" if dim == 3 else "")
     g = f"1 + {wave}/2"
     q = f"({1 / length!r})*(1 + {wave})"
@@ -15,6 +18,36 @@ def heat(k, length=1.0, dim=2):
     exact = f"{g} + {distance}*{q}/({k!r})"
     source = f"{minus_laplacian!r}*{wave}*({k / 2!r} + {distance}*({1 / length!r}))"
     return exact, source
+
+
+def heat_skew(k, s):
+    """T = g + (x - 1) (q - s g')/k with g = 1 + cos(pi y)/2, q = 1 + cos(pi y); a skew part adds nothing to Div(K grad T)."""
+    slope = f"(1 + cos(pi*y) + {s / 2!r}*pi*sin(pi*y))/({k!r})"
+    source = f"pi^2*({k / 2!r}*cos(pi*y) + (x - 1)*(cos(pi*y) + {s / 2!r}*pi*sin(pi*y)))"
+    return f"1 + cos(pi*y)/2 + (x - 1)*{slope}", source
+
+
+def three(thickness, k):
+    """The same trace and flux through three bodies in a row: of each, (exact, source). Trace at x = 1, and what the middle adds."""
+    result = []
+    offset, x0 = "0", 1.0
+    for k_i, begin in zip(k, (1.0, 1.0, 1.0 + thickness)):
+        if begin > x0:  # behind the middle body
+            offset, x0 = f"{thickness / k[1]!r}*(1 + cos(pi*y))", begin
+        distance = f"(x - {begin!r})"
+        exact = f"1 + cos(pi*y)/2 + {offset} + {distance}*(1 + cos(pi*y))/({k_i!r})"
+        across = 0.5 + (thickness / k[1] if offset != "0" else 0.0)
+        result.append((exact, f"pi^2*cos(pi*y)*({k_i * across!r} + {distance})"))
+    return result
+
+
+def pull(load, nu=0.3):
+    """(a, b) of u = (a x; b y) for a Saint Venant-Kirchhoff solid of E = 1 under the traction `load` (Newton; small differences exact)."""
+    a = load * (1 - nu * nu)
+    for _ in range(50):
+        a -= ((1 + a) * (a + a * a / 2) - load * (1 - nu * nu)) / (1 + 3 * a + 1.5 * a * a)
+    strain = -nu / (1 - nu) * (a + a * a / 2)
+    return a, 2 * strain / (1 + math.sqrt(1 + 2 * strain))
 
 
 def lame(E, nu):
@@ -37,6 +70,15 @@ def elastic(E, nu=0.3, length=1.0, unit=1.0):
     y0, y1 = -(-(M + L) * d1 * p - (L + 2 * M) * b * p * p), (L + 2 * M) * d2 * p * p
     source = f"({x0!r} + {x1!r}*{X})*{c}; ({y0!r} + {y1!r}*{X})*{s}"
     return exact, source
+
+
+def elastic_traction(x, E=1.0, nu=0.3):
+    """Of the same solution (length and unit one) on a plane of this x, whose normal is (1, 0)."""
+    L, M = lame(E, nu)
+    p, X, a, b = math.pi, x - 1.0, 0.05, 0.05
+    d0, d1, d2 = 0.1 / (L + 2 * M), (0.1 - L * b * p) / (L + 2 * M), 0.05 / M + a * p
+    return (f"{(L + 2 * M) * d0!r} + {(L + 2 * M) * d1 + L * (b + X * d2) * p!r}*cos({p!r}*y); "
+            f"{M * (d2 - (a + X * d1) * p)!r}*sin({p!r}*y)")
 
 
 def bending(half_thickness, nu=0.3):

@@ -79,16 +79,22 @@ def table(axis, cases):
     return "\n".join(lines)
 
 
+def judged(axis):
+    if axis.reference is not None:
+        return "a probe"
+    return axis.measure + (", flux" if axis.with_flux else "; the flux is not judged")
+
+
 def verdicts(all_axes, cases):
     """How many runs of each axis ended how."""
     names = ["right", "flux lost", "warned", "not converged", "message", "WRONG", "CRASH"]
-    lines = ["| axis | runs | " + " | ".join(names) + " |", "|---" * (len(names) + 2) + "|"]
+    lines = ["| axis | judged | runs | " + " | ".join(names) + " |", "|---" * (len(names) + 3) + "|"]
     for axis in all_axes:
         of_axis = [case["verdict"] for case in cases if case["axis"] == axis.name]
         if of_axis:
-            lines.append(f"| {axis.name} | {len(of_axis)} | " + " | ".join(str(of_axis.count(name) or "") for name in names) + " |")
+            lines.append(f"| {axis.name} | {judged(axis)} | {len(of_axis)} | " + " | ".join(str(of_axis.count(name) or "") for name in names) + " |")
     total = [case["verdict"] for case in cases]
-    lines.append(f"| all | {len(total)} | " + " | ".join(str(total.count(name) or "") for name in names) + " |")
+    lines.append(f"| all | | {len(total)} | " + " | ".join(str(total.count(name) or "") for name in names) + " |")
     return "\n".join(lines)
 
 

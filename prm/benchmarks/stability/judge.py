@@ -2,8 +2,8 @@
 # Copyright (C) 2026 by the Dovetail authors
 """What became of each case of the stability map.
 
-right         error in energy at most twice (or what the axis allows), error of the flux at most ten times that of the same tie
-              at the axis's benign end, or both below 1e-6
+right         error in energy at most twice, error of the flux at most ten times that of the same tie at the axis's benign
+              end, or both below 1e-6 (or the rounding that the axis states); where there is only a reference value: within 1 %
 flux lost     the bodies are right, but the flux through the seam is not
 warned        the answer is off, and a note of the report says so
 not converged, message
@@ -13,7 +13,7 @@ CRASH         the program broke down, or a number is not finite"""
 import collections
 import math
 
-FLUX, SMALL = 10.0, 1e-6
+ENERGY, FLUX, REFERENCE = 2.0, 10.0, 0.01
 BAD = ("WRONG", "CRASH")
 WORDS = ("coercive", "errs", "oscillates", "swap", "locks")  # of notes that say that the answer may be off
 
@@ -38,13 +38,13 @@ def verdict(axis, case, benign):
         return "right"
 
     def holds(name, factor):
-        return case[name] <= max(factor * benign[name], SMALL)
+        return case[name] <= max(factor * benign[name], axis.rounding(case["value"]) if axis.reference is None else REFERENCE)
 
-    if holds("error", axis.allowed) and (not axis.with_flux or holds("flux", FLUX)):
+    if holds("error", ENERGY) and (not axis.with_flux or holds("flux", FLUX)):
         return "right"
     if (case["margin"] or 0) < 0 or any(word in note for word in WORDS for note in case["notes"]):
         return "warned"
-    return "flux lost" if holds("error", axis.allowed) else "WRONG"
+    return "flux lost" if holds("error", ENERGY) else "WRONG"
 
 
 def summary(cases):

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What a file says about a mesh, before anything is made of it: nodes, cells and marked faces with the
+// numbers that the file gives them, so that a message can name them.
+
+#pragma once
+
+#include <deal.II/base/point.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// Something is wrong with a mesh: a sentence without the scene's entry, which whoever catches it adds.
+class MeshError : public std::runtime_error
+{
+public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Elements of one dimension. The vertices of each stand first: lines; triangles and quadrilaterals in
+/// circular order; tetrahedra; hexahedra as one quadrilateral after its opposite one, vertex facing vertex.
+struct MeshElements
+{
+  std::vector<std::size_t> begin = {0}; ///< of the nodes of each element; one more than elements
+  std::vector<unsigned int> nodes;      ///< indices
+  std::vector<std::int64_t> numbers;    ///< as in the file
+  std::vector<unsigned int> ids;        ///< material or boundary ids
+
+  std::size_t size() const { return numbers.size(); }
+  unsigned int n_nodes(const std::size_t element) const { return begin[element + 1] - begin[element]; }
+  const unsigned int *nodes_of(const std::size_t element) const { return nodes.data() + begin[element]; }
+  unsigned int *nodes_of(const std::size_t element) { return nodes.data() + begin[element]; }
+  void add(std::int64_t number, unsigned int id, const std::vector<unsigned int> &its_nodes)
+  {
+    nodes.insert(nodes.end(), its_nodes.begin(), its_nodes.end());
+    begin.push_back(nodes.size());
+    numbers.push_back(number);
+    ids.push_back(id);
+  }
+
+  template <class Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &begin &nodes &numbers &ids;
+  }
+};
+
+/// The content of a mesh file.
+struct MeshFile
+{
+  std::vector<dealii::Point<3>> nodes;
+  std::vector<std::int64_t> node_numbers; ///< as in the file
+  MeshElements cells, faces;              ///< of the dimension of the scene and of one less
+
+  template <class Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &nodes &node_numbers &cells &faces;
+  }
+};
+
+/// Read .msh (Gmsh 2.2 or 4.1), .inp (Abaqus or AVS UCD), .vtk or .unv, and believe nothing in it: counts,
+/// numbers, types and ranges are checked.
+/// @throw MeshError, which names the line.
+MeshFile read_mesh_file(const std::string &file_name, unsigned int dim);
+
+/// Whether the ending of a name is that of a format which read_mesh_file() knows.
+bool is_known_mesh_format(const std::string &file_name);
+
+class MeshText;
+
+/// The formats, one file each.
+MeshFile read_gmsh(MeshText &text, unsigned int dim);
+MeshFile read_vtk(MeshText &text, unsigned int dim);
+MeshFile read_abaqus(MeshText &text, unsigned int dim);
+MeshFile read_ucd(MeshText &text, unsigned int dim);
+MeshFile read_unv(MeshText &text, unsigned int dim);
+
+} // namespace dovetail

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What flows into the bodies and out of them.
+
+#pragma once
+
+#include <dovetail/output/reactions.h>
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// For each domain and field "stored", "in", "out" and "imbalance" = in - out - stored, by component: the
+/// sums of what is put into the body and of what is taken out, by prescribed unknowns, by cells with sources
+/// or given influxes, and by the pairs of faces, followers and multipliers of the interfaces. "rounding" is
+/// what rounding alone makes of them; only where the imbalance is larger than largest_imbalance times the
+/// others (in a nonlinear scene: than the tolerance of Newton's method allows). Collective. @param notes gets
+/// a sentence for each field whose balance does not hold
+template <int dim>
+nlohmann::ordered_json measure_balance(const Model<dim> &model, const Reactions<dim> &reactions,
+                                       const Vector &solution, double newton_tolerance,
+                                       std::vector<std::string> &notes);
+
+/// Of the larger one of in and out, over the components.
+inline constexpr double largest_imbalance = 1e-10;
+
+} // namespace dovetail

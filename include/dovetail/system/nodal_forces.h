@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What acts on the unknowns that are not free.
+
+#pragma once
+
+#include <dovetail/domain/constraint_lines.h>
+#include <dovetail/interface/transmission.h>
+#include <dovetail/system/model.h>
+#include <dovetail/system/vector.h>
+
+#include <deal.II/lac/affine_constraints.h>
+
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace dovetail {
+
+/// The forces that hold what constraints prescribe. With the residual R_i of all bodies and all terms of the
+/// ties, before constraints, and with the lines B_k = sum_i C_ki B_i + b_k of hanging nodes and ties,
+/// @f[ r_i = R_i + \sum_k C_{ki} r_k \qquad (r = R + C^T r). @f]
+/// It vanishes at free unknowns of a solution. At an unknown that follows others it is what its line
+/// transmits, at a prescribed one the reaction: what is put into the body there.
+///
+/// Only cells that have such an unknown are asked for their laws.
+template <int dim>
+class NodalForces
+{
+public:
+  /// @param lines those of the unknowns that this rank owns, as they are
+  /// @param constraints the same for all relevant unknowns, resolved
+  /// @param solution ghosted. Collective.
+  NodalForces(const Model<dim> &model, const ConstraintLines &lines,
+              const dealii::AffineConstraints<double> &constraints, const Vector &solution, double t);
+
+  /// At an owned unknown that is constrained; NaN if a law is not defined somewhere.
+  double operator()(const dealii::types::global_dof_index dof) const
+  {
+    return is_defined ? force(dof) : std::numeric_limits<double>::quiet_NaN();
+  }
+  bool is_prescribed(const dealii::types::global_dof_index dof) const ///< an owned one, to a value
+  {
+    const auto line = lines.find(dof);
+    return line != lines.end() && line->second.entries.empty();
+  }
+  /// Whether a relevant unknown is prescribed, perhaps by way of others.
+  bool is_fixed(dealii::types::global_dof_index dof) const;
+
+  /// Push r_i at some unknowns, owned or not, and what these pass on. Collective.
+  void add(const std::vector<std::pair<dealii::types::global_dof_index, double>> &pushes);
+
+  /// What the terms of an interface give to its sides, by pairs of cells of this rank.
+  const std::vector<Transmission> &of_groups(const Interface<dim> &interface) const
+  {
+    return transmissions.at(&interface);
+  }
+
+  /// Rounding of all sums of a field of a body and of those that follow it: 1e-15 sum_ij |K_ij x_j|.
+  /// Expensive. Collective.
+  double rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
+
+  const double t;
+
+private:
+  void add_cells(const Domain<dim> &domain, const Vector &solution, Vector &residual);
+  void add_groups(const Interface<dim> &interface, const Vector &solution, Vector &residual);
+  void add_terms(const Interface<dim> &interface, const Vector &solution, Vector &residual) const;
+  double rounding_of_cells(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
+  double rounding_of_groups(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
+  Vector passed_on(const Vector &residual) const;
+  void add_at_constrained(const std::vector<dealii::types::global_dof_index> &dofs,
+                          const std::vector<double> &values, Vector &residual) const;
+
+  const Model<dim> &model;
+  const ConstraintLines lines;
+  const dealii::AffineConstraints<double> &constraints;
+  bool is_defined = true;
+  Vector force;
+  std::map<const Interface<dim> *, std::vector<Transmission>> transmissions;
+};
+
+} // namespace dovetail

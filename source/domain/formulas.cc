@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/formulas.h>
+#include <dovetail/domain/quadrature.h>
+#include <dovetail/scene/undefined.h>
+
+#include <deal.II/fe/fe_values.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dovetail {
+
+namespace {
+
+template <int dim>
+bool are_finite(const Domain<dim> &domain, const std::string &kind, const typename Domain<dim>::Given &given,
+                const dealii::Quadrature<dim> &rule, const double t)
+{
+  if (given.of_field.empty())
+    return true;
+  const Section section = domain.section.subsection(kind);
+  dealii::FEValues<dim> points(domain.mapping(), domain.scalar_element(), rule,
+                               dealii::update_quadrature_points);
+  std::vector<double> values;
+  for (const auto &cell : domain.mesh().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      points.reinit(cell);
+      for (const auto &[field, formula] : given.of_field)
+        for (unsigned int c = 0; c < formula.n_components(); ++c) {
+          formula.values(points.get_quadrature_points(), t, c, values);
+          for (const unsigned int q : points.quadrature_point_indices())
+            if (!std::isfinite(finite(values[q], section, field, points.quadrature_point(q), t)))
+              return false;
+        }
+    }
+  return true;
+}
+
+} // namespace
+
+template <int dim>
+bool has_finite_formulas(const Domain<dim> &domain, const double first_time, const double last_time)
+{
+  return are_finite(domain, "Source", domain.source(),
+                    gauss_rule<dim>(domain.cell_shape(), domain.degree + 1), first_time) &&
+         are_finite(domain, "Initial", domain.initial(),
+                    dealii::Quadrature<dim>(domain.scalar_element().get_unit_support_points()), 0) &&
+         are_finite(domain, "Exact", domain.exact(), gauss_rule<dim>(domain.cell_shape(), domain.degree + 3),
+                    last_time);
+}
+
+template bool has_finite_formulas(const Domain<2> &, double, double);
+template bool has_finite_formulas(const Domain<3> &, double, double);
+
+} // namespace dovetail

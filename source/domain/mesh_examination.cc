@@ -1,0 +1,439 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/mesh_examination.h>
+
+#include <deal.II/base/geometry_info.h>
+#include <deal.II/base/quadrature_lib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <sstream>
+
+namespace dovetail {
+
+namespace {
+
+/// Of an element of so many dimensions and nodes, of first or second order; 0 if there is none.
+unsigned int n_vertices_of_element(const unsigned int dim, const unsigned int n_nodes)
+{
+  static const std::map<std::pair<unsigned int, unsigned int>, unsigned int> n_vertices = {
+      {{1, 2}, 2}, {{1, 3}, 2}, {{2, 3}, 3},  {{2, 6}, 3}, {{2, 4}, 4},  {{2, 8}, 4},
+      {{2, 9}, 4}, {{3, 4}, 4}, {{3, 10}, 4}, {{3, 8}, 8}, {{3, 20}, 8}, {{3, 27}, 8}};
+  const auto found = n_vertices.find({dim, n_nodes});
+  return found == n_vertices.end() ? 0 : found->second;
+}
+
+/// In deal.II's order of vertices, seen from outside against the clock (2D: the cell on the left).
+const std::map<std::pair<unsigned int, unsigned int>, std::vector<std::vector<unsigned int>>> faces_of_cell =
+    {{{2, 3}, {{0, 1}, {1, 2}, {2, 0}}},
+     {{2, 4}, {{0, 1}, {1, 3}, {3, 2}, {2, 0}}},
+     {{3, 4}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}},
+     {{3, 8}, {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}}};
+
+/// Between which vertices the further nodes of cells of second order stand, in Gmsh's order.
+const std::map<std::pair<unsigned int, unsigned int>, std::vector<std::vector<unsigned int>>>
+    middles_of_cell = {{{2, 3}, {{0, 1}, {1, 2}, {2, 0}}},
+                       {{2, 4}, {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 1, 2, 3}}},
+                       {{3, 4}, {{0, 1}, {1, 2}, {2, 0}, {3, 0}, {2, 3}, {1, 3}}},
+                       {{3, 8},
+                        {{0, 1},
+                         {0, 3},
+                         {0, 4},
+                         {1, 2},
+                         {1, 5},
+                         {2, 3},
+                         {2, 6},
+                         {3, 7},
+                         {4, 5},
+                         {4, 7},
+                         {5, 6},
+                         {6, 7},
+                         {0, 1, 2, 3},
+                         {0, 1, 5, 4},
+                         {0, 4, 7, 3},
+                         {1, 2, 6, 5},
+                         {2, 3, 7, 6},
+                         {4, 5, 6, 7},
+                         {0, 1, 2, 3, 4, 5, 6, 7}}}};
+
+/// A face of a cell, known by its vertices in ascending order.
+struct Face
+{
+  std::array<unsigned int, 4> sorted;
+  std::size_t cell;
+  unsigned int number;
+
+  bool operator<(const Face &other) const
+  {
+    return std::tie(sorted, cell, number) < std::tie(other.sorted, other.cell, other.number);
+  }
+};
+
+std::array<unsigned int, 4> sort_vertices(const std::vector<unsigned int> &vertices)
+{
+  std::array<unsigned int, 4> sorted;
+  sorted.fill(std::numeric_limits<unsigned int>::max());
+  std::copy(vertices.begin(), vertices.end(), sorted.begin());
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+template <int dim>
+class Examination
+{
+public:
+  explicit Examination(MeshFile &mesh) : mesh(mesh) {}
+
+  void run()
+  {
+    check_shapes();
+    if (dim == 2)
+      check_plane();
+    leave_vertices_only();
+    order_as_in_dealii();
+    check_different_nodes();
+    turn_mirrored_cells();
+    check_doubled_cells();
+    sort_faces();
+    check_faces_between_cells();
+    choose_faces_of_boundary();
+  }
+
+private:
+  // ---- words
+
+  std::string numbers_of(const std::vector<unsigned int> &nodes) const
+  {
+    std::string text;
+    for (const unsigned int node : nodes)
+      text += (text.empty() ? "" : ", ") + std::to_string(mesh.node_numbers[node]);
+    return text;
+  }
+
+  std::string place_of(const std::vector<unsigned int> &nodes) const
+  {
+    dealii::Point<3> centre;
+    for (const unsigned int node : nodes)
+      centre += mesh.nodes[node] / double(nodes.size());
+    std::ostringstream text;
+    text << "(" << centre[0] << "; " << centre[1];
+    if (dim == 3)
+      text << "; " << centre[2];
+    text << ")";
+    return text.str();
+  }
+
+  /// As the file names it.
+  std::string name_of(const std::size_t cell) const { return std::to_string(mesh.cells.numbers[cell]); }
+
+  /// "element 3 (nodes 1, 2, 6, 5) around (0; 1)", with the nodes as in the file
+  std::string words_of(const std::size_t cell) const
+  {
+    std::vector<unsigned int> nodes = vertices_of(cell);
+    if (is_ordered && n_vertices > dim + 1)
+      for (unsigned int v = 0; v < n_vertices; ++v)
+        nodes[v] = mesh.cells.nodes_of(cell)[place[v]];
+    return "element " + name_of(cell) + " (nodes " + numbers_of(nodes) + ") around " + place_of(nodes);
+  }
+
+  std::string words_of_face(const std::vector<unsigned int> &vertices) const
+  {
+    return "the face with the nodes " + numbers_of(vertices) + " around " + place_of(vertices);
+  }
+
+  // ---- parts of the mesh
+
+  std::vector<unsigned int> vertices_of(const std::size_t cell) const
+  {
+    const unsigned int *nodes = mesh.cells.nodes_of(cell);
+    return {nodes, nodes + n_vertices};
+  }
+
+  std::vector<unsigned int> vertices_of_face(const std::size_t cell, const unsigned int number) const
+  {
+    std::vector<unsigned int> vertices;
+    for (const unsigned int v : (*faces)[number])
+      vertices.push_back(mesh.cells.nodes_of(cell)[v]);
+    return vertices;
+  }
+
+  // ---- steps
+
+  void check_shapes()
+  {
+    n_vertices = n_vertices_of_element(dim, mesh.cells.n_nodes(0));
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+      if (n_vertices_of_element(dim, mesh.cells.n_nodes(c)) != n_vertices)
+        throw MeshError(
+            std::string("it has ") +
+            (dim == 2 ? "triangles and quadrilaterals" : "tetrahedra and hexahedra") + " (elements " +
+            name_of(0) + " and " + name_of(c) +
+            "). All cells must have one shape: mesh the body with nothing but " +
+            (dim == 2 ? "triangles or nothing but quadrilaterals" : "tetrahedra or nothing but hexahedra") +
+            ", or make a domain of each part and tie them by an interface.");
+    faces = &faces_of_cell.at({dim, n_vertices});
+  }
+
+  /// All cells have the same z.
+  void check_plane() const
+  {
+    const double z = mesh.nodes[mesh.cells.nodes[0]][2];
+    double size = 0;
+    for (const unsigned int node : mesh.cells.nodes)
+      size = std::max(size, (mesh.nodes[node] - mesh.nodes[mesh.cells.nodes[0]]).norm());
+    for (const unsigned int node : mesh.cells.nodes)
+      if (std::abs(mesh.nodes[node][2] - z) > 1e-6 * size)
+        throw MeshError("it does not lie in a plane of equal z, as Dimension = 2 needs: node " +
+                        std::to_string(mesh.node_numbers[node]) + " has another z than node " +
+                        std::to_string(mesh.node_numbers[mesh.cells.nodes[0]]) + ".");
+  }
+
+  /// The further nodes of cells of second order stand in the middle of vertices.
+  void leave_vertices_only()
+  {
+    MeshElements straight;
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+      const unsigned int *nodes = mesh.cells.nodes_of(c);
+      for (unsigned int i = n_vertices; i < mesh.cells.n_nodes(c); ++i) {
+        const auto &around = middles_of_cell.at({dim, n_vertices})[i - n_vertices];
+        dealii::Point<3> middle;
+        for (const unsigned int v : around)
+          middle += mesh.nodes[nodes[v]] / double(around.size());
+        if (middle.distance(mesh.nodes[nodes[i]]) >
+            1e-6 * mesh.nodes[nodes[around[0]]].distance(mesh.nodes[nodes[around[1]]]))
+          throw MeshError(words_of(c) + " is curved: its node " +
+                          std::to_string(mesh.node_numbers[nodes[i]]) +
+                          " does not stand in the middle between vertices. Curved cells of files are not "
+                          "understood; make a mesh of first order, finer at round boundaries.");
+      }
+      straight.add(mesh.cells.numbers[c], mesh.cells.ids[c], vertices_of(c));
+    }
+    mesh.cells = std::move(straight);
+  }
+
+  void order_as_in_dealii()
+  {
+    is_ordered = true;
+    if (n_vertices == dim + 1)
+      return;
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+      const auto in_file = vertices_of(c);
+      for (unsigned int v = 0; v < n_vertices; ++v)
+        mesh.cells.nodes_of(c)[place[v]] = in_file[v];
+    }
+  }
+
+  void check_different_nodes() const
+  {
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+      auto nodes = vertices_of(c);
+      std::sort(nodes.begin(), nodes.end());
+      const auto twice = std::adjacent_find(nodes.begin(), nodes.end());
+      if (twice != nodes.end())
+        throw MeshError(words_of(c) + " has the node " + std::to_string(mesh.node_numbers[*twice]) +
+                        " twice. Cells that collapse to another shape are not understood.");
+    }
+  }
+
+  /// Of the linear shape functions, point by point.
+  std::vector<std::vector<dealii::Tensor<1, dim>>> gradients_at_gauss_points() const
+  {
+    std::vector<std::vector<dealii::Tensor<1, dim>>> gradients;
+    if (n_vertices == dim + 1) {
+      gradients.emplace_back(n_vertices); // they are constant
+      for (unsigned int d = 0; d < dim; ++d) {
+        gradients[0][0][d] = -1;
+        gradients[0][d + 1][d] = 1;
+      }
+      return gradients;
+    }
+    const dealii::QGauss<dim> gauss(2);
+    for (const auto &point : gauss.get_points()) {
+      gradients.emplace_back();
+      for (unsigned int v = 0; v < n_vertices; ++v)
+        gradients.back().push_back(dealii::GeometryInfo<dim>::d_linear_shape_function_gradient(point, v));
+    }
+    return gradients;
+  }
+
+  void turn_mirrored_cells()
+  {
+    const auto gradients = gradients_at_gauss_points();
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+      bool is_positive = false, is_negative = false;
+      for (const auto &gradient : gradients) {
+        const double sign = sign_of_jacobian(mesh.cells.nodes_of(c), gradient);
+        is_positive = is_positive || sign > 0;
+        is_negative = is_negative || sign < 0;
+      }
+      if (is_positive && is_negative)
+        throw MeshError(words_of(c) +
+                        " is turned over in one part of it and not in the other: the Jacobian "
+                        "changes its sign. Are two of its nodes swapped, or is one out of place?");
+      if (!is_positive && !is_negative)
+        throw MeshError(words_of(c) + std::string(" is flat, it has no ") + (dim == 2 ? "area." : "volume."));
+      if (is_negative)
+        turn(mesh.cells.nodes_of(c));
+    }
+  }
+
+  /// Of det dX/dxi; 0 where that is no more than rounding of the coordinates.
+  double sign_of_jacobian(const unsigned int *nodes,
+                          const std::vector<dealii::Tensor<1, dim>> &gradients) const
+  {
+    std::array<dealii::Tensor<1, dim>, dim> column;
+    double largest = 0;
+    for (unsigned int v = 0; v < n_vertices; ++v)
+      for (unsigned int i = 0; i < dim; ++i) {
+        const double X = mesh.nodes[nodes[v]][i] - mesh.nodes[nodes[0]][i];
+        largest = std::max(largest, std::abs(mesh.nodes[nodes[v]][i]));
+        for (unsigned int j = 0; j < dim; ++j)
+          column[j][i] += X * gradients[v][j];
+      }
+    // the change of the determinant if the coordinates, and its terms, change by their last digit
+    double determinant, product = 1, cofactors = 0;
+    if constexpr (dim == 2)
+      determinant = column[0][0] * column[1][1] - column[0][1] * column[1][0];
+    else
+      determinant = dealii::cross_product_3d(column[0], column[1]) * column[2];
+    for (unsigned int j = 0; j < dim; ++j) {
+      product *= column[j].norm();
+      if constexpr (dim == 2)
+        cofactors += column[j].norm();
+      else
+        cofactors += dealii::cross_product_3d(column[j], column[(j + 1) % 3]).norm();
+    }
+    constexpr double last_digit = 4 * std::numeric_limits<double>::epsilon();
+    return std::abs(determinant) > last_digit * (product + largest * cofactors) ? determinant : 0.;
+  }
+
+  /// Two vertices change places, or two opposite faces.
+  void turn(unsigned int *nodes) const
+  {
+    if (n_vertices == dim + 1)
+      std::swap(nodes[dim - 1], nodes[dim]);
+    else if (dim == 2)
+      std::swap(nodes[1], nodes[2]);
+    else
+      for (const unsigned int v : {0, 1, 4, 5})
+        std::swap(nodes[v], nodes[v + 2]);
+  }
+
+  void check_doubled_cells() const
+  {
+    std::vector<std::pair<std::array<unsigned int, 8>, std::size_t>> cells;
+    cells.reserve(mesh.cells.size());
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
+      std::array<unsigned int, 8> sorted;
+      sorted.fill(std::numeric_limits<unsigned int>::max());
+      std::copy_n(mesh.cells.nodes_of(c), n_vertices, sorted.begin());
+      std::sort(sorted.begin(), sorted.end());
+      cells.emplace_back(sorted, c);
+    }
+    std::sort(cells.begin(), cells.end());
+    const auto twice = std::adjacent_find(cells.begin(), cells.end(),
+                                          [](const auto &a, const auto &b) { return a.first == b.first; });
+    if (twice != cells.end())
+      throw MeshError(words_of(twice->second) + " is there twice, also as element " +
+                      name_of((twice + 1)->second) +
+                      ". Remove one. (Gmsh's version 2 saves an element once for each physical group that it "
+                      "is in.)");
+  }
+
+  void sort_faces()
+  {
+    all_faces.reserve(mesh.cells.size() * faces->size());
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+      for (unsigned int f = 0; f < faces->size(); ++f)
+        all_faces.push_back({sort_vertices(vertices_of_face(c, f)), c, f});
+    std::sort(all_faces.begin(), all_faces.end());
+  }
+
+  void check_faces_between_cells() const
+  {
+    for (auto face = all_faces.begin(); face != all_faces.end();) {
+      auto next = face;
+      while (next != all_faces.end() && next->sorted == face->sorted)
+        ++next;
+      if (next - face > 2)
+        throw MeshError(words_of_face(vertices_of_face(face->cell, face->number)) + " belongs to " +
+                        std::to_string(next - face) + " elements, among them " + name_of(face[0].cell) +
+                        ", " + name_of(face[1].cell) + " and " + name_of(face[2].cell) +
+                        ". Two cells can share a face, no more.");
+      if (next - face == 2)
+        check_two_sides(face[0], face[1]);
+      face = next;
+    }
+  }
+
+  void check_two_sides(const Face &one, const Face &other) const
+  {
+    const auto a = vertices_of_face(one.cell, one.number);
+    auto b = vertices_of_face(other.cell, other.number);
+    std::rotate(b.begin(), std::find(b.begin(), b.end(), a[0]), b.end());
+    const bool is_same_side = dim == 2 ? vertices_of_face(other.cell, other.number) == a : a == b;
+    if (is_same_side)
+      throw MeshError("the elements " + name_of(one.cell) + " and " + name_of(other.cell) +
+                      " lie on the same side of " + words_of_face(a) +
+                      ", so they overlap. A node of one of them is out of place.");
+    std::reverse(b.begin() + 1, b.end());
+    if (a != b && dim == 3)
+      throw MeshError("the elements " + name_of(one.cell) + " and " + name_of(other.cell) +
+                      " have the nodes of " + words_of_face(a) +
+                      " in another order. Nodes of one of them are swapped.");
+  }
+
+  /// The faces of one cell only, with one id each.
+  void choose_faces_of_boundary()
+  {
+    std::map<std::array<unsigned int, 4>, std::size_t> chosen;
+    MeshElements boundary;
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+      const unsigned int n = n_vertices_of_element(dim - 1, mesh.faces.n_nodes(f));
+      const std::vector<unsigned int> vertices(mesh.faces.nodes_of(f), mesh.faces.nodes_of(f) + n);
+      const Face face = {sort_vertices(vertices), 0, 0};
+      const auto found = std::lower_bound(all_faces.begin(), all_faces.end(), face);
+      if (found == all_faces.end() || found->sorted != face.sorted)
+        throw MeshError(words_of_face(vertices) + " (element " + std::to_string(mesh.faces.numbers[f]) +
+                        ") is no face of a cell. The mesh of the boundary does not fit that of the body.");
+      const bool is_inside = found + 1 != all_faces.end() && (found + 1)->sorted == face.sorted;
+      if (is_inside)
+        continue;
+      const auto [known, is_new] = chosen.emplace(face.sorted, f);
+      if (is_new)
+        boundary.add(mesh.faces.numbers[f], mesh.faces.ids[f], vertices);
+      else if (mesh.faces.ids[known->second] != mesh.faces.ids[f])
+        throw MeshError(words_of_face(vertices) + " has two boundary ids, " +
+                        std::to_string(mesh.faces.ids[known->second]) + " and " +
+                        std::to_string(mesh.faces.ids[f]) + ". Leave it in one group.");
+    }
+    mesh.faces = std::move(boundary);
+  }
+
+  /// The vertex of deal.II at which the vertices of a quadrilateral or hexahedron of a file stand.
+  static constexpr std::array<unsigned int, 8> place = {
+      {0, 1, dim == 3 ? 5 : 3, dim == 3 ? 4 : 2, 2, 3, 7, 6}};
+
+  MeshFile &mesh;
+  unsigned int n_vertices = 0;
+  bool is_ordered = false; ///< as in deal.II
+  const std::vector<std::vector<unsigned int>> *faces = nullptr;
+  std::vector<Face> all_faces;
+};
+
+} // namespace
+
+template <int dim>
+void examine(MeshFile &mesh)
+{
+  Examination<dim>(mesh).run();
+}
+
+template void examine<2>(MeshFile &);
+template void examine<3>(MeshFile &);
+
+} // namespace dovetail

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/mesh_file.h>
+#include <dovetail/domain/mesh_text.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+namespace dovetail {
+
+namespace {
+
+std::string content_of(const std::string &file_name)
+{
+  std::error_code error;
+  if (std::filesystem::exists(file_name, error) && !std::filesystem::is_regular_file(file_name, error))
+    throw MeshError("it is a directory or a device, not a file.");
+  std::ifstream file(file_name, std::ios::binary);
+  std::ostringstream content;
+  content << file.rdbuf();
+  if (!file.good() || content.str().empty())
+    throw MeshError("it is empty or cannot be read.");
+  return content.str();
+}
+
+/// Both Abaqus and AVS UCD end in .inp; only Abaqus has keyword lines, which start with '*'.
+MeshFile read_inp(MeshText &text, const unsigned int dim)
+{
+  const auto first = text.peek();
+  return !first.empty() && first[0] == '*' ? read_abaqus(text, dim) : read_ucd(text, dim);
+}
+
+using Reader = MeshFile (*)(MeshText &, unsigned int);
+const std::map<std::string, Reader> readers = {
+    {".msh", read_gmsh}, {".vtk", read_vtk}, {".unv", read_unv}, {".inp", read_inp}};
+
+std::string suffix_of(const std::string &file_name)
+{
+  return std::filesystem::path(file_name).extension().string();
+}
+
+} // namespace
+
+bool is_known_mesh_format(const std::string &file_name)
+{
+  return readers.count(suffix_of(file_name)) > 0;
+}
+
+MeshFile read_mesh_file(const std::string &file_name, const unsigned int dim)
+{
+  MeshText text(content_of(file_name));
+  return readers.at(suffix_of(file_name))(text, dim);
+}
+
+} // namespace dovetail

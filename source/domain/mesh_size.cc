@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/mesh_size.h>
+
+#include <deal.II/base/types.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <unistd.h>
+
+namespace dovetail {
+
+namespace {
+
+/// Of this computer, or of the container in it, in bytes.
+double memory_here()
+{
+  double memory = double(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGESIZE);
+  double limit = 0;
+  if (std::ifstream("/sys/fs/cgroup/memory.max") >> limit && limit > 0)
+    memory = std::min(memory, limit);
+  return memory;
+}
+
+/// Of all computers on which ranks run; each counts once.
+double memory_of_all(const MPI_Comm &communicator)
+{
+  MPI_Comm of_computer;
+  MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &of_computer);
+  const bool is_first = dealii::Utilities::MPI::this_mpi_process(of_computer) == 0;
+  MPI_Comm_free(&of_computer);
+  return dealii::Utilities::MPI::sum(is_first ? memory_here() : 0., communicator);
+}
+
+std::string short_number(const double value)
+{
+  std::ostringstream text;
+  text.precision(3);
+  text << value;
+  return text.str();
+}
+
+/// Of a row of a matrix: value and column of each unknown that shares a cell.
+template <int dim>
+double bytes_of_row(const unsigned int degree, const unsigned int n_components)
+{
+  return 12. * n_components * std::pow(std::max(3u, degree + 1), dim);
+}
+
+void check_memory(const Section &section, const std::string &entry, const std::string &what,
+                  const double bytes, const MPI_Comm &communicator)
+{
+  const double memory = memory_of_all(communicator);
+  constexpr double GiB = 1024. * 1024 * 1024;
+  section.check(bytes <= memory, entry,
+                "would give about " + what + ", which need at least " + short_number(bytes / GiB) +
+                    " GiB of memory, more than there is. Make the mesh coarser, or use more computers.");
+}
+
+} // namespace
+
+template <int dim>
+void check_cells(const Section &section, const std::string &entry, const double n_cells,
+                 const double n_copies, const MPI_Comm &communicator)
+{
+  constexpr double bytes_of_cell = dim == 2 ? 400 : 800; // an estimate, rather too small than too large
+  check_memory(section, entry, short_number(n_cells) + " cells",
+               n_cells * (bytes_of_cell * n_copies + bytes_of_row<dim>(1, 1)), communicator);
+}
+
+template <int dim>
+void check_unknowns(const Section &section, const double n_cells, const unsigned int degree,
+                    const unsigned int n_components, const MPI_Comm &communicator)
+{
+  const double n_unknowns = n_cells * std::pow(degree, dim) * n_components;
+  section.check(n_unknowns <= double(std::numeric_limits<int>::max()) ||
+                    sizeof(dealii::types::global_dof_index) > sizeof(int),
+                "Degree",
+                "would give about " + short_number(n_unknowns) +
+                    " unknowns, more than this deal.II can number. Make the mesh coarser, or use a deal.II "
+                    "with 64-bit indices.");
+  check_memory(section, "Degree", short_number(n_unknowns) + " unknowns",
+               n_unknowns * bytes_of_row<dim>(degree, n_components), communicator);
+}
+
+template void check_cells<2>(const Section &, const std::string &, double, double, const MPI_Comm &);
+template void check_cells<3>(const Section &, const std::string &, double, double, const MPI_Comm &);
+template void check_unknowns<2>(const Section &, double, unsigned int, unsigned int, const MPI_Comm &);
+template void check_unknowns<3>(const Section &, double, unsigned int, unsigned int, const MPI_Comm &);
+
+} // namespace dovetail

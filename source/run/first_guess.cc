@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/run/first_guess.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dovetail {
+
+namespace {
+
+/// A sum of values and of their weights.
+using Mean = std::array<double, 2>;
+
+/// The value at which a condition would leave the field alone: the prescribed one, or the ambient one, where
+/// the influx h(T) vanishes, T = -h(0)/h'(0).
+template <int dim>
+std::optional<double> value_of(const Condition<dim> &condition, const dealii::Point<dim> &X, const double t)
+{
+  double value = 0;
+  if (!condition.prescribed_components().empty())
+    value = condition.prescribed_value(X, t, 0);
+  else {
+    const double trace = 0;
+    std::vector<double> flux(1, 0.);
+    dealii::FullMatrix<double> d_flux(1, 1);
+    condition.flux(X, t, &trace, flux, d_flux);
+    if (d_flux(0, 0) == 0)
+      return {};
+    value = -flux[0] / d_flux(0, 0);
+  }
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+/// Calls @p visit with the value of every active condition at the vertices of its faces, if there is one, and
+/// with the size of the face.
+template <int dim, typename Visit>
+void for_each_value(const Domain<dim> &domain, const std::string &field, const double t, const Visit &visit)
+{
+  for (const auto &condition : domain.conditions())
+    if (condition->field.name == field && condition->is_active(t))
+      for (const auto &[cell, number, id] : domain.boundary_faces())
+        if (cell->is_locally_owned() && condition->boundary_ids.count(id) > 0) {
+          const auto face = cell->face(number);
+          const double size = std::pow(face->diameter(), dim - 1);
+          for (const unsigned int v : face->vertex_indices())
+            visit(*condition, face->vertex(v), size);
+        }
+}
+
+template <int dim>
+Mean mean_of(const Domain<dim> &domain, const std::string &field, const double t,
+             const MPI_Comm &communicator)
+{
+  Mean sum{};
+  for_each_value(domain, field, t,
+                 [&](const Condition<dim> &condition, const dealii::Point<dim> &X, const double size) {
+                   auto value = value_of(condition, X, 0.); // loads that grow with t begin there
+                   value = value ? value : value_of(condition, X, t);
+                   if (value) {
+                     sum[0] += size * *value;
+                     sum[1] += size;
+                   }
+                 });
+  return {
+      {dealii::Utilities::MPI::sum(sum[0], communicator), dealii::Utilities::MPI::sum(sum[1], communicator)}};
+}
+
+} // namespace
+
+template <int dim>
+std::vector<double> first_guess(const Model<dim> &model, const std::string &field, const double t)
+{
+  const unsigned int n = model.domains.size();
+  std::vector<Mean> own;
+  std::vector<unsigned int> group(n); // of bodies that are tied to each other
+  for (unsigned int d = 0; d < n; ++d) {
+    own.push_back(mean_of(*model.domains[d], field, t, model.communicator));
+    group[d] = d;
+  }
+  for (const auto &interface : model.interfaces)
+    for (const auto &tied : interface->fields)
+      if (tied.name == field && interface->is_active(t) && interface->tie().holds(tied)) {
+        std::array<unsigned int, 2> of_sides{};
+        for (unsigned int d = 0; d < n; ++d)
+          for (const unsigned int side : {source, destination})
+            if (interface->sides[side].domain == model.domains[d].get())
+              of_sides[side] = group[d];
+        for (unsigned int &of_domain : group)
+          if (of_domain == of_sides[1])
+            of_domain = of_sides[0];
+      }
+  std::vector<Mean> of_group(n, Mean{});
+  for (unsigned int d = 0; d < n; ++d)
+    for (const unsigned int i : {0, 1})
+      of_group[group[d]][i] += own[d][i];
+
+  std::vector<double> guess;
+  for (unsigned int d = 0; d < n; ++d) {
+    const Mean &mean = of_group[group[d]];
+    guess.push_back(mean[1] > 0 ? mean[0] / mean[1] : 0.);
+  }
+  return guess;
+}
+
+template <int dim>
+std::optional<std::array<double, 2>> given_range(const Model<dim> &model, const std::string &field,
+                                                 const double t)
+{
+  const double infinity = std::numeric_limits<double>::infinity();
+  double smallest = infinity, largest = -infinity;
+  bool has_others = false; // that may lead out of any range
+  for (const auto &domain : model.domains) {
+    has_others = has_others || domain->source().find(field) != nullptr;
+    for_each_value(*domain, field, t,
+                   [&](const Condition<dim> &condition, const dealii::Point<dim> &X, double) {
+                     if (const auto value = value_of(condition, X, t)) {
+                       smallest = std::min(smallest, *value);
+                       largest = std::max(largest, *value);
+                     } else
+                       has_others = true;
+                   });
+  }
+  smallest = dealii::Utilities::MPI::min(smallest, model.communicator);
+  largest = dealii::Utilities::MPI::max(largest, model.communicator);
+  if (dealii::Utilities::MPI::max(has_others ? 1 : 0, model.communicator) == 1 || smallest > largest)
+    return {};
+  return std::array<double, 2>{{smallest, largest}};
+}
+
+template std::optional<std::array<double, 2>> given_range(const Model<2> &, const std::string &, double);
+template std::optional<std::array<double, 2>> given_range(const Model<3> &, const std::string &, double);
+template std::vector<double> first_guess(const Model<2> &, const std::string &, double);
+template std::vector<double> first_guess(const Model<3> &, const std::string &, double);
+
+} // namespace dovetail

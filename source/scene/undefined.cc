@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/scene/undefined.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <boost/serialization/utility.hpp>
+
+#include <cmath>
+#include <sstream>
+
+namespace dovetail {
+
+Undefined &last_undefined()
+{
+  static Undefined last;
+  return last;
+}
+
+bool undefined(const std::string &reason, const bool is_at_every_state)
+{
+  last_undefined() = {reason, is_at_every_state};
+  return false;
+}
+
+std::string sentence_about(const Section &section, const std::string &entry, const std::string &message)
+{
+  try {
+    section.fail(entry, message);
+  } catch (const UserError &error) {
+    return error.what();
+  }
+}
+
+std::string in_words(const double number)
+{
+  std::ostringstream words;
+  words.precision(4);
+  words << number;
+  return words.str();
+}
+
+template <int dim>
+std::string in_words(const dealii::Point<dim> &X)
+{
+  std::string words;
+  for (unsigned int d = 0; d < dim; ++d)
+    words += (d > 0 ? ", " : "(") + in_words(X[d]);
+  return words + ")";
+}
+
+template <int dim>
+double finite(const double value, const Section &section, const std::string &entry,
+              const dealii::Point<dim> &X, const double t)
+{
+  if (!std::isfinite(value))
+    undefined(sentence_about(section, entry,
+                             std::string("is ") + (std::isnan(value) ? "not a number" : "infinite") + " at " +
+                                 in_words(X) + " and t = " + in_words(t) + ", but must be a finite number."),
+              true);
+  return value;
+}
+
+Undefined first_of_ranks(const Undefined &of_this_rank, const MPI_Comm &communicator)
+{
+  for (const auto &[reason, is_at_every_state] : dealii::Utilities::MPI::all_gather(
+           communicator, std::make_pair(of_this_rank.reason, of_this_rank.is_at_every_state)))
+    if (!reason.empty())
+      return {reason, is_at_every_state};
+  return {};
+}
+
+void refuse_undefined(const Undefined &of_this_rank, const MPI_Comm &communicator)
+{
+  if (dealii::Utilities::MPI::max(of_this_rank ? 1 : 0, communicator) == 1)
+    throw UserError(first_of_ranks(of_this_rank, communicator).reason);
+}
+
+template std::string in_words(const dealii::Point<2> &);
+template std::string in_words(const dealii::Point<3> &);
+template double finite(double, const Section &, const std::string &, const dealii::Point<2> &, double);
+template double finite(double, const Section &, const std::string &, const dealii::Point<3> &, double);
+
+} // namespace dovetail

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/cell_terms.h>
+#include <dovetail/system/nodal_forces.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace dovetail {
+
+namespace {
+
+using Index = dealii::types::global_dof_index;
+
+/// Whether a vertex of the cell lies on the boundary: only then conditions and ties may hold its nodes.
+template <int dim>
+std::vector<bool> vertices_at_boundary(const Domain<dim> &domain)
+{
+  std::vector<bool> at_boundary(domain.mesh().n_vertices(), false);
+  for (const auto &[cell, face, id] : domain.boundary_faces())
+    for (unsigned int v = 0; v < cell->face(face)->n_vertices(); ++v)
+      at_boundary[cell->face(face)->vertex_index(v)] = true;
+  return at_boundary;
+}
+
+} // namespace
+
+template <int dim>
+NodalForces<dim>::NodalForces(const Model<dim> &model, const ConstraintLines &lines,
+                              const dealii::AffineConstraints<double> &constraints, const Vector &solution,
+                              const double t)
+    : t(t), model(model), lines(lines), constraints(constraints)
+{
+  Vector residual(model.numbering->split(model.numbering->owned), model.communicator);
+  for (const auto &domain : model.domains)
+    add_cells(*domain, solution, residual);
+  for (const auto &interface : model.interfaces) {
+    transmissions[interface.get()] = {};
+    if (interface->is_active(t)) {
+      if (interface->tie().adds_terms())
+        add_groups(*interface, solution, residual);
+      add_terms(*interface, solution, residual);
+    }
+  }
+  residual.compress(dealii::VectorOperation::add);
+  force = passed_on(residual);
+  is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
+  const double undefined = std::numeric_limits<double>::quiet_NaN();
+  if (!is_defined)
+    for (auto &[interface, of_interface] : transmissions)
+      for (Transmission &transmission : of_interface)
+        transmission.influx = {{undefined, undefined}};
+}
+
+template <int dim>
+void NodalForces<dim>::add_at_constrained(const std::vector<Index> &dofs, const std::vector<double> &values,
+                                          Vector &residual) const
+{
+  for (unsigned int i = 0; i < dofs.size(); ++i)
+    if (values[i] != 0 && constraints.is_constrained(dofs[i]))
+      residual(dofs[i]) += values[i];
+}
+
+template <int dim>
+void NodalForces<dim>::add_cells(const Domain<dim> &domain, const Vector &solution, Vector &residual)
+{
+  const std::vector<bool> at_boundary = vertices_at_boundary(domain);
+  const bool has_hanging_nodes = domain.mesh().has_hanging_nodes();
+  CellTerms<dim> terms(domain);
+  std::vector<Index> dofs;
+  std::vector<double> unknowns(domain.dofs_per_cell()), of_cell(unknowns.size());
+  for (const auto &cell : domain.dof_handler().active_cell_iterators()) {
+    if (!cell->is_locally_owned())
+      continue;
+    const auto vertices = cell->vertex_indices();
+    if (!has_hanging_nodes && std::none_of(vertices.begin(), vertices.end(), [&](const unsigned int v) {
+          return at_boundary[cell->vertex_index(v)];
+        }))
+      continue;
+    domain.cell_dofs(cell, dofs);
+    if (std::none_of(dofs.begin(), dofs.end(),
+                     [this](const Index dof) { return constraints.is_constrained(dof); }))
+      continue;
+    solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+    is_defined = terms.assemble(cell, t, unknowns, of_cell, nullptr) && is_defined;
+    add_at_constrained(dofs, of_cell, residual);
+  }
+}
+
+template <int dim>
+void NodalForces<dim>::add_groups(const Interface<dim> &interface, const Vector &solution, Vector &residual)
+{
+  std::vector<Index> dofs;
+  std::vector<double> unknowns, of_group;
+  for (const auto &group : interface.pairing().groups) {
+    interface.group_dofs(group, dofs);
+    unknowns.resize(dofs.size());
+    solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+    of_group.assign(dofs.size(), 0.);
+    is_defined = interface.tie().assemble(interface, group, t, unknowns, of_group, nullptr) && is_defined;
+    add_at_constrained(dofs, of_group, residual);
+    for (unsigned int f = 0; f < interface.fields.size(); ++f)
+      for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
+        Transmission sum = {f, c, {{0, 0}}};
+        for (const unsigned int side : {source, destination}) {
+          const unsigned int n = interface.sides[side].domain->n_nodes();
+          const unsigned int component = interface.fields[f].first_component[side] + c;
+          const auto first = of_group.begin() + (side == source ? 0 : interface.n_local(source)) +
+                             interface.position(side, component) * n;
+          for (unsigned int a = 0; a < n; ++a)
+            sum.influx[side] -= first[a];
+        }
+        transmissions[&interface].push_back(sum);
+      }
+  }
+}
+
+template <int dim>
+void NodalForces<dim>::add_terms(const Interface<dim> &interface, const Vector &solution,
+                                 Vector &residual) const
+{
+  const Tie<dim> &tie = interface.tie();
+  std::vector<double> unknowns, of_term;
+  for (unsigned int i = 0; i < tie.n_terms(); ++i) {
+    const std::vector<Index> &dofs = tie.term_dofs(i);
+    unknowns.resize(dofs.size());
+    solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+    of_term.assign(dofs.size(), 0.);
+    tie.assemble_term(i, unknowns, of_term, nullptr);
+    add_at_constrained(dofs, of_term, residual);
+  }
+}
+
+/// r = R + C^T r; a line may follow another one.
+template <int dim>
+Vector NodalForces<dim>::passed_on(const Vector &residual) const
+{
+  Vector total = residual, passed = residual, previous = residual;
+  const unsigned int longest_chain = 100;
+  for (unsigned int link = 0; link < longest_chain; ++link) {
+    passed = 0;
+    for (const auto &[dof, line] : lines) {
+      const double of_follower = line.entries.empty() ? 0. : total(dof);
+      for (const auto &[other, weight] : line.entries)
+        passed(other) += weight * of_follower;
+    }
+    passed.compress(dealii::VectorOperation::add);
+    previous = total;
+    total = residual;
+    total += passed;
+    previous -= total;
+    if (!(previous.linfty_norm() > 1e-15 * total.linfty_norm()))
+      break;
+  }
+  return total;
+}
+
+template <int dim>
+void NodalForces<dim>::add(const std::vector<std::pair<Index, double>> &pushes)
+{
+  Vector pushed(model.numbering->split(model.numbering->owned), model.communicator);
+  for (const auto &[dof, value] : pushes)
+    pushed(dof) += value;
+  pushed.compress(dealii::VectorOperation::add);
+  force += passed_on(pushed);
+}
+
+template <int dim>
+bool NodalForces<dim>::is_fixed(const Index dof) const
+{
+  const auto *entries = constraints.get_constraint_entries(dof);
+  return constraints.is_constrained(dof) && (entries == nullptr || entries->empty());
+}
+
+/// Followers bring the rounding of their own body with them.
+template <int dim>
+double NodalForces<dim>::rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const
+{
+  std::set<const Domain<dim> *> bodies = {&domain};
+  for (bool is_new = true; is_new;) {
+    is_new = false;
+    for (const auto &interface : model.interfaces)
+      if (interface->is_active(t) && interface->tie().is_strong() &&
+          bodies.count(interface->sides[source].domain) > 0)
+        is_new = bodies.insert(interface->sides[destination].domain).second || is_new;
+  }
+  double sum = 0;
+  for (const auto &body : model.domains)
+    if (const Field *of_body = body->material.find_field(field.name);
+        of_body != nullptr && bodies.count(body.get()) > 0)
+      sum += rounding_of_cells(*body, *of_body, solution) + rounding_of_groups(*body, field, solution);
+  return 1e-15 * dealii::Utilities::MPI::sum(sum, model.communicator);
+}
+
+template <int dim>
+double NodalForces<dim>::rounding_of_cells(const Domain<dim> &domain, const Field &field,
+                                           const Vector &solution) const
+{
+  const unsigned int begin = field.first_component * domain.n_nodes(),
+                     end = begin + field.n_components * domain.n_nodes();
+  CellTerms<dim> terms(domain);
+  dealii::FullMatrix<double> tangent(domain.dofs_per_cell(), domain.dofs_per_cell());
+  std::vector<Index> dofs;
+  std::vector<double> unknowns(domain.dofs_per_cell()), residual(unknowns.size());
+  double sum = 0;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      domain.cell_dofs(cell, dofs);
+      solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+      if (terms.assemble(cell, t, unknowns, residual, &tangent))
+        for (unsigned int i = begin; i < end; ++i)
+          for (unsigned int j = 0; j < dofs.size(); ++j)
+            sum += std::abs(tangent(i, j) * unknowns[j]);
+    }
+  return sum;
+}
+
+template <int dim>
+double NodalForces<dim>::rounding_of_groups(const Domain<dim> &domain, const Field &field,
+                                            const Vector &solution) const
+{
+  double sum = 0;
+  std::vector<Index> dofs;
+  std::vector<double> unknowns, residual;
+  dealii::FullMatrix<double> tangent;
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t) && interface->tie().adds_terms() &&
+        std::any_of(interface->sides.begin(), interface->sides.end(),
+                    [&](const auto &side) { return side.domain == &domain; }) &&
+        std::any_of(interface->fields.begin(), interface->fields.end(),
+                    [&](const TiedField &tied) { return tied.name == field.name; }))
+      for (const auto &group : interface->pairing().groups) {
+        interface->group_dofs(group, dofs);
+        unknowns.resize(dofs.size());
+        solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+        residual.assign(dofs.size(), 0.);
+        tangent.reinit(dofs.size(), dofs.size());
+        if (interface->tie().assemble(*interface, group, t, unknowns, residual, &tangent))
+          for (unsigned int i = 0; i < dofs.size(); ++i)
+            for (unsigned int j = 0; j < dofs.size(); ++j)
+              sum += std::abs(tangent(i, j) * unknowns[j]);
+      }
+  return sum;
+}
+
+template class NodalForces<2>;
+template class NodalForces<3>;
+
+} // namespace dovetail

@@ -67,6 +67,8 @@ public:
                        const MPI_Comm &communicator) override;
   void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
                   const MPI_Comm &communicator) override;
+  bool refreeze(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+                const MPI_Comm &communicator) override;
 
   unsigned int n_multipliers(const Interface<dim> &interface, const TiedField &field) const override;
   unsigned int n_terms() const override { return terms.size(); }
@@ -106,6 +108,9 @@ private:
   std::vector<std::vector<double>> penalties(const Interface<dim> &interface, double t,
                                              const typename Tie<dim>::Unknowns &unknowns,
                                              const MPI_Comm &communicator) const;
+  std::vector<double> augmentations(const Interface<dim> &interface, double t,
+                                    const typename Tie<dim>::Unknowns &unknowns,
+                                    const MPI_Comm &communicator) const;
 
   /// The share of an unknown's force that acts on the source, if the destination's gradient bridges a gap.
   double source_share(const Index dof) const
@@ -282,20 +287,51 @@ std::vector<std::vector<double>> Mortar<dim>::penalties(const Interface<dim> &in
   return gamma;
 }
 
+/// w_j of each term.
+template <int dim>
+std::vector<double> Mortar<dim>::augmentations(const Interface<dim> &interface, const double t,
+                                               const typename Tie<dim>::Unknowns &unknowns,
+                                               const MPI_Comm &communicator) const
+{
+  const auto gamma = space->average(penalties(interface, t, unknowns, communicator), communicator);
+  std::vector<double> result;
+  for (const Term &term : terms) {
+    const double w = term.weights.empty() ? 0. : gamma.at(term.node) / space->rows.at(term.node).diagonal;
+    // where the tangent has lost its positivity the last one is kept
+    result.push_back(w >= 0 && std::isfinite(w) ? w : term.augmentation);
+  }
+  return result;
+}
+
 template <int dim>
 void Mortar<dim>::begin_step(const Interface<dim> &interface, const double t,
                              const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
 {
   if (is_dual || (has_begun && interface.has_constant_fluxes()))
     return;
-  const auto gamma = space->average(penalties(interface, t, unknowns, communicator), communicator);
-  for (Term &term : terms)
-    if (term.dofs.size() > 1) {
-      const double w = gamma.at(term.node) / space->rows.at(term.node).diagonal;
-      if (w >= 0 && std::isfinite(w)) // else the tangent has lost its positivity: keep the last one
-        term.augmentation = w;
-    }
+  const auto w = augmentations(interface, t, unknowns, communicator);
+  for (unsigned int i = 0; i < terms.size(); ++i)
+    terms[i].augmentation = w[i];
   has_begun = true;
+}
+
+/// w_j does not change the solution, but if it is decades too large, rounding of w_j g_j drowns the fluxes.
+template <int dim>
+bool Mortar<dim>::refreeze(const Interface<dim> &interface, const double t,
+                           const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
+{
+  const double largest_decrease = 100;
+  if (is_dual || interface.has_constant_fluxes())
+    return false;
+  const auto w = augmentations(interface, t, unknowns, communicator);
+  bool is_outdated = false;
+  for (unsigned int i = 0; i < terms.size(); ++i)
+    is_outdated = is_outdated || terms[i].augmentation > largest_decrease * w[i];
+  if (dealii::Utilities::MPI::max(static_cast<int>(is_outdated), communicator) == 0)
+    return false;
+  for (unsigned int i = 0; i < terms.size(); ++i)
+    terms[i].augmentation = w[i];
+  return true;
 }
 
 template <int dim>

@@ -442,7 +442,8 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
         const bool is_good = chosen.gamma >= 0 && std::isfinite(chosen.gamma) && chosen.weight[source] >= 0 &&
                              chosen.weight[destination] >= 0;
         parameters[i] = is_good ? chosen : old.empty() ? Parameters{{{0.5, 0.5}}, undefined} : old[i];
-        if (!first_gamma.empty() && penalty_rule != PenaltyRule::value)
+        if (!first_gamma.empty() && penalty_rule != PenaltyRule::value &&
+            interface.fields[f].n_components > 1) // a conductivity is positive, whatever it was
           parameters[i].gamma = std::max(parameters[i].gamma, least_share * first_gamma[i]);
         if (may_turn_skew(interface, interface.fields[f]))
           note_bound(f, group, parameters[i]);

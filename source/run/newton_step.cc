@@ -36,8 +36,11 @@ NewtonStep<dim>::NewtonStep(const Model<dim> &model, BlockSystem<dim> &system, c
 }
 
 template <int dim>
-void NewtonStep<dim>::begin(const Vector &x)
+void NewtonStep<dim>::begin(const double t_of_step, const Vector &x)
 {
+  t = t_of_step;
+  start = x;
+  may_adapt = !has_converged;
   is_first_assembly = true;
   criterion.begin_step();
   smallest_at_start.clear();
@@ -231,6 +234,53 @@ bool NewtonStep<dim>::is_update_small() const
   return criterion.is_small(sizes);
 }
 
+/// The first step of a run starts from a guess. Penalties that were frozen there may be decades off where
+/// Newton's method ends, and next to far too large ones rounding drowns all fluxes: they are frozen anew
+/// after its first full update. Only for scalars, of which a conductivity asks; a displacement starts from
+/// rest, and one update of a slender body tells nothing.
+template <int dim>
+bool NewtonStep<dim>::adapt_ties()
+{
+  if (!may_adapt)
+    return false;
+  may_adapt = false;
+  Vector state = start;
+  for (unsigned int b = 0; b < state.n_blocks(); ++b)
+    if (is_scalar(b))
+      state.block(b) = solution.block(b);
+  return system.refreeze(t, state);
+}
+
+/// Of a domain, not of multipliers.
+template <int dim>
+bool NewtonStep<dim>::is_scalar(const unsigned int b) const
+{
+  const Block &block = model.numbering->blocks()[b];
+  return !block.is_of_multipliers &&
+         model.domains[block.domain_index]->fields()[block.field_index].n_components == 1;
+}
+
+template <int dim>
+void NewtonStep<dim>::spread_prescribed_values(Vector &x)
+{
+  trial = x;
+  if (!std::isfinite(assemble(true)))
+    return;
+  linear_solver.set_matrix(system.tangent());
+  has_new_tangent = false;
+  solution = x;
+  update_loads = system.negative_residual();
+  has_moving_loads = false;
+  find_moving_loads();
+  if (!linear_solver.solve(update, moving_loads))
+    return;
+  system.distribute(update);
+  for (unsigned int b = 0; b < x.n_blocks(); ++b)
+    if (is_scalar(b))
+      x.block(b) += update.block(b);
+  is_spread = true;
+}
+
 template <int dim>
 std::string NewtonStep<dim>::what_failed() const
 {
@@ -259,6 +309,8 @@ NewtonResult NewtonStep<dim>::solve(Vector &x, const std::function<void()> &chec
   solution = x;
   NewtonProblem problem;
   problem.is_linear = model.is_linear();
+  problem.confirms_first_update = is_spread;
+  is_spread = false;
   problem.assemble = [&](const bool with_tangent) { return assemble(with_tangent); };
   problem.solve = [&]() { return solve_for_update(check_tangent); };
   problem.try_update = [&](const double damping) {
@@ -277,12 +329,14 @@ NewtonResult NewtonStep<dim>::solve(Vector &x, const std::function<void()> &chec
     difference -= update;
     return norm(difference);
   };
+  problem.adapt = [&]() { return adapt_ties(); };
   problem.report = [&](const unsigned int iteration, const double size, const unsigned int linear_iterations,
                        const double damping) {
     log.newton_iteration(iteration, size, linear_iterations, damping);
   };
   const NewtonResult result = newton.solve(problem);
   found_no_damping = !std::isfinite(result.residuals.back());
+  has_converged = has_converged || result.is_converged;
   needs_iterations = !result.is_converged && result.linear_iterations.size() == newton.largest_number();
   x = solution;
   return result;

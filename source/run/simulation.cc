@@ -8,6 +8,7 @@
 #include <dovetail/output/directory_lock.h>
 #include <dovetail/output/jumps.h>
 #include <dovetail/output/measures.h>
+#include <dovetail/output/resolution.h>
 #include <dovetail/output/shared_file.h>
 #include <dovetail/output/spectrum.h>
 #include <dovetail/run/counters.h>
@@ -252,7 +253,8 @@ void Simulation<dim>::set_initial_values(const double t)
                                    dealii::update_quadrature_points);
     std::vector<dealii::types::global_dof_index> dofs;
     for (const Field &field : domain->fields())
-      if (const Expression *initial = domain->initial().find(field.name);
+      if (const Expression *initial =
+              field.name == guessed_field ? nullptr : domain->initial().find(field.name);
           initial || (may_guess && field.n_components == 1)) {
         if (!initial && guesses.count(field.name) == 0)
           guesses[field.name] = first_guess(model, field.name, t);
@@ -270,6 +272,28 @@ void Simulation<dim>::set_initial_values(const double t)
       }
   }
   solution.compress(dealii::VectorOperation::insert);
+}
+
+/// The first step starts from a guess. If it fails from there, and by a scalar field, that begins anew: from
+/// the mean of what conditions prescribe, which spreads through the bodies as if nothing else acted on them.
+/// @return whether the solution is another guess now
+template <int dim>
+bool Simulation<dim>::guess_again(const double t)
+{
+  const std::string &name = model.numbering->blocks()[newton_step->convergence().worst_part()].field;
+  const bool is_scalar = std::any_of(model.domains.begin(), model.domains.end(), [&](const auto &domain) {
+    const Field *field = domain->material.find_field(name);
+    return field != nullptr && field->n_components == 1;
+  });
+  if (!is_scalar)
+    return false;
+  log.line("  did not converge from the first guess; the " + name + " begins at what is prescribed");
+  guessed_field = name;
+  set_initial_values(t);
+  guessed_field.clear();
+  begin_step(t);
+  newton_step->spread_prescribed_values(solution);
+  return true;
 }
 
 template <int dim>
@@ -290,8 +314,15 @@ void Simulation<dim>::tell_notes()
     if (others != nullptr)
       sentences.insert(sentences.end(), others->begin(), others->end());
   for (const std::string &sentence : sentences)
-    if (report->add_note(sentence))
-      log.line("  note: " + sentence);
+    tell(sentence);
+}
+
+/// Once, in the log and in the report.
+template <int dim>
+void Simulation<dim>::tell(const std::string &note)
+{
+  if (report->add_note(note))
+    log.line("  note: " + note);
 }
 
 /// A linear scene needs no iteration to know that a body is free; a nonlinear one may hold it once it has
@@ -312,7 +343,7 @@ void Simulation<dim>::begin_step(const double t)
     set_up(t);
   const Phases::Scope scope(phases, "setup");
   system->begin_step(t, solution);
-  newton_step->begin(solution);
+  newton_step->begin(t, solution);
 }
 
 template <int dim>
@@ -370,8 +401,20 @@ bool Simulation<dim>::advance(const double t, const double from)
   const Vector last_good = solution;
   NewtonResult result = solve_until_penalties_fit(t);
   can_be_halved = false;
-  if (!result.is_converged && steps.is_adaptive && !model.is_linear()) {
+  const bool may_try_again = steps.is_adaptive && !model.is_linear();
+  if (!result.is_converged && may_try_again && from == 0) {
     solution = last_good;
+    if (guess_again(t)) {
+      begin_step(t);
+      append(result, solve_until_penalties_fit(t));
+    }
+  }
+  if (!result.is_converged && may_try_again) {
+    solution = last_good;
+    if (from == 0) { // the guess may have been another one
+      begin_step(t);
+      newton_step->loads_at(solution);
+    }
     can_be_halved = loads_depend_on_time(t, from);
     if (!can_be_halved)
       append(result, continue_in_load(t));
@@ -410,8 +453,7 @@ void Simulation<dim>::check_range(const double t)
     words << "the " << blocks[b].field << " of " << blocks[b].name << " runs from " << smallest << " to "
           << largest << ", but what is prescribed allows only " << (*range)[0] << " to " << (*range)[1]
           << ": the result is not to be trusted. Refine the mesh where the field is steep";
-    if (report->add_note(words.str()))
-      log.line("  note: " + words.str());
+    tell(words.str());
   }
 }
 
@@ -424,7 +466,7 @@ bool Simulation<dim>::nothing_changes(const double t, const double from)
   if (from == 0 || model.is_linear() || model.interfaces.empty() || system->is_outdated(t))
     return false;
   system->set_time(t);
-  newton_step->begin(solution);
+  newton_step->begin(t, solution);
   return newton_step->residual_at(solution) <= newton.residual_tolerance() && !system->moves_constraints();
 }
 
@@ -478,10 +520,6 @@ NewtonResult Simulation<dim>::continue_in_load(const double t)
 template <int dim>
 void Simulation<dim>::explain_failure(const double t)
 {
-  const auto tell = [this](const std::string &note) {
-    if (report->add_note(note))
-      log.line("  note: " + note);
-  };
   const unsigned int part = newton_step->convergence().worst_part();
   const Block &block = model.numbering->blocks()[part];
   std::ostringstream words;
@@ -584,9 +622,7 @@ bool Simulation<dim>::run()
     log.line("  no results: the first step did not converge");
   }
   if (is_converged)
-    for (const std::string &sentence : explain_jumps(model, t, (*report)["domains"], (*report)["interfaces"]))
-      if (report->add_note(sentence))
-        log.line("  note: " + sentence);
+    explain_solution(t);
   if (with_spectrum && is_converged)
     measure_spectrum_of_groups();
   else if (with_spectrum)
@@ -730,8 +766,20 @@ void Simulation<dim>::measure(const double t, const bool is_converged)
   (*report)["balance"] = measure_balance(model, reactions, ghosted, newton.residual_tolerance(), notes);
   (*report)["probes"] = probes.evaluate(ghosted, reactions);
   for (const std::string &sentence : notes) // after a failure the ties are those of the step that failed
-    if (is_converged && report->add_note(sentence))
-      log.line("  note: " + sentence);
+    if (is_converged)
+      tell(sentence);
+}
+
+/// What a user should know about it.
+template <int dim>
+void Simulation<dim>::explain_solution(const double t)
+{
+  Vector ghosted = system->ghosted_vector();
+  ghosted = solution;
+  for (const std::string &sentence : explain_resolution(model, ghosted, t))
+    tell(sentence);
+  for (const std::string &sentence : explain_jumps(model, t, (*report)["domains"], (*report)["interfaces"]))
+    tell(sentence);
 }
 
 /// With a run that is more exact, or for runs that are less so.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace dovetail {
 
@@ -28,6 +29,8 @@ namespace {
 
 const double smallest_damping = 1e-6;
 const double largest_reduction = 10; ///< of a damping that was too bold: far off, no estimate holds
+/// Of the residual, by a full update that is trusted. That of a body of slenderness s grows by less than s^3.
+const double largest_growth = 1e10;
 /// A linear system is solved once; how far rounding lets the residual down depends on its condition.
 /// A singular system leaves a residual of order one.
 const double largest_linear_residual = 1e-3;
@@ -46,18 +49,24 @@ double Newton::predict(const NewtonProblem &problem, const Damping &last) const
 }
 
 /// The updates are measured, not the residual. The full update is taken as long as it is defined and not
-/// larger than the two before: a slender body goes through states with large residuals, and needs them. Else,
-/// and until a full update is taken again, the tangent K that dx was solved with must confirm what is
-/// taken: the correction c = -K^-1 R(x + a dx) is smaller than dx, by a/4 where a < 1 (Deuflhard's
-/// natural monotonicity test). While prescribed values move, only the share a of them does.
+/// larger than the two before: a slender body goes through states with large residuals, and needs them, but
+/// not through any. Else, and until a full update is taken again, the tangent K that dx was solved with must
+/// confirm what is taken: the correction c = -K^-1 R(x + a dx) is smaller than dx, by a/4 where a < 1
+/// (Deuflhard's natural monotonicity test). While prescribed values move, only the share a of them does, and
+/// the residual @p norm at x says nothing.
 /// @return the norm at the trial state, NaN if no damping helps.
-double Newton::search_line(const NewtonProblem &problem, const bool with_tangent, Damping &damping) const
+double Newton::search_line(const NewtonProblem &problem, const double norm, const bool with_tangent,
+                           Damping &damping) const
 {
   const double update = problem.update_norm(), before = std::max(damping.update, damping.update_before);
   damping.factor = predict(problem, damping);
   damping.update_before = damping.update;
   damping.update = update;
-  bool is_trusted = !line_search || (damping.factor == 1 && (before == 0 || update <= before));
+  const bool is_first = before == 0;
+  bool is_trusted =
+      !line_search || (damping.factor == 1 && (is_first ? !problem.confirms_first_update : update <= before));
+  const double largest_norm =
+      problem.moves_constraints() ? std::numeric_limits<double>::max() : largest_growth * norm;
   const auto reduce = [&](const double proposed) {
     damping.factor = std::max(std::min(proposed, damping.factor / 2), damping.factor / largest_reduction);
   };
@@ -65,7 +74,7 @@ double Newton::search_line(const NewtonProblem &problem, const bool with_tangent
     const bool is_full = damping.factor == 1;
     problem.try_update(damping.factor);
     const double new_norm = problem.assemble(with_tangent && is_full);
-    if (!line_search || (is_trusted && std::isfinite(new_norm)))
+    if (!line_search || (is_trusted && new_norm <= largest_norm))
       return new_norm;
     is_trusted = false;
     if (!std::isfinite(new_norm)) {
@@ -133,7 +142,7 @@ NewtonResult Newton::solve(const NewtonProblem &problem) const
     result.linear_iterations.push_back(*linear_iterations);
     // near convergence the next tangent is probably not needed
     const bool is_near = norm * norm <= relative_tolerance;
-    norm = search_line(problem, !is_near, damping);
+    norm = search_line(problem, norm, !is_near, damping);
     const bool is_done = norm <= relative_tolerance && damping.factor == 1 && problem.is_update_small();
     if (is_near && !is_done && std::isfinite(norm) && damping.factor == 1)
       norm = problem.assemble(true);
@@ -145,6 +154,12 @@ NewtonResult Newton::solve(const NewtonProblem &problem) const
     if (is_done) {
       result.is_converged = true;
       return result;
+    }
+    if (damping.factor == 1 && problem.adapt && problem.adapt()) {
+      norm = problem.assemble(true);
+      damping = {};
+      if (!std::isfinite(norm))
+        return result;
     }
   }
   return result;

@@ -27,11 +27,16 @@ public:
   NewtonStep(const Model<dim> &model, BlockSystem<dim> &system, const Newton &newton, LinearSolver &solver,
              Phases &phases, Log &log);
 
-  /// Before the first solve() of a step, from @p x.
-  void begin(const Vector &x);
+  /// Before the first solve() of a step to time @p t, from @p x.
+  void begin(double t, const Vector &x);
   /// Newton's method from @p x, which becomes the last state that was accepted. @p check_tangent is called
   /// with each new tangent of a linear scene.
   NewtonResult solve(Vector &x, const std::function<void()> &check_tangent);
+
+  /// Let the scalar fields of @p x follow the prescribed values of the step through the tangent at x, as if
+  /// nothing else acted on them: what a constant conductivity without sources would do. Nothing if that
+  /// fails.
+  void spread_prescribed_values(Vector &x);
 
   /// Norms at the beginning of the step: of the residual, of what is prescribed.
   const std::array<double, 2> &loads() const { return loads_at_start; }
@@ -55,6 +60,8 @@ private:
   void learn_scales();
   double norm(const Vector &of_update) const;
   bool is_update_small() const;
+  bool adapt_ties();
+  bool is_scalar(unsigned int block) const;
 
   const Model<dim> &model;
   BlockSystem<dim> &system;
@@ -64,6 +71,11 @@ private:
   Log &log;
   Convergence criterion;
   Vector solution, trial, update, correction, update_loads, moving_loads;
+  double t = 0;
+  Vector start;                                            ///< of the step
+  bool has_converged = false;                              ///< some step; the first starts from a guess
+  bool may_adapt = true;                                   ///< the ties, once in a step that does
+  bool is_spread = false;                                  ///< the next solve() starts so
   std::vector<double> smallest_at_start, largest_at_start; ///< values, by block
   std::vector<double> scales;                              ///< of the updates, by block
   std::array<double, 2> loads_at_start{};

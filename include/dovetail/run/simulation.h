@@ -62,10 +62,12 @@ private:
   std::vector<SolveGroup::Sum> linear_part(unsigned int block_number) const;
   void check_formulas() const;
   void set_initial_values(double t);
+  bool guess_again(double t);
   void make_system(double t);
   void set_up(double t);
   void begin_step(double t);
   void tell_notes();
+  void tell(const std::string &note);
   bool advance(double t, double from);
   void check_range(double t);
   bool nothing_changes(double t, double from);
@@ -86,6 +88,7 @@ private:
   void write_output(double t, unsigned int step, bool is_last);
   void measure(double t, bool is_converged);
   void compare(double t, bool is_converged);
+  void explain_solution(double t);
   void measure_spectrum_of_groups();
   void write_report(bool is_converged);
 
@@ -109,6 +112,7 @@ private:
   std::unique_ptr<Report> report;
   std::unique_ptr<NewtonStep<dim>> newton_step;
   Vector solution;
+  std::string guessed_field;                        ///< that starts from given values, not from its Initial
   bool can_be_halved = true;                        ///< the step that has failed
   std::optional<NodalForces<dim>> forces;           ///< at the solution, once they are asked for
   bool lacks_multipliers = false;                   ///< those of the solution have not been looked for

@@ -16,7 +16,8 @@ namespace dovetail {
 /// What Newton's method needs of a nonlinear system with the unknowns x, which the system holds itself.
 struct NewtonProblem
 {
-  bool is_linear = false; ///< one iteration is exact
+  bool is_linear = false;             ///< one iteration is exact
+  bool confirms_first_update = false; ///< x is a guess at which no update is trusted
 
   /// Assemble at the trial state, with or without the tangent; the size of the residual relative to what is
   /// at work, NaN if it is not defined.
@@ -46,6 +47,9 @@ struct NewtonProblem
   std::function<std::optional<Correction>(double damping)> correct;
   /// The distance of the last correction from dx.
   std::function<double()> distance_of_correction;
+  /// At x, after each full update that does not end the iteration: whether the equations have changed, what
+  /// is frozen in them being adapted to x. May be missing.
+  std::function<bool()> adapt;
 
   /// Told of each iteration: number, norm, linear iterations, damping.
   std::function<void(unsigned int, double, unsigned int, double)> report;
@@ -77,7 +81,7 @@ private:
     double factor = 1, update = 0, update_before = 0, correction = 0;
   };
   double predict(const NewtonProblem &problem, const Damping &last) const;
-  double search_line(const NewtonProblem &problem, bool with_tangent, Damping &damping) const;
+  double search_line(const NewtonProblem &problem, double norm, bool with_tangent, Damping &damping) const;
   void solve_linear(const NewtonProblem &problem, NewtonResult &result) const;
 
   double relative_tolerance, tolerance;

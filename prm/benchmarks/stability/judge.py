@@ -15,7 +15,7 @@ import math
 
 ENERGY, FLUX, REFERENCE = 2.0, 10.0, 0.01
 BAD = ("WRONG", "CRASH")
-WORDS = ("coercive", "errs", "oscillates", "swap", "locks")  # of notes that say that the answer may be off
+WORDS = ("coercive", "errs", "oscillates", "swap", "locks", "resolve")  # of notes that say that the answer may be off
 
 
 def is_finite(number):

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Whether a mesh resolves what a law makes of the solution.
+
+#pragma once
+
+#include <dovetail/system/model.h>
+
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// How much a conductivity that depends on the solution may vary within a cell without a note.
+inline constexpr double largest_variation = 100;
+
+/// Sentences about scalar fields whose conductivity |dA/dgrad B| varies more than that over the quadrature
+/// points of one cell: on such a mesh the discrete equations may have several solutions, and the one that was
+/// found may be far from the true one. @p solution: ghosted. Collective.
+template <int dim>
+std::vector<std::string> explain_resolution(const Model<dim> &model, const Vector &solution, double t);
+
+} // namespace dovetail

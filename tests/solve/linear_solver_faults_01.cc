@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What one rank alone meets. Two tied cubes that conduct heat, once with Nitsche's method (CG with multigrid)
+// and once with standard multipliers (GMRES with multigrid and a Schur complement). At each place where
+// memory is taken or a library is entered, one rank in turn is told that there is no memory. All ranks must
+// go the same way: to MUMPS if the iteration fails, which gives the solution of an undisturbed run (relative
+// difference at most 1e-8); nowhere if MUMPS fails. A rank that went another way would wait for the others,
+// and the test would not end.
+//
+// ranks: 2 3
+
+#include "../system/scene_model.h"
+
+#include <dovetail/solve/linear_solver.h>
+
+#include <new>
+
+using namespace test;
+
+namespace {
+
+std::string scene(const std::string &tie)
+{
+  const auto body = [](const std::string &arguments, const std::string &id, const std::string &value) {
+    return set("Material", "one") + set("Boundary conditions", "end") +
+           subsection("Boundary condition end", set("Type", "value") + set("Field", "temperature") +
+                                                    set("Boundary ids", id) + set("Expression", value)) +
+           box(arguments);
+  };
+  return set("Materials", "one") + set("Domains", "left, right") + set("Interfaces", "seam") +
+         subsection("Material one", subsection("Heat", set("Type", "Fourier") + set("Conductivity", "3"))) +
+         subsection("Domain left", body("4, 4, 5 : 0, 0, 0 : 1, 1, 1", "0", "y*z")) +
+         subsection("Domain right", body("3, 5, 4 : 1, 0, 0 : 2, 1, 1", "1", "2 + y")) +
+         subsection("Interface seam", tie + set("Source", "left : 1") + set("Destination", "right : 0"));
+}
+
+/// One group of all blocks, as a simulation makes it.
+SolveGroup group_of(const Model<3> &model)
+{
+  SolveGroup group;
+  group.name = "temperature";
+  group.near_null_space = [&model](const unsigned int block, const bool of_all_blocks) {
+    return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
+  };
+  for (unsigned int b = 0; b < model.numbering->blocks().size(); ++b)
+    (model.numbering->blocks()[b].is_of_multipliers ? group.multiplier_blocks : group.blocks).push_back(b);
+  return group;
+}
+
+/// What came out, the same on all ranks: "solved" by what, "not solved", or where the ranks differ.
+std::string outcome(const std::optional<unsigned int> &n_iterations, const LinearSolver &solver,
+                    const double error)
+{
+  const std::string own = n_iterations ? (error <= 1e-8 ? "solved" : "wrong") : "not solved";
+  const std::string text = own + ", " + solver.description()[0];
+  for (const std::string &of_rank : dealii::Utilities::MPI::all_gather(MPI_COMM_WORLD, text))
+    if (of_rank != text)
+      return "the ranks differ";
+  return text;
+}
+
+void check(const std::string &name, const std::string &tie)
+{
+  SceneModel<3> scene_model(scene(tie));
+  BlockSystem<3> system(scene_model.model);
+  system.set_up(1.);
+  Vector x = system.owned_vector();
+  system.begin_step(1., x);
+  system.assemble(x, true);
+
+  const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD),
+                     n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
+  Vector reference;
+  const auto solve = [&](const std::string &type, const std::vector<std::string> &places,
+                         const unsigned int faulty_rank) {
+    LinearSolver solver(
+        SceneText::root(SceneText::from_prm(set("Type", type) + set("Relative tolerance", "1e-12"))),
+        {group_of(scene_model.model)});
+    solver.set_fault([&](const std::string &place) {
+      if (rank == faulty_rank && std::find(places.begin(), places.end(), place) != places.end())
+        throw std::bad_alloc();
+    });
+    Vector solution = system.owned_vector();
+    solver.set_matrix(system.tangent());
+    const auto n_iterations = solver.solve(solution, system.negative_residual());
+    if (places.empty())
+      reference = solution;
+    Vector difference = solution;
+    difference -= reference;
+    return outcome(n_iterations, solver, difference.l2_norm() / reference.l2_norm());
+  };
+  const auto tell = [&](const std::string &type, const std::vector<std::string> &places) {
+    std::vector<std::string> of_ranks;
+    for (unsigned int faulty = 0; faulty < n_ranks; ++faulty)
+      of_ranks.push_back(solve(type, places, faulty));
+    const bool is_same =
+        std::all_of(of_ranks.begin(), of_ranks.end(), [&](const auto &text) { return text == of_ranks[0]; });
+    if (!is_rank_0())
+      return;
+    std::cout << "  " << type << ',';
+    for (const std::string &place : places)
+      std::cout << ' ' << place;
+    std::cout << ": " << (is_same ? of_ranks[0] : "it depends on the rank") << std::endl;
+  };
+
+  if (is_rank_0())
+    std::cout << name << std::endl;
+  tell("multigrid", {});
+  for (const std::string place : {"modes", "multigrid", "iteration"})
+    tell("multigrid", {place});
+  for (const std::string place : {"factorisation", "analysis", "factors", "solution"}) {
+    tell("multigrid", {"iteration", place});
+    tell("direct", {place});
+  }
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  check("Nitsche", set("Type", "Nitsche"));
+  check("standard multipliers", set("Type", "mortar") + set("Multiplier space", "standard"));
+}

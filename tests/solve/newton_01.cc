@@ -3,9 +3,9 @@
 //
 // Newton's method for one unknown. Quadratic: x^2 - 2 from 1.5, where e_(k+1) = e_k^2 / (2 x_k), by hand.
 // Line search: log(x) from 5, whose full update leaves the domain of the logarithm, and exp(x) - 1 from -6,
-// whose full update of 402 makes the residual grow by 1e174: the first update is trusted if it is defined, so
-// this needs more iterations than there are, and a run would divide the load. exp(5 x) has no zero, but its
-// residual vanishes as x runs off: its updates never become small. A failure is a status, not an exception.
+// whose full update of 402 would make the residual grow by 1e174, so it is not trusted. exp(5 x) has no zero,
+// but its residual vanishes as x runs off: its updates never become small. A failure is a status, not an
+// exception.
 
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/solve/newton.h>
@@ -13,6 +13,7 @@
 #include <cmath>
 #include <iomanip>
 #include <iostream>
+#include <utility>
 
 using namespace dovetail;
 
@@ -26,7 +27,8 @@ struct Toy
 
   std::function<double(double)> f, slope;
   double x;
-  bool is_linear = false, moves_constraints = false;
+  bool is_linear = false, moves_constraints = false, confirms_first_update = false;
+  double adapts_to = 0; ///< if not 0: the factor of the equation after the first full update
   double linear_residual = 0;
   unsigned int fails_at = 1000; ///< number of the solve that fails
   unsigned int n_solves = 0, n_assemblies = 0, n_tangents = 0;
@@ -37,11 +39,14 @@ struct Toy
     double trial = x, tangent = 0, residual = 0, dx = 0, solved_with = 0, correction = 0;
     NewtonProblem problem;
     problem.is_linear = is_linear;
+    problem.confirms_first_update = confirms_first_update;
+    double factor = 1;
+    problem.adapt = [&]() { return adapts_to != 0 && std::exchange(factor, adapts_to) == 1; };
     problem.assemble = [&](const bool with_tangent) {
       ++n_assemblies;
       n_tangents += with_tangent;
-      residual = f(trial);
-      tangent = with_tangent ? slope(trial) : 0; // a tangent that was not asked for is of no use
+      residual = factor * f(trial);
+      tangent = with_tangent ? factor * slope(trial) : 0; // a tangent that was not asked for is of no use
       return std::abs(residual);
     };
     problem.solve = [&]() -> std::optional<unsigned int> {
@@ -54,7 +59,7 @@ struct Toy
     problem.update_norm = [&]() { return std::abs(dx); };
     problem.is_update_small = [&]() { return std::abs(dx) <= 1e-3 * std::max(1., std::abs(x)); };
     problem.correct = [&](const double damping) {
-      correction = -f(trial) / solved_with;
+      correction = -factor * f(trial) / solved_with;
       return NewtonProblem::Correction{std::abs(correction), std::abs(correction - (1 - damping) * dx)};
     };
     problem.distance_of_correction = [&]() { return std::abs(correction - dx); };
@@ -108,6 +113,14 @@ int main(int argc, char **argv)
   show("logarithm", logarithm);
   show("logarithm without line search", logarithm, "set Line search = false");
   show("exponential", exponential);
+  toy = exponential;
+  toy.x = -1; // the full update of 1.7 makes the residual grow by less than 2
+  show("exponential, nearer", toy);
+  toy.confirms_first_update = true;
+  show("exponential, nearer, from a guess", toy);
+  toy = exponential;
+  toy.adapts_to = 2; // as many times the equation from then on
+  show("exponential, adapted", toy);
   show("too few iterations", root, "set Maximum iterations = 2");
 
   toy = root;

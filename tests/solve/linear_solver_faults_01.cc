@@ -14,6 +14,7 @@
 
 #include <dovetail/solve/linear_solver.h>
 
+#include <algorithm>
 #include <new>
 
 using namespace test;

@@ -5,6 +5,7 @@
 #include <dovetail/domain/domain.h>
 #include <dovetail/domain/is_covered.h>
 #include <dovetail/domain/mesh_size.h>
+#include <dovetail/domain/simplices.h>
 
 #include <dovetail/compatibility.h>
 
@@ -13,7 +14,6 @@
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_simplex_p.h>
 #include <deal.II/fe/fe_values.h>
-#include <deal.II/fe/mapping_fe.h>
 #include <deal.II/fe/mapping_q.h>
 #include <deal.II/lac/affine_constraints.h>
 
@@ -86,7 +86,8 @@ void Domain<dim>::choose_element()
                   "is " + std::to_string(degree) +
                       ", but triangles and tetrahedra have the degrees 1 and 2 only (with deal.II 9.6 or "
                       "newer also 3).");
-    cell_mapping = std::make_unique<dealii::MappingFE<dim>>(dealii::FE_SimplexP<dim>(1));
+    cell_mapping = mapping_of_simplices(*triangulation);
+    degree_of_mapping = has_curved_simplices(*triangulation) ? 2 : 1;
     element = std::make_unique<dealii::FESystem<dim>>(SimplexElement<dim>(degree), n_components());
     return;
   }
@@ -262,6 +263,7 @@ Domain<dim>::refine(const std::vector<bool> &marked, const dealii::TrilinosWrapp
   triangulation->execute_coarsening_and_refinement();
 
   const MPI_Comm communicator = ghosted.get_mpi_communicator();
+  examine_cells(section.subsection("Mesh"), *triangulation, *cell_mapping, scalar_element(), communicator);
   collect_boundary_faces(communicator);
   distribute_dofs();
   dealii::TrilinosWrappers::MPI::Vector refined(dofs.locally_owned_dofs(), communicator);

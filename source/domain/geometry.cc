@@ -9,6 +9,7 @@
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/polynomial.h>
 #include <deal.II/base/quadrature_lib.h>
+#include <deal.II/fe/fe_simplex_p.h>
 
 namespace dovetail {
 
@@ -45,6 +46,29 @@ void LagrangeBasis<structdim>::evaluate(const Point<structdim> &xi, std::vector<
   polynomials.evaluate(xi, values, gradients, hessians, no_third_derivatives, no_fourth_derivatives);
 }
 
+template <int structdim>
+SimplexBasis<structdim>::SimplexBasis(const unsigned int degree)
+    : points(FE_SimplexP<structdim>(degree).get_unit_support_points()),
+      polynomials(BarycentricPolynomials<structdim>::get_fe_p_basis(degree))
+{
+}
+
+template <int structdim>
+void SimplexBasis<structdim>::evaluate(const Point<structdim> &xi, std::vector<double> &values,
+                                       std::vector<Tensor<1, structdim>> &gradients,
+                                       std::vector<Tensor<2, structdim>> &hessians) const
+{
+  for (unsigned int a = 0; a < values.size(); ++a)
+    values[a] = polynomials.compute_value(a, xi);
+  for (unsigned int a = 0; a < gradients.size(); ++a)
+    gradients[a] = polynomials.compute_grad(a, xi);
+  for (unsigned int a = 0; a < hessians.size(); ++a)
+    hessians[a] = polynomials.compute_grad_grad(a, xi);
+}
+
+template class SimplexBasis<1>;
+template class SimplexBasis<2>;
+template class SimplexBasis<3>;
 template class LagrangeBasis<1>;
 template class LagrangeBasis<2>;
 template class LagrangeBasis<3>;

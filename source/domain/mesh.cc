@@ -5,6 +5,7 @@
 #include <dovetail/domain/mesh.h>
 #include <dovetail/domain/mesh_examination.h>
 #include <dovetail/domain/mesh_file.h>
+#include <dovetail/domain/mesh_note.h>
 #include <dovetail/domain/mesh_size.h>
 #include <dovetail/domain/simplices.h>
 
@@ -95,21 +96,32 @@ std::vector<dealii::CellData<structdim>> cell_data(const MeshElements &elements)
 }
 
 template <int dim>
+dealii::Point<dim> in_dim(const dealii::Point<3> &X)
+{
+  dealii::Point<dim> result;
+  for (unsigned int d = 0; d < dim; ++d)
+    result[d] = X[d];
+  return result;
+}
+
+template <int dim>
 void read_file(const Section &section, const std::string &file_name, const MPI_Comm &communicator,
-               dealii::Triangulation<dim> &mesh)
+               dealii::Triangulation<dim> &mesh, NodesOnEdges<dim> &nodes_on_edges, std::string &note)
 {
   section.check(is_known_mesh_format(file_name), "File",
                 "names '" + file_name +
                     "', whose format is not known. Use .msh (Gmsh 2.2 or 4.1), .inp "
                     "(Abaqus or AVS UCD), .vtk or .unv.");
   const MeshFile content = read_on_one_rank<dim>(section, file_name, communicator);
+  note = content.note;
   std::vector<dealii::Point<dim>> vertices;
   vertices.reserve(content.nodes.size());
-  for (const auto &node : content.nodes) {
-    vertices.emplace_back();
-    for (unsigned int d = 0; d < dim; ++d)
-      vertices.back()[d] = node[d];
-  }
+  for (const auto &node : content.nodes)
+    vertices.push_back(in_dim<dim>(node));
+  nodes_on_edges.resize(content.nodes_on_edges.empty() ? 0 : content.cells.size());
+  for (std::size_t c = 0, i = 0; c < nodes_on_edges.size(); ++c)
+    for (auto &node : nodes_on_edges[c])
+      node = in_dim<dim>(content.nodes_on_edges[i++]);
   auto cells = cell_data<dim>(content.cells);
   for (std::size_t c = 0; c < cells.size(); ++c)
     cells[c].material_id = content.cells.ids[c];
@@ -138,7 +150,8 @@ void read_file(const Section &section, const std::string &file_name, const MPI_C
 
 /// A file or a generator; the latter's arguments tell how large its mesh will be.
 template <int dim>
-void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, dealii::Triangulation<dim> &mesh)
+void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, dealii::Triangulation<dim> &mesh,
+                      NodesOnEdges<dim> &nodes_on_edges, std::string &note)
 {
   const auto file_name = section.read<std::string>(
       "File", "", "The file of the mesh: .msh (Gmsh 2.2 or 4.1), .inp (Abaqus or AVS UCD), .vtk or .unv [-]");
@@ -161,12 +174,12 @@ void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, deal
     of_scene.make(mesh);
     section.check(mesh.n_active_cells() > 0, "Generator", "gives a mesh without cells.");
   } else
-    read_file(section, file_name, communicator, mesh);
+    read_file(section, file_name, communicator, mesh, nodes_on_edges, note);
 }
 
 /// A distributed mesh together with the coarse mesh it came from: some of deal.II's manifolds refer to it.
 template <int dim>
-class MeshWithOrigin : public dealii::parallel::distributed::Triangulation<dim>
+class MeshWithOrigin : public dealii::parallel::distributed::Triangulation<dim>, public WithNote
 {
 public:
   using dealii::parallel::distributed::Triangulation<dim>::Triangulation;
@@ -302,7 +315,8 @@ template <int dim>
 std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &communicator)
 {
   auto mesh = std::make_unique<MeshWithOrigin<dim>>(communicator);
-  make_coarse_mesh(section, communicator, mesh->origin);
+  NodesOnEdges<dim> nodes_on_edges;
+  make_coarse_mesh(section, communicator, mesh->origin, nodes_on_edges, mesh->note);
   const bool converts =
       section.choose(
           "Cells", {"as they are", "simplices"}, 0,
@@ -320,12 +334,13 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   if (section.documenting())
     return mesh;
 
-  dealii::Tensor<1, dim> shift_in_dim;
-  for (unsigned int d = 0; d < dim; ++d)
-    shift_in_dim[d] = shift[d];
+  const dealii::Tensor<1, dim> shift_in_dim = in_dim<dim>(shift);
   dealii::Triangulation<dim> coarse_mesh;
   coarse_mesh.copy_triangulation(mesh->origin);
   transform(scale, shift_in_dim, coarse_mesh);
+  for (auto &of_cell : nodes_on_edges)
+    for (dealii::Point<dim> &node : of_cell)
+      node = dealii::Point<dim>(scale * node + shift_in_dim);
   if (local_refinement.is_asked_for())
     local_refinement.check(coarse_mesh, converts);
   const bool becomes_simplices = converts || coarse_mesh.all_reference_cells_are_simplex();
@@ -337,8 +352,8 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
                    coarse_mesh.n_active_cells() * std::pow(2., dim * n_refinements) * n_parts,
                    becomes_simplices ? n_ranks : 1., communicator);
   if (becomes_simplices) {
-    make_simplices(n_refinements, coarse_mesh);
-    return distribute(coarse_mesh, communicator);
+    make_simplices(n_refinements, coarse_mesh, nodes_on_edges);
+    return distribute(coarse_mesh, nodes_on_edges, mesh->note, communicator);
   }
   mesh->copy_triangulation(coarse_mesh);
   if (is_straight(mesh->origin))

@@ -97,10 +97,12 @@ public:
     order_as_in_dealii();
     check_different_nodes();
     turn_mirrored_cells();
+    collect_nodes_on_edges();
     check_doubled_cells();
     sort_faces();
     check_faces_between_cells();
     choose_faces_of_boundary();
+    look_for_cracks();
   }
 
 private:
@@ -192,27 +194,62 @@ private:
                         std::to_string(mesh.node_numbers[mesh.cells.nodes[0]]) + ".");
   }
 
-  /// The further nodes of cells of second order stand in the middle of vertices.
+  /// The further nodes of cells of second order stand in the middle of vertices, or are those of curved
+  /// edges.
   void leave_vertices_only()
   {
-    MeshElements straight;
+    MeshElements vertices_only;
     for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
       const unsigned int *nodes = mesh.cells.nodes_of(c);
-      for (unsigned int i = n_vertices; i < mesh.cells.n_nodes(c); ++i) {
-        const auto &around = middles_of_cell.at({dim, n_vertices})[i - n_vertices];
-        dealii::Point<3> middle;
-        for (const unsigned int v : around)
-          middle += mesh.nodes[nodes[v]] / double(around.size());
-        if (middle.distance(mesh.nodes[nodes[i]]) >
-            1e-6 * mesh.nodes[nodes[around[0]]].distance(mesh.nodes[nodes[around[1]]]))
-          throw MeshError(words_of(c) + " is curved: its node " +
-                          std::to_string(mesh.node_numbers[nodes[i]]) +
-                          " does not stand in the middle between vertices. Curved cells of files are not "
-                          "understood; make a mesh of first order, finer at round boundaries.");
-      }
-      straight.add(mesh.cells.numbers[c], mesh.cells.ids[c], vertices_of(c));
+      for (unsigned int i = n_vertices; i < mesh.cells.n_nodes(c); ++i)
+        look_at_further_node(c, nodes, nodes[i], middles_of_cell.at({dim, n_vertices})[i - n_vertices]);
+      vertices_only.add(mesh.cells.numbers[c], mesh.cells.ids[c], vertices_of(c));
     }
-    mesh.cells = std::move(straight);
+    mesh.cells = std::move(vertices_only);
+  }
+
+  void look_at_further_node(const std::size_t cell, const unsigned int *nodes, const unsigned int node,
+                            const std::vector<unsigned int> &around)
+  {
+    dealii::Point<3> middle;
+    for (const unsigned int v : around)
+      middle += mesh.nodes[nodes[v]] / double(around.size());
+    const double length = mesh.nodes[nodes[around[0]]].distance(mesh.nodes[nodes[around[1]]]);
+    const bool is_straight = middle.distance(mesh.nodes[node]) <= 1e-6 * length;
+    if (n_vertices > dim + 1) {
+      if (!is_straight)
+        throw MeshError(words_of(cell) + " is curved: its node " + std::to_string(mesh.node_numbers[node]) +
+                        " does not stand in the middle between vertices. Curved " +
+                        (dim == 2 ? "quadrilaterals" : "hexahedra") +
+                        " of files are not understood; make a mesh of " +
+                        (dim == 2 ? "triangles" : "tetrahedra") +
+                        " of second order, or one of first order that is finer at round boundaries.");
+      return;
+    }
+    is_curved = is_curved || !is_straight;
+    const auto edge = std::minmax(nodes[around[0]], nodes[around[1]]);
+    const auto [known, is_new] = node_on_edge.emplace(edge, node);
+    if (mesh.nodes[known->second].distance(mesh.nodes[node]) > 1e-6 * length)
+      throw MeshError("the edge between the nodes " + numbers_of({edge.first, edge.second}) + " around " +
+                      place_of({edge.first, edge.second}) + " has two different nodes on it, " +
+                      numbers_of({known->second, node}) +
+                      ", so the elements that share it do not fit together.");
+  }
+
+  /// In the order that MeshFile wants; an edge of an element of first order is straight.
+  void collect_nodes_on_edges()
+  {
+    for (std::size_t c = 0; is_curved && c < mesh.cells.size(); ++c) {
+      const auto vertices = vertices_of(c);
+      for (unsigned int i = 0; i < n_vertices; ++i)
+        for (unsigned int j = i + 1; j < n_vertices; ++j) {
+          const auto found = node_on_edge.find(std::minmax(vertices[i], vertices[j]));
+          mesh.nodes_on_edges.push_back(
+              found != node_on_edge.end()
+                  ? mesh.nodes[found->second]
+                  : dealii::Point<3>((mesh.nodes[vertices[i]] + mesh.nodes[vertices[j]]) / 2));
+        }
+    }
   }
 
   void order_as_in_dealii()
@@ -414,6 +451,43 @@ private:
     mesh.faces = std::move(boundary);
   }
 
+  /// Nodes of the boundary at the same place, up to rounding. They do not belong to one face, so the body is
+  /// open between them.
+  void look_for_cracks()
+  {
+    std::vector<unsigned int> nodes;
+    for (std::size_t f = 0; f < all_faces.size(); ++f)
+      if ((f == 0 || all_faces[f - 1].sorted != all_faces[f].sorted) &&
+          (f + 1 == all_faces.size() || all_faces[f + 1].sorted != all_faces[f].sorted))
+        for (const unsigned int node : all_faces[f].sorted)
+          if (node != std::numeric_limits<unsigned int>::max())
+            nodes.push_back(node);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    double size = 0;
+    for (const unsigned int node : nodes)
+      size = std::max(size, mesh.nodes[node].distance(mesh.nodes[nodes[0]]));
+    std::vector<std::pair<std::array<double, 3>, unsigned int>> places;
+    for (const unsigned int node : nodes) {
+      places.push_back({{}, node});
+      for (unsigned int d = 0; d < dim && size > 0; ++d)
+        places.back().first[d] =
+            std::nearbyint((mesh.nodes[node][d] - mesh.nodes[nodes[0]][d]) / (1e-9 * size));
+    }
+    std::sort(places.begin(), places.end());
+    unsigned int n = 0, first = 0;
+    for (unsigned int i = 1; i < places.size(); ++i)
+      if (places[i].first == places[i - 1].first && n++ == 0)
+        first = i;
+    if (n > 0)
+      mesh.note = std::to_string(n) + (n == 1 ? " node of the mesh stands" : " nodes of the mesh stand") +
+                  " where another one does, for instance the nodes " +
+                  numbers_of({places[first - 1].second, places[first].second}) + " at " +
+                  place_of({places[first].second}) +
+                  ": the body has a crack there, nothing passes through it. If that is not meant, merge such "
+                  "nodes (Gmsh: Coherence Mesh)";
+  }
+
   /// The vertex of deal.II at which the vertices of a quadrilateral or hexahedron of a file stand.
   static constexpr std::array<unsigned int, 8> place = {
       {0, 1, dim == 3 ? 5 : 3, dim == 3 ? 4 : 2, 2, 3, 7, 6}};
@@ -421,6 +495,8 @@ private:
   MeshFile &mesh;
   unsigned int n_vertices = 0;
   bool is_ordered = false; ///< as in deal.II
+  bool is_curved = false;
+  std::map<std::pair<unsigned int, unsigned int>, unsigned int> node_on_edge; ///< of simplices
   const std::vector<std::vector<unsigned int>> *faces = nullptr;
   std::vector<Face> all_faces;
 };

@@ -11,6 +11,7 @@ namespace dovetail {
 template <int dim>
 ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
     : domain(domain), geometry(domain.mapping_degree()), element(domain.degree),
+      geometry_of_simplex(domain.has_simplices() ? domain.mapping_degree() : 1),
       measure_of_cell(domain.mapping(), domain.scalar_element(),
                       gauss_rule<dim>(domain.cell_shape(), domain.mapping_degree() + 1),
                       dealii::update_JxW_values),
@@ -20,12 +21,16 @@ ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
       nodes(geometry.size()), values(element.size()), geometry_gradients(geometry.size()),
       element_gradients(element.size())
 {
-  if (domain.has_simplices())
-    return;
   if (domain.mapping_degree() > 1)
     geometry_nodes = std::make_unique<dealii::FEValues<dim>>(
-        domain.mapping(), domain.scalar_element(), dealii::Quadrature<dim>(geometry.support_points()),
+        domain.mapping(), domain.scalar_element(),
+        dealii::Quadrature<dim>(domain.has_simplices() ? geometry_of_simplex.support_points()
+                                                       : geometry.support_points()),
         dealii::update_quadrature_points);
+  if (domain.has_simplices()) {
+    geometry_gradients.resize(geometry_of_simplex.size());
+    return;
+  }
   for (const auto &point : domain.scalar_element().get_unit_support_points()) {
     unsigned int nearest = 0;
     for (unsigned int i = 1; i < element.size(); ++i)
@@ -39,7 +44,7 @@ ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
 template <int dim>
 void ShapeEvaluator<dim>::reinit(const cell_iterator &cell)
 {
-  if (domain.has_simplices()) {
+  if (domain.has_simplices() && domain.mapping_degree() == 1) {
     inverse_of_simplex = dealii::invert(jacobian_of_simplex<dim>(cell));
     return;
   }
@@ -54,8 +59,16 @@ void ShapeEvaluator<dim>::reinit(const cell_iterator &cell)
 
 template <int dim>
 void ShapeEvaluator<dim>::evaluate_simplex(const dealii::Point<dim> &unit_point, double *shape_values,
-                                           dealii::Tensor<1, dim> *shape_gradients) const
+                                           dealii::Tensor<1, dim> *shape_gradients)
 {
+  if (domain.mapping_degree() > 1) {
+    geometry_of_simplex.evaluate(unit_point, no_values, geometry_gradients, no_hessians);
+    dealii::Tensor<2, dim> jacobian; // dX_i / dxi_j
+    for (unsigned int a = 0; a < nodes.size(); ++a)
+      for (unsigned int i = 0; i < dim; ++i)
+        jacobian[i] += nodes[a][i] * geometry_gradients[a];
+    inverse_of_simplex = dealii::invert(jacobian);
+  }
   for (unsigned int a = 0; a < domain.n_nodes(); ++a) {
     shape_values[a] = domain.scalar_element().shape_value(a, unit_point);
     shape_gradients[a] = domain.scalar_element().shape_grad(a, unit_point) * inverse_of_simplex;

@@ -4,10 +4,15 @@
 // The division of tetrahedra: J. Bey, Tetrahedral grid refinement, Computing 55 (1995). deal.II's own
 // flattens them more and more before version 9.6.
 
+#include <dovetail/domain/geometry.h>
+#include <dovetail/domain/mesh_note.h>
 #include <dovetail/domain/simplices.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/distributed/fully_distributed_tria.h>
+#include <deal.II/fe/fe_simplex_p.h>
+#include <deal.II/fe/mapping_fe.h>
+#include <deal.II/grid/cell_id.h>
 #include <deal.II/grid/grid_generator.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/grid/tria_description.h>
@@ -15,6 +20,7 @@
 
 #include <algorithm>
 #include <map>
+#include <unordered_map>
 
 namespace dovetail {
 
@@ -35,6 +41,12 @@ public:
     if (is_new)
       vertices.push_back((vertices[a] + vertices[b]) / 2);
     return middle->second;
+  }
+
+  /// The middle of a curved edge.
+  void place(const unsigned int a, const unsigned int b, const dealii::Point<dim> &X)
+  {
+    vertices[(*this)(a, b)] = X;
   }
 
   const dealii::Point<dim> &point(const unsigned int vertex) const { return vertices[vertex]; }
@@ -99,20 +111,91 @@ void append(const std::vector<Simplex> &parts, const unsigned int id,
   }
 }
 
+/// The edges of a simplex, as pairs of its vertices.
+template <int dim>
+std::array<std::array<unsigned int, 2>, dim *(dim + 1) / 2> edges()
+{
+  std::array<std::array<unsigned int, 2>, dim *(dim + 1) / 2> result;
+  for (unsigned int i = 0, edge = 0; i <= dim; ++i)
+    for (unsigned int j = i + 1; j <= dim; ++j)
+      result[edge++] = {{i, j}};
+  return result;
+}
+
+template <int dim>
+dealii::Point<dim> reference_vertex(const unsigned int i)
+{
+  return i == 0 ? dealii::Point<dim>() : dealii::Point<dim>::unit_vector(i - 1);
+}
+
+/// Its nodes in the order of the support points of the quadratic element.
+template <int dim, typename Edges>
+std::vector<dealii::Point<dim>> nodes_of_cell(const typename dealii::Triangulation<dim>::cell_iterator &cell,
+                                              const Edges &nodes_on_edges, const SimplexBasis<dim> &quadratic)
+{
+  std::vector<dealii::Point<dim>> nodes;
+  for (const unsigned int v : cell->vertex_indices())
+    nodes.push_back(cell->vertex(v));
+  for (unsigned int a = dim + 1; a < quadratic.size(); ++a)
+    for (unsigned int e = 0; e < nodes_on_edges.size(); ++e)
+      if (const auto [i, j] = edges<dim>()[e];
+          quadratic.support_points()[a].distance(
+              dealii::Point<dim>((reference_vertex<dim>(i) + reference_vertex<dim>(j)) / 2)) < 0.1)
+        nodes.push_back(nodes_on_edges[e]);
+  return nodes;
+}
+
+/// The nodes on the edges of the parts of a curved cell: images of the middles in its reference coordinates.
+template <int dim>
+void divide_edges(const typename dealii::Triangulation<dim>::cell_iterator &cell,
+                  const std::vector<Simplex> &parts, const NodesOnEdges<dim> &nodes_on_edges,
+                  Middles<dim> &middle, NodesOnEdges<dim> &result)
+{
+  static const SimplexBasis<dim> quadratic(2);
+  static std::vector<double> values(quadratic.size());
+  static std::vector<dealii::Tensor<1, dim>> no_gradients;
+  static std::vector<dealii::Tensor<2, dim>> no_hessians;
+  const auto nodes = nodes_of_cell<dim>(cell, nodes_on_edges[cell->active_cell_index()], quadratic);
+  std::map<unsigned int, dealii::Point<dim>> place; // of the vertices of the parts in the cell
+  for (const unsigned int v : cell->vertex_indices())
+    place[cell->vertex_index(v)] = reference_vertex<dim>(v);
+  for (const auto [i, j] : edges<dim>())
+    place[middle(cell->vertex_index(i), cell->vertex_index(j))] =
+        dealii::Point<dim>((reference_vertex<dim>(i) + reference_vertex<dim>(j)) / 2);
+  for (const Simplex &part : parts) {
+    result.emplace_back();
+    for (unsigned int e = 0; e < edges<dim>().size(); ++e) {
+      const auto [i, j] = edges<dim>()[e];
+      quadratic.evaluate(dealii::Point<dim>((place.at(part[i]) + place.at(part[j])) / 2), values,
+                         no_gradients, no_hessians);
+      for (unsigned int a = 0; a < nodes.size(); ++a)
+        result.back()[e] += values[a] * nodes[a];
+    }
+  }
+}
+
 /// Divide every triangle into 4, every tetrahedron into 8.
 template <int dim>
-void divide_simplices(dealii::Triangulation<dim> &mesh)
+void divide_simplices(dealii::Triangulation<dim> &mesh, NodesOnEdges<dim> &nodes_on_edges)
 {
   std::vector<dealii::Point<dim>> vertices = mesh.get_vertices();
   Middles<dim> middle(vertices);
+  NodesOnEdges<dim> of_parts;
   std::vector<dealii::CellData<dim>> cells;
   dealii::SubCellData faces;
   for (const auto &cell : mesh.active_cell_iterators()) {
     const auto v = [&](const unsigned int i) { return cell->vertex_index(i); };
+    for (unsigned int e = 0; e < edges<dim>().size() && !nodes_on_edges.empty(); ++e)
+      middle.place(v(edges<dim>()[e][0]), v(edges<dim>()[e][1]),
+                   nodes_on_edges[cell->active_cell_index()][e]);
+    std::vector<Simplex> parts;
     if constexpr (dim == 2)
-      append(divide_triangle({v(0), v(1), v(2)}, middle), cell->material_id(), cells);
+      parts = divide_triangle({v(0), v(1), v(2)}, middle);
     else
-      append(divide_tetrahedron({v(0), v(1), v(2), v(3)}, middle), cell->material_id(), cells);
+      parts = divide_tetrahedron({v(0), v(1), v(2), v(3)}, middle);
+    append(parts, cell->material_id(), cells);
+    if (!nodes_on_edges.empty())
+      divide_edges<dim>(cell, parts, nodes_on_edges, middle, of_parts);
     for (const auto &face : cell->face_iterators())
       if (face->at_boundary()) {
         const auto w = [&](const unsigned int i) { return face->vertex_index(i); };
@@ -124,6 +207,7 @@ void divide_simplices(dealii::Triangulation<dim> &mesh)
   }
   mesh.clear();
   mesh.create_triangulation(vertices, cells, faces);
+  nodes_on_edges = std::move(of_parts);
 }
 
 template <int dim>
@@ -139,14 +223,51 @@ void convert_hypercubes(dealii::Triangulation<dim> &mesh)
   mesh.copy_triangulation(simplices);
 }
 
+/// A mesh with the nodes on the edges of this rank's cells, known by the number in their CellId.
+template <int dim>
+class MeshOfSimplices : public dealii::parallel::fullydistributed::Triangulation<dim>, public WithNote
+{
+public:
+  using dealii::parallel::fullydistributed::Triangulation<dim>::Triangulation;
+  std::unordered_map<dealii::types::coarse_cell_id, typename NodesOnEdges<dim>::value_type> nodes_on_edges;
+  bool is_curved = false; ///< also on ranks without cells
+};
+
+template <int dim>
+class QuadraticMapping : public dealii::MappingFE<dim>
+{
+public:
+  explicit QuadraticMapping(const MeshOfSimplices<dim> &mesh)
+      : dealii::MappingFE<dim>(dealii::FE_SimplexP<dim>(2)), mesh(mesh), quadratic(2)
+  {
+  }
+
+  std::unique_ptr<dealii::Mapping<dim>> clone() const override
+  {
+    return std::make_unique<QuadraticMapping>(mesh);
+  }
+
+protected:
+  std::vector<dealii::Point<dim>> compute_mapping_support_points(
+      const typename dealii::Triangulation<dim>::cell_iterator &cell) const override
+  {
+    return nodes_of_cell<dim>(cell, mesh.nodes_on_edges.at(cell->id().get_coarse_cell_id()), quadratic);
+  }
+
+private:
+  const MeshOfSimplices<dim> &mesh;
+  const SimplexBasis<dim> quadratic;
+};
+
 } // namespace
 
 template <int dim>
-void make_simplices(const unsigned int n_refinements, dealii::Triangulation<dim> &mesh)
+void make_simplices(const unsigned int n_refinements, dealii::Triangulation<dim> &mesh,
+                    NodesOnEdges<dim> &nodes_on_edges)
 {
   if (mesh.all_reference_cells_are_simplex())
     for (unsigned int i = 0; i < n_refinements; ++i)
-      divide_simplices(mesh);
+      divide_simplices(mesh, nodes_on_edges);
   else {
     mesh.refine_global(n_refinements);
     convert_hypercubes(mesh);
@@ -156,7 +277,9 @@ void make_simplices(const unsigned int n_refinements, dealii::Triangulation<dim>
 }
 
 template <int dim>
-std::unique_ptr<Mesh<dim>> distribute(dealii::Triangulation<dim> &mesh, const MPI_Comm &communicator)
+std::unique_ptr<Mesh<dim>> distribute(dealii::Triangulation<dim> &mesh,
+                                      const NodesOnEdges<dim> &nodes_on_edges, const std::string &note,
+                                      const MPI_Comm &communicator)
 {
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator);
   if (mesh.n_active_cells() > n_ranks)
@@ -164,15 +287,43 @@ std::unique_ptr<Mesh<dim>> distribute(dealii::Triangulation<dim> &mesh, const MP
   else // METIS wants more
     for (const auto &cell : mesh.active_cell_iterators())
       cell->set_subdomain_id(cell->active_cell_index());
-  auto distributed = std::make_unique<dealii::parallel::fullydistributed::Triangulation<dim>>(communicator);
+  auto distributed = std::make_unique<MeshOfSimplices<dim>>(communicator);
   distributed->create_triangulation(
       dealii::TriangulationDescription::Utilities::create_description_from_triangulation(mesh, communicator));
+  distributed->note = note;
+  distributed->is_curved = !nodes_on_edges.empty();
+  for (const auto &cell : distributed->active_cell_iterators())
+    if (distributed->is_curved && !cell->is_artificial()) {
+      const auto number = cell->id().get_coarse_cell_id();
+      distributed->nodes_on_edges[number] = nodes_on_edges[number];
+    }
   return distributed;
 }
 
-template void make_simplices<2>(unsigned int, dealii::Triangulation<2> &);
-template void make_simplices<3>(unsigned int, dealii::Triangulation<3> &);
-template std::unique_ptr<Mesh<2>> distribute<2>(dealii::Triangulation<2> &, const MPI_Comm &);
-template std::unique_ptr<Mesh<3>> distribute<3>(dealii::Triangulation<3> &, const MPI_Comm &);
+template <int dim>
+bool has_curved_simplices(const Mesh<dim> &mesh)
+{
+  const auto *of_simplices = dynamic_cast<const MeshOfSimplices<dim> *>(&mesh);
+  return of_simplices != nullptr && of_simplices->is_curved;
+}
+
+template <int dim>
+std::unique_ptr<dealii::Mapping<dim>> mapping_of_simplices(const Mesh<dim> &mesh)
+{
+  if (has_curved_simplices(mesh))
+    return std::make_unique<QuadraticMapping<dim>>(dynamic_cast<const MeshOfSimplices<dim> &>(mesh));
+  return std::make_unique<dealii::MappingFE<dim>>(dealii::FE_SimplexP<dim>(1));
+}
+
+template void make_simplices<2>(unsigned int, dealii::Triangulation<2> &, NodesOnEdges<2> &);
+template void make_simplices<3>(unsigned int, dealii::Triangulation<3> &, NodesOnEdges<3> &);
+template std::unique_ptr<Mesh<2>> distribute<2>(dealii::Triangulation<2> &, const NodesOnEdges<2> &,
+                                                const std::string &, const MPI_Comm &);
+template std::unique_ptr<Mesh<3>> distribute<3>(dealii::Triangulation<3> &, const NodesOnEdges<3> &,
+                                                const std::string &, const MPI_Comm &);
+template std::unique_ptr<dealii::Mapping<2>> mapping_of_simplices<2>(const Mesh<2> &);
+template std::unique_ptr<dealii::Mapping<3>> mapping_of_simplices<3>(const Mesh<3> &);
+template bool has_curved_simplices<2>(const Mesh<2> &);
+template bool has_curved_simplices<3>(const Mesh<3> &);
 
 } // namespace dovetail

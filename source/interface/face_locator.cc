@@ -31,6 +31,10 @@ namespace {
 /// Lengths below this fraction of the face size are no distances (see the header).
 constexpr double relative_tolerance = 1e-6;
 
+/// Two polynomials of degree 2 and more that interpolate the same curve differ by much less than this
+/// fraction of their height over the chord, which is O(h^2).
+constexpr double fraction_of_bulge = 0.1;
+
 template <int dim>
 double distance_square(const BoundingBox<dim> &box, const Point<dim> &X)
 {
@@ -77,7 +81,8 @@ SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping
         const auto &points = support_points[f]->get_quadrature_points();
         for (const Point<dim> &point : points)
           all_nodes.push_back(point + shift);
-        faces.push_back({cell, f, shape.diameter(points.data())});
+        faces.push_back(
+            {cell, f, shape.diameter(points.data()), fraction_of_bulge * shape.bulge_of_rim(points.data())});
         const CellId::binary_type id = cell->id().template to_binary<dim>();
         keys.push_back({{id[0], id[1], id[2], id[3], f}});
       }
@@ -85,14 +90,13 @@ SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping
 }
 
 template <int dim>
-void FaceLocator<dim>::Match::set(const FaceShape<dim> &shape, const unsigned int face_no, const double size,
-                                  const Query &query, const SurfacePoint<dim> &point)
+void FaceLocator<dim>::Match::set(const FaceShape<dim> &shape, const unsigned int face_no, const Query &query,
+                                  const SurfacePoint<dim> &point)
 {
   X = point.X;
   N = shape.normal(face_no, point);
   N /= N.norm();
   unit_point = shape.position_in_cell(face_no, point.xi);
-  face_size = size;
   distance = query.X.distance(X);
   // The half-angle form keeps its digits for small angles, which the arc cosine does not.
   angle = 2 * std::asin(std::min(1., 0.5 * (query.N + N).norm()));
@@ -225,7 +229,9 @@ typename FaceLocator<dim>::Match FaceLocator<dim>::Implementation::closest(const
   Match match;
   match.rank = this_rank;
   match.face = face;
-  match.set(side.shape, partner.face_no, partner.size, query, point);
+  match.face_size = partner.size;
+  match.rim_tolerance = partner.rim_tolerance;
+  match.set(side.shape, partner.face_no, query, point);
 
   match.found = is_partner(query, match);
   return match;
@@ -248,7 +254,7 @@ bool FaceLocator<dim>::Implementation::is_partner(const Query &query, const Matc
   const double sideways = std::sqrt(std::max(0., r.norm_square() - normal_distance * normal_distance));
   return query.N * match.N < -relative_tolerance &&
          match.distance <= reach(std::max(match.face_size, query.face_size)) &&
-         sideways <= std::max(relative_tolerance * match.face_size, normal_distance);
+         sideways <= std::max({relative_tolerance * match.face_size, normal_distance, match.rim_tolerance});
 }
 
 template <int dim>
@@ -463,7 +469,7 @@ std::vector<unsigned int> FaceLocator<dim>::Implementation::faces_in(const Bound
   return found;
 }
 
-/// The faces in some boxes, each once: n faces; index, face_no, size, key, nodes of each; then for every box
+/// The faces in some boxes, each once: n faces; index, face_no, sizes, key, nodes of each; then for every box
 /// their number and positions in this list.
 template <int dim>
 std::vector<double>
@@ -489,7 +495,8 @@ FaceLocator<dim>::Implementation::pack_nearby(const std::vector<double> &packed_
   }
   std::vector<double> packed = {double(order.size())};
   for (const unsigned int face : order) {
-    packed.insert(packed.end(), {double(face), double(side.faces[face].face_no), side.faces[face].size});
+    const auto &of_side = side.faces[face];
+    packed.insert(packed.end(), {double(face), double(of_side.face_no), of_side.size, of_side.rim_tolerance});
     packed.insert(packed.end(), side.keys[face].begin(), side.keys[face].end());
     for (unsigned int a = 0; a < side.shape.n_nodes(); ++a)
       for (unsigned int d = 0; d < dim; ++d)
@@ -513,6 +520,7 @@ void FaceLocator<dim>::Implementation::unpack_nearby(const unsigned int rank,
     face.index = *next++;
     face.face_no = *next++;
     face.size = *next++;
+    face.rim_tolerance = *next++;
     for (unsigned int &part : face.key)
       part = *next++;
     face.nodes.resize(side.shape.n_nodes());

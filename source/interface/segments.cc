@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Clipping is done in the coordinates of a chart of the own face: in 2D its reference coordinate, in 3D
-// coordinates in the plane through its corners in units of its size. Straight edges of plane faces are then
-// straight, so the segments are exact. A face that is not plane is integrated over its reference
-// coordinates, to which the corners of its segments are mapped.
+// Faces of the other side are projected to the chart of the own face, where they are clipped: as polygons or,
+// where that is not exact in 3D, as regions with curved edges.
 
 #include <dovetail/domain/quadrature.h>
+#include <dovetail/interface/chart.h>
 #include <dovetail/interface/face_points.h>
 #include <dovetail/interface/region.h>
 
@@ -24,176 +23,6 @@ namespace dovetail {
 using namespace dealii;
 
 namespace {
-
-/// Coordinates s on a face: for clipping and, unless the face is curved in 3D, for integration too.
-template <int dim>
-class Chart
-{
-public:
-  /// @p offset: rounding is relative to this distance from the origin, or to that of the face if it is
-  /// larger.
-  Chart(const FaceShape<dim> &shape, const FaceShape<dim> &bilinear, const Point<dim> *nodes, double size,
-        double offset);
-
-  Region<dim - 1> window;                 ///< the face itself; empty if it has no area
-  std::vector<Point<dim>> nodes_of_plane; ///< of the plane face through the corners
-  bool is_flat, is_affine;
-  double negligible; ///< regions below this fraction of a face are rounding
-
-  /// The projection of a point of the other side.
-  Point<dim - 1> project(const Point<dim> &X) const;
-  /// From the coordinates of the clipping to those of the integration.
-  Region<dim - 1> to_integration(const Region<dim - 1> &region) const;
-  SurfacePoint<dim> evaluate(const Point<dim - 1> &s) const; ///< s of the integration
-  double jacobian(const SurfacePoint<dim> &point) const;     ///< dA / ds there
-
-private:
-  Point<dim> lift(const Point<dim - 1> &s) const; ///< the point of the plane
-  Point<dim - 1> xi_of(const Point<dim - 1> &s) const;
-  void improve(const Point<dim - 1> &s, Point<dim - 1> &xi) const;
-
-  const FaceShape<dim> &shape, &bilinear;
-  const Point<dim> *nodes;
-  double size;
-  Point<dim> origin;
-  std::array<Tensor<1, dim>, dim - 1> axis;
-  Tensor<2, dim - 1> inverse; ///< dxi / ds of an affine face
-};
-
-template <int dim>
-Chart<dim>::Chart(const FaceShape<dim> &shape, const FaceShape<dim> &bilinear, const Point<dim> *nodes,
-                  const double size, const double offset)
-    : is_flat(shape.is_flat(nodes)), is_affine(is_flat && shape.is_affine(nodes)), shape(shape),
-      bilinear(bilinear), nodes(nodes), size(size)
-{
-  origin = shape.corner(nodes, 0);
-  negligible = is_flat ? std::max(1e-13, 4e-15 * std::max(origin.norm(), offset) / size) : 1e-11;
-  const unsigned int n = shape.n_corners();
-  if constexpr (dim == 2) {
-    axis[0] = shape.corner(nodes, 1) - origin;
-    window = {Point<1>(0.), Point<1>(1.)};
-  } else {
-    const Tensor<1, dim> N = n == 3 ? cross_product_3d(nodes[1] - nodes[0], nodes[2] - nodes[0])
-                                    : cross_product_3d(shape.corner(nodes, 2) - origin,
-                                                       shape.corner(nodes, 3) - shape.corner(nodes, 1));
-    if (N.norm_square() == 0) // the face has no area
-      return;
-    axis[0] = shape.corner(nodes, 1) - origin;
-    if (axis[0].norm() < 1e-6 * size) // an edge of a hexahedron may have no length
-      axis[0] = shape.corner(nodes, 2) - origin;
-    axis[0] -= (axis[0] * N) / N.norm_square() * N;
-    axis[0] /= axis[0].norm();
-    axis[1] = cross_product_3d(N / N.norm(), axis[0]);
-    for (unsigned int i = 0; i < n; ++i)
-      window.push_back(project(shape.corner(nodes, i)));
-    if (is_affine) {
-      const Tensor<1, 2> a = window[1] - window[0], b = window[n - 1] - window[0];
-      Tensor<2, 2> edges;
-      for (unsigned int d = 0; d < 2; ++d) {
-        edges[d][0] = a[d];
-        edges[d][1] = b[d];
-      }
-      inverse = invert(edges);
-    } else {
-      for (unsigned int i : {0, 1, 3, 2}) // lexicographic
-        nodes_of_plane.push_back(lift(window[i]));
-    }
-  }
-}
-
-template <int dim>
-Point<dim - 1> Chart<dim>::project(const Point<dim> &X) const
-{
-  Point<dim - 1> s;
-  if constexpr (dim == 2)
-    s[0] = is_flat ? (X - origin) * axis[0] / axis[0].norm_square() : shape.closest(nodes, X).xi[0];
-  else
-    for (unsigned int k = 0; k < dim - 1; ++k)
-      s[k] = (X - origin) * axis[k] / size;
-  return s;
-}
-
-template <int dim>
-Point<dim> Chart<dim>::lift(const Point<dim - 1> &s) const
-{
-  Point<dim> X = origin;
-  for (unsigned int k = 0; k < dim - 1; ++k)
-    X += size * s[k] * axis[k];
-  return X;
-}
-
-template <int dim>
-Point<dim - 1> Chart<dim>::xi_of(const Point<dim - 1> &s) const
-{
-  if constexpr (dim == 2)
-    return s;
-  else
-    return is_affine ? Point<dim - 1>(inverse * (s - window[0]))
-                     : bilinear.closest(nodes_of_plane.data(), lift(s)).xi;
-}
-
-template <int dim>
-Region<dim - 1> Chart<dim>::to_integration(const Region<dim - 1> &region) const
-{
-  if (dim == 2 || is_flat)
-    return region;
-  Region<dim - 1> result;
-  for (const auto &corner : region) {
-    result.push_back(xi_of(corner));
-    if (shape.degree() > 1)
-      improve(corner, result.back());
-  }
-  return result;
-}
-
-/// Newton's method for project(X(xi)) = s on the true face, from the plane one. On the rim xi stays on the
-/// rim, so that the segments still tile the face.
-template <int dim>
-void Chart<dim>::improve(const Point<dim - 1> &s, Point<dim - 1> &xi) const
-{
-  if constexpr (dim == 3) {
-    const auto is_on_rim = [&xi](const unsigned int k) { return xi[k] < 1e-10 || xi[k] > 1 - 1e-10; };
-    const std::array<bool, 2> is_fixed{{is_on_rim(0), is_on_rim(1)}};
-    const Point<2> start = xi;
-    for (unsigned int iteration = 0; iteration < 10 && !(is_fixed[0] && is_fixed[1]); ++iteration) {
-      const SurfacePoint<dim> point = shape.evaluate(nodes, xi);
-      const Tensor<1, 2> rest = s - project(point.X);
-      Tensor<2, 2> J; // ds / dxi
-      for (unsigned int k = 0; k < 2; ++k)
-        for (unsigned int l = 0; l < 2; ++l)
-          J[k][l] = axis[k] * point.tangent[l] / size;
-      Tensor<1, 2> step;
-      if (!is_fixed[0] && !is_fixed[1])
-        step = invert(J) * rest;
-      else {
-        const unsigned int l = is_fixed[0] ? 1 : 0;
-        const Tensor<1, 2> along({J[0][l], J[1][l]});
-        step[l] = along * rest / along.norm_square();
-      }
-      xi += step;
-      if (step.norm() < 1e-14)
-        break;
-    }
-    const bool is_inside = xi[0] >= 0 && xi[0] <= 1 && xi[1] >= 0 && xi[1] <= 1;
-    if (!is_inside || (xi - start).norm() > 0.25)
-      xi = start; // the face is too strongly curved
-  }
-}
-
-template <int dim>
-SurfacePoint<dim> Chart<dim>::evaluate(const Point<dim - 1> &s) const
-{
-  return shape.evaluate(nodes, is_flat ? xi_of(s) : s);
-}
-
-template <int dim>
-double Chart<dim>::jacobian(const SurfacePoint<dim> &point) const
-{
-  if constexpr (dim == 2)
-    return point.tangent[0].norm();
-  else
-    return is_flat ? size * size : cross_product_3d(point.tangent[0], point.tangent[1]).norm();
-}
 
 Region<1> box_region(const Point<1> &lower, const Point<1> &upper)
 {
@@ -265,6 +94,14 @@ private:
     bool is_tied = true;
   };
 
+  /// The same with curved edges, in 3D.
+  struct CurvedSegment
+  {
+    CurvedRegion region;
+    Segment tied;
+  };
+
+  using FaceBoxes = RTree<std::pair<BoundingBox<dim>, unsigned int>>; ///< of faces of the other side
   using Boxes = RTree<std::pair<BoundingBox<dim - 1>, unsigned int>>; ///< of regions
   static BoundingBox<dim - 1> box_of(const Region<dim - 1> &region);
   static std::vector<unsigned int> overlapping(const Boxes &boxes, const Region<dim - 1> &region);
@@ -272,8 +109,16 @@ private:
                            const std::vector<Segment> &segments, std::vector<Region<dim - 1>> &rest);
 
   void add_face(unsigned int face, const std::vector<unsigned int> &nearby);
-  bool is_near(const Chart<dim> &chart, const Region<dim - 1> &region, const NearbyFace &face,
-               Segment &segment);
+  bool is_near(const SurfacePoint<dim> &middle, const NearbyFace &face, Segment &segment) const;
+  Segment nearest_face(const SurfacePoint<dim> &middle, const FaceBoxes &face_boxes) const;
+  bool has_curves(const Chart<dim> &chart, const std::vector<unsigned int> &nearby) const;
+  bool add_curved_face(const Chart<dim> &chart, const std::vector<unsigned int> &nearby);
+  void add_curved_rest(const Chart<dim> &chart, const CurvedWindow &window,
+                       const std::vector<CurvedSegment> &segments, double area, const FaceBoxes &face_boxes);
+  void add_reference_region(const Region<dim - 1> &region, const FaceBoxes &face_boxes);
+  FaceBoxes boxes_of(const std::vector<unsigned int> &nearby) const;
+  double area_of_current_face() const;
+  void integrate(const Chart<dim> &chart, const CurvedWindow &window, const CurvedSegment &segment);
   void keep_nearest(const Chart<dim> &chart, std::vector<Segment> &segments) const;
   void add_rest(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
                 std::vector<Segment> &segments);
@@ -282,12 +127,16 @@ private:
                       const NearbyFace &partner) const;
   void add_piece(const Chart<dim> &chart, const std::vector<Point<dim - 1>> &corners,
                  const Quadrature<dim - 1> &rule, const Segment &segment);
+  void add_point(const SurfacePoint<dim> &point, double JxW, const Segment &segment);
+  void begin_piece(const std::vector<Point<dim>> &vertices, unsigned int n_points);
+  unsigned int degree_of_rule(const Chart<dim> &chart, const Segment &segment) const;
   Match match(const NearbyFace &partner, const typename FaceLocator<dim>::Query &query) const;
 
   const SideFaces<dim> &own;
   const FaceLocator<dim> &locator;
   const FaceShape<dim> &partner_shape;
   const FaceShape<dim> bilinear_own;
+  const Interpolation edges_of_partner;
   const unsigned int degree; ///< of the elements, the larger one
   const bool has_quadrilaterals;
   typename FaceLocator<dim>::NearbyFaces others;
@@ -300,7 +149,7 @@ template <int dim>
 Segmentation<dim>::Segmentation(const SideFaces<dim> &own, const FaceLocator<dim> &partner,
                                 const unsigned int own_degree, const unsigned int partner_degree)
     : own(own), locator(partner), partner_shape(partner.side().shape), bilinear_own(own.shape.cell(), 1),
-      degree(std::max(own_degree, partner_degree)),
+      edges_of_partner(partner_shape.degree()), degree(std::max(own_degree, partner_degree)),
       has_quadrilaterals(dim == 3 && !(own.shape.is_triangle() && partner_shape.is_triangle()))
 {
 }
@@ -342,20 +191,25 @@ void Segmentation<dim>::add_face(const unsigned int face, const std::vector<unsi
       continue;
     const double area = measure(segment.region);
     if (area > chart.negligible * std::min(whole, measure(of_other)) &&
-        is_near(chart, segment.region, other, segment)) {
+        is_near(chart.evaluate(centroid(chart.to_integration(segment.region))), other, segment)) {
       segments.push_back(segment);
       covered += area;
       largest_distance = std::max(largest_distance, segment.distance);
     }
   }
   // faces that touch this one do not overlap
+  bool have_overlap = false;
   if (largest_distance > 1e-9 * own.faces[face].size || covered > whole * (1 + 1e-9)) {
+    const double before = covered;
     keep_nearest(chart, segments);
     covered =
         std::accumulate(segments.begin(), segments.end(), 0., [](const double sum, const Segment &segment) {
           return sum + measure(segment.region);
         });
+    have_overlap = before - covered > 1e-9 * whole;
   }
+  if (!have_overlap && has_curves(chart, nearby) && add_curved_face(chart, nearby))
+    return;
   if (covered < whole * (1 - 2 * chart.negligible))
     add_rest(chart, nearby, segments);
   for (const Segment &segment : segments)
@@ -370,18 +224,18 @@ typename FaceLocator<dim>::Match Segmentation<dim>::match(const NearbyFace &part
   result.found = true;
   result.rank = partner.rank;
   result.face = partner.index;
-  result.set(partner_shape, partner.face_no, partner.size, query,
-             partner_shape.closest(partner.nodes.data(), query.X));
+  result.face_size = partner.size;
+  result.rim_tolerance = partner.rim_tolerance;
+  result.set(partner_shape, partner.face_no, query, partner_shape.closest(partner.nodes.data(), query.X));
   return result;
 }
 
-/// Whether the face is opposite to a region of the own face and within reach; then it is the segment's
-/// partner.
+/// Whether a face of the other side is opposite to a point of the own face and within reach; then it is the
+/// segment's partner.
 template <int dim>
-bool Segmentation<dim>::is_near(const Chart<dim> &chart, const Region<dim - 1> &region,
-                                const NearbyFace &face, Segment &segment)
+bool Segmentation<dim>::is_near(const SurfacePoint<dim> &middle, const NearbyFace &face,
+                                Segment &segment) const
 {
-  const SurfacePoint<dim> middle = chart.evaluate(centroid(chart.to_integration(region)));
   const Tensor<1, dim> N = own.shape.normal(own.faces[current_face].face_no, middle);
   const typename FaceLocator<dim>::Query query{middle.X, N / N.norm(), own.faces[current_face].size};
   const Match match = this->match(face, query);
@@ -470,32 +324,45 @@ void Segmentation<dim>::add_rest(const Chart<dim> &chart, const std::vector<unsi
     boxes.insert({box_of(segments[i].region), i});
   std::vector<Region<dim - 1>> rest;
   collect_rest(chart.window, boxes, segments, rest);
-  std::vector<std::pair<BoundingBox<dim>, unsigned int>> faces_with_boxes;
-  for (const unsigned int i : nearby)
-    faces_with_boxes.emplace_back(partner_shape.box(others.faces[i].nodes.data()), i);
-  const auto face_boxes = pack_rtree(faces_with_boxes);
-  std::vector<unsigned int> closest;
+  const FaceBoxes face_boxes = boxes_of(nearby);
   const double least = chart.negligible * measure(chart.window);
   for (const auto &part : rest)
     if (measure(part) > least) {
-      Segment best{part, nullptr, std::numeric_limits<double>::infinity(), false};
-      closest.clear();
-      face_boxes.query(
-          boost::geometry::index::nearest(chart.evaluate(centroid(chart.to_integration(part))).X, 8),
-          boost::make_function_output_iterator(
-              [&](const auto &box_and_face) { closest.push_back(box_and_face.second); }));
-      std::sort(closest.begin(), closest.end(), [&](const unsigned int i, const unsigned int j) {
-        return others.faces[i].key < others.faces[j].key;
-      });
-      for (const unsigned int i : closest) {
-        Segment candidate = best;
-        candidate.is_tied = is_near(chart, part, others.faces[i], candidate);
-        if (std::make_pair(!candidate.is_tied, candidate.distance) <
-            std::make_pair(!best.is_tied, best.distance))
-          best = candidate;
-      }
-      segments.push_back(best);
+      segments.push_back(nearest_face(chart.evaluate(centroid(chart.to_integration(part))), face_boxes));
+      segments.back().region = part;
     }
+}
+
+template <int dim>
+typename Segmentation<dim>::FaceBoxes
+Segmentation<dim>::boxes_of(const std::vector<unsigned int> &nearby) const
+{
+  std::vector<std::pair<BoundingBox<dim>, unsigned int>> faces_with_boxes;
+  for (const unsigned int i : nearby)
+    faces_with_boxes.emplace_back(partner_shape.box(others.faces[i].nodes.data()), i);
+  return pack_rtree(faces_with_boxes);
+}
+
+/// The nearest one that is a partner of a point of the own face, or else the nearest one.
+template <int dim>
+typename Segmentation<dim>::Segment Segmentation<dim>::nearest_face(const SurfacePoint<dim> &middle,
+                                                                    const FaceBoxes &face_boxes) const
+{
+  Segment best{{}, nullptr, std::numeric_limits<double>::infinity(), false};
+  std::vector<unsigned int> closest;
+  face_boxes.query(boost::geometry::index::nearest(middle.X, 8),
+                   boost::make_function_output_iterator(
+                       [&](const auto &box_and_face) { closest.push_back(box_and_face.second); }));
+  std::sort(closest.begin(), closest.end(), [&](const unsigned int i, const unsigned int j) {
+    return others.faces[i].key < others.faces[j].key;
+  });
+  for (const unsigned int i : closest) {
+    Segment candidate = best;
+    candidate.is_tied = is_near(middle, others.faces[i], candidate);
+    if (std::make_pair(!candidate.is_tied, candidate.distance) < std::make_pair(!best.is_tied, best.distance))
+      best = candidate;
+  }
+  return best;
 }
 
 /// Whether the edges of a quadrilateral region are along those of both affine faces: then shape functions
@@ -525,6 +392,18 @@ bool Segmentation<dim>::is_aligned_box(const Chart<dim> &chart, const Region<dim
   return false;
 }
 
+/// Exact for products of shape functions where both faces are affine. Rational integrands converge fast with
+/// the degree; in 3D every point costs memory.
+template <int dim>
+unsigned int Segmentation<dim>::degree_of_rule(const Chart<dim> &chart, const Segment &segment) const
+{
+  const bool is_affine =
+      chart.is_affine && segment.partner != nullptr && partner_shape.is_affine(segment.partner->nodes.data());
+  if (dim == 2)
+    return 2 * degree + 1 + (is_affine ? 0 : 2 * std::max(own.shape.degree(), partner_shape.degree()));
+  return 2 * degree * (has_quadrilaterals ? 2 : 1) + (is_affine ? 0 : chart.is_flat ? 4 : 2);
+}
+
 template <int dim>
 void Segmentation<dim>::integrate(const Chart<dim> &chart, const Segment &segment)
 {
@@ -533,17 +412,12 @@ void Segmentation<dim>::integrate(const Chart<dim> &chart, const Segment &segmen
   const Region<dim - 1> region = chart.to_integration(segment.region);
   if (measure(region) <= 0) // of a strongly distorted curved face
     return;
-  const bool is_affine =
-      chart.is_affine && segment.partner != nullptr && partner_shape.is_affine(segment.partner->nodes.data());
-  // rational integrands converge fast with the degree; in 3D every point costs memory
-  const unsigned int mapping_degree = std::max(own.shape.degree(), partner_shape.degree());
-  const unsigned int more = is_affine ? 0 : dim == 2 ? 2 * mapping_degree : chart.is_flat ? 4 : 2;
   if constexpr (dim == 2)
-    add_piece(chart, region, rules.simplex(2 * degree + 1 + more), segment);
+    add_piece(chart, region, rules.simplex(degree_of_rule(chart, segment)), segment);
   else if (segment.is_tied && is_aligned_box(chart, segment.region, *segment.partner))
     add_piece(chart, {region[0], region[1], region[3], region[2]}, QGauss<2>(degree + 1), segment);
   else {
-    const auto &rule = rules.simplex(2 * degree * (has_quadrilaterals ? 2 : 1) + more);
+    const auto &rule = rules.simplex(degree_of_rule(chart, segment));
     if (region.size() == 3)
       return add_piece(chart, region, rule, segment);
     const Point<2> centre = centroid(region);
@@ -563,26 +437,205 @@ void Segmentation<dim>::add_piece(const Chart<dim> &chart, const std::vector<Poi
   double determinant = edge[0][0];
   if constexpr (dim == 3)
     determinant = edge[0][0] * edge[1][1] - edge[0][1] * edge[1][0];
-  if (determinant <= 0)
+  if (determinant == 0) // negative: what a fan that leaves the region takes back
     return;
 
-  typename FacePoints<dim>::Piece piece;
-  piece.begin = points.size();
-  piece.end = piece.begin + rule.size();
-  piece.n_vertices = 0;
+  std::vector<Point<dim>> vertices;
   for (const auto &corner : corners)
-    piece.vertices[piece.n_vertices++] = chart.evaluate(corner).X;
-  points.pieces.push_back(piece);
+    vertices.push_back(chart.evaluate(corner).X);
+  begin_piece(vertices, rule.size());
   for (unsigned int q = 0; q < rule.size(); ++q) {
     Point<dim - 1> s = corners[0];
     for (unsigned int k = 0; k < dim - 1; ++k)
       s += rule.point(q)[k] * edge[k];
     const SurfacePoint<dim> point = chart.evaluate(s);
-    points.add(own, current_face, point, rule.weight(q) * determinant * chart.jacobian(point));
-    points.matches.push_back(segment.partner != nullptr ? match(*segment.partner, points.queries.back())
-                                                        : Match());
-    points.matches.back().found = segment.is_tied;
+    add_point(point, rule.weight(q) * determinant * chart.jacobian(point), segment);
   }
+}
+
+template <int dim>
+void Segmentation<dim>::begin_piece(const std::vector<Point<dim>> &vertices, const unsigned int n_points)
+{
+  typename FacePoints<dim>::Piece piece;
+  piece.begin = points.size();
+  piece.end = piece.begin + n_points;
+  piece.n_vertices = vertices.size();
+  std::copy(vertices.begin(), vertices.end(), piece.vertices.begin());
+  points.pieces.push_back(piece);
+}
+
+template <int dim>
+void Segmentation<dim>::add_point(const SurfacePoint<dim> &point, const double JxW, const Segment &segment)
+{
+  points.add(own, current_face, point, JxW);
+  points.matches.push_back(segment.partner != nullptr ? match(*segment.partner, points.queries.back())
+                                                      : Match());
+  points.matches.back().found = segment.is_tied;
+}
+
+/// Whether polygons would not do: the own face is not flat, or the projection of an edge is not straight.
+template <int dim>
+bool Segmentation<dim>::has_curves(const Chart<dim> &chart, const std::vector<unsigned int> &nearby) const
+{
+  if constexpr (dim == 3) {
+    if (!chart.is_flat)
+      return true;
+    if (partner_shape.degree() == 1)
+      return false;
+    const CurvedWindow window(chart);
+    for (const unsigned int i : nearby)
+      for (const Arc &arc : window.project(partner_shape, others.faces[i].nodes.data(), edges_of_partner))
+        if (arc.degree > 1)
+          return true;
+  }
+  return false;
+}
+
+/// The segments of a face with curved edges. @return false, and nothing is added, if that cannot be done.
+template <int dim>
+bool Segmentation<dim>::add_curved_face(const Chart<dim> &chart, const std::vector<unsigned int> &nearby)
+{
+  if constexpr (dim == 3) {
+    const CurvedWindow window(chart);
+    std::vector<CurvedSegment> segments;
+    double covered = 0;
+    for (const unsigned int i : nearby) {
+      const NearbyFace &other = others.faces[i];
+      CurvedSegment segment;
+      segment.region = window.clip(window.project(partner_shape, other.nodes.data(), edges_of_partner));
+      if (window.has_failed())
+        return false;
+      if (segment.region.size() < 2)
+        continue;
+      const double area = window.measure(segment.region);
+      if (area > chart.negligible * window.measure() &&
+          is_near(chart.evaluate(window.centroid(segment.region)), other, segment.tied)) {
+        segments.push_back(segment);
+        covered += area;
+      }
+    }
+    if (window.has_failed() || covered > window.measure() * (1 + 1e-6))
+      return false;
+    const unsigned int first = points.size();
+    for (const CurvedSegment &segment : segments)
+      integrate(chart, window, segment);
+    const double area = area_of_current_face();
+    const double rest = area - std::accumulate(points.JxW.begin() + first, points.JxW.end(), 0.);
+    if (rest > 1e-9 * area)
+      add_curved_rest(chart, window, segments, rest, boxes_of(nearby));
+  }
+  return dim == 3;
+}
+
+/// A fan about the centroid, X = C + u (c(v) - C) with an arc c(v): Gauss points for u and v, or those of a
+/// triangle where the arc is straight.
+template <int dim>
+void Segmentation<dim>::integrate(const Chart<dim> &chart, const CurvedWindow &window,
+                                  const CurvedSegment &segment)
+{
+  if constexpr (dim == 3) {
+    ++points.n_segments;
+    const unsigned int degree = degree_of_rule(chart, segment.tied);
+    const Point<2> centre = window.centroid(segment.region);
+    for (const Arc &arc : segment.region) {
+      const Point<2> from = window.evaluate(arc, arc.begin).s, to = window.evaluate(arc, arc.end).s;
+      if (window.is_straight(arc)) {
+        add_piece(chart, {centre, from, to}, rules.simplex(degree), segment.tied);
+        continue;
+      }
+      const QGauss<1> along(degree / 2 + 1 + arc.degree), across(degree / 2 + 1);
+      begin_piece({chart.evaluate(centre).X, chart.evaluate(from).X, chart.evaluate(to).X},
+                  along.size() * across.size());
+      for (unsigned int i = 0; i < along.size(); ++i) {
+        const auto end = window.evaluate(arc, arc.begin + (arc.end - arc.begin) * along.point(i)[0]);
+        const Tensor<1, 2> r = end.s - centre;
+        const double weight =
+            along.weight(i) * (arc.end - arc.begin) * (r[0] * end.derivative[1] - r[1] * end.derivative[0]);
+        for (unsigned int j = 0; j < across.size(); ++j) {
+          const double u = across.point(j)[0];
+          const SurfacePoint<dim> point = chart.evaluate(centre + u * r);
+          add_point(point, across.weight(j) * u * weight * chart.jacobian(point), segment.tied);
+        }
+      }
+    }
+  }
+}
+
+/// What the segments leave of the face, @p area, goes to the nearest faces or is not tied. It is cut into
+/// polygons in reference coordinates, with points on the curves as corners, and their weights are scaled so
+/// that their sum is exact.
+template <int dim>
+void Segmentation<dim>::add_curved_rest(const Chart<dim> &chart, const CurvedWindow &window,
+                                        const std::vector<CurvedSegment> &segments, const double area,
+                                        const FaceBoxes &face_boxes)
+{
+  if constexpr (dim == 3) {
+    std::vector<Segment> triangles;
+    Boxes boxes;
+    for (const CurvedSegment &segment : segments) {
+      const Region<2> polygon = window.corners(segment.region);
+      const Point<2> centre = centroid(polygon);
+      for (unsigned int i = 0; i < polygon.size(); ++i) {
+        Segment triangle;
+        triangle.region = {centre, polygon[i], polygon[(i + 1) % polygon.size()]};
+        if (measure(triangle.region) > 1e-14) {
+          boxes.insert({box_of(triangle.region), static_cast<unsigned int>(triangles.size())});
+          triangles.push_back(triangle);
+        }
+      }
+    }
+    std::vector<Region<2>> rest;
+    collect_rest(window.reference_corners(), boxes, triangles, rest);
+    const unsigned int first = points.size();
+    for (const Region<2> &part : rest)
+      if (measure(part) > 1e-10)
+        add_reference_region(part, face_boxes);
+    const double sum = std::accumulate(points.JxW.begin() + first, points.JxW.end(), 0.);
+    for (unsigned int q = first; q < points.size(); ++q)
+      points.JxW[q] *= area / sum;
+  }
+}
+
+/// A convex region in reference coordinates of the face.
+template <int dim>
+void Segmentation<dim>::add_reference_region(const Region<dim - 1> &region, const FaceBoxes &face_boxes)
+{
+  if constexpr (dim == 3) {
+    const Point<dim> *nodes = own.nodes(current_face);
+    const Point<2> centre = centroid(region);
+    const Segment segment = nearest_face(own.shape.evaluate(nodes, centre), face_boxes);
+    const auto &rule = rules.simplex(2 * degree + 2);
+    for (unsigned int i = 0; i < region.size(); ++i) {
+      const Tensor<1, 2> a = region[i] - centre, b = region[(i + 1) % region.size()] - centre;
+      begin_piece({own.shape.evaluate(nodes, centre).X, own.shape.evaluate(nodes, region[i]).X,
+                   own.shape.evaluate(nodes, region[(i + 1) % region.size()]).X},
+                  rule.size());
+      for (unsigned int q = 0; q < rule.size(); ++q) {
+        const SurfacePoint<dim> point =
+            own.shape.evaluate(nodes, centre + rule.point(q)[0] * a + rule.point(q)[1] * b);
+        add_point(point,
+                  rule.weight(q) * (a[0] * b[1] - a[1] * b[0]) *
+                      cross_product_3d(point.tangent[0], point.tangent[1]).norm(),
+                  segment);
+      }
+    }
+  }
+}
+
+/// By the rule of Gauss that is exact where the face is flat.
+template <int dim>
+double Segmentation<dim>::area_of_current_face() const
+{
+  const auto rule = gauss_rule<dim - 1>(own.shape.is_triangle() ? ReferenceCells::Triangle
+                                                                : ReferenceCells::get_hypercube<dim - 1>(),
+                                        own.shape.degree() + 3);
+  double area = 0;
+  for (unsigned int q = 0; q < rule.size(); ++q)
+    area += rule.weight(q) * own.shape
+                                 .normal(own.faces[current_face].face_no,
+                                         own.shape.evaluate(own.nodes(current_face), rule.point(q)))
+                                 .norm();
+  return area;
 }
 
 } // namespace

@@ -63,7 +63,7 @@ void CellSearch<dim>::compare(const unsigned int index, const dealii::Point<dim>
   try {
     const typename dealii::Triangulation<dim>::active_cell_iterator mesh_cell(cell);
     const dealii::Point<dim> unit_point =
-        domain.has_simplices()
+        domain.has_simplices() && domain.mapping_degree() == 1
             ? dealii::Point<dim>(dealii::invert(jacobian_of_simplex<dim>(mesh_cell)) * (X - cell->vertex(0)))
             : domain.mapping().transform_real_to_unit_cell(cell, X);
     const double distance = distance_to_unit_cell<dim>(unit_point, domain.has_simplices());

@@ -38,7 +38,8 @@ dealii::Quadrature<dim> points_of_patch(const Domain<dim> &domain)
 {
   if (domain.has_simplices())
     return dealii::Quadrature<dim>(
-        dealii::FE_SimplexP<dim>(std::min(domain.degree, 2U)).get_unit_support_points());
+        dealii::FE_SimplexP<dim>(std::min(std::max(domain.degree, domain.mapping_degree()), 2U))
+            .get_unit_support_points());
   return dealii::QIterated<dim>(dealii::QTrapezoid<1>(), domain.degree);
 }
 

@@ -72,7 +72,10 @@ dealii::Point<dim> find_in_cell(const Domain<dim> &domain, const typename Domain
     return dealii::GeometryInfo<dim>::project_to_unit_cell(
         domain.mapping().transform_real_to_unit_cell(cell, X));
   const typename dealii::Triangulation<dim>::active_cell_iterator mesh_cell(cell);
-  dealii::Point<dim> unit_point(dealii::invert(jacobian_of_simplex<dim>(mesh_cell)) * (X - cell->vertex(0)));
+  dealii::Point<dim> unit_point =
+      domain.mapping_degree() > 1
+          ? domain.mapping().transform_real_to_unit_cell(cell, X)
+          : dealii::Point<dim>(dealii::invert(jacobian_of_simplex<dim>(mesh_cell)) * (X - cell->vertex(0)));
   double first = 1, sum = 0; // barycentric coordinates
   for (unsigned int d = 0; d < dim; ++d) {
     first -= unit_point[d];

@@ -5,6 +5,7 @@
 
 #include <dovetail/compatibility.h>
 #include <dovetail/domain/locking.h>
+#include <dovetail/domain/mesh_note.h>
 #include <dovetail/system/constraints.h>
 
 #include <deal.II/base/mpi.h>
@@ -563,8 +564,10 @@ std::vector<std::string> BlockSystem<dim>::notes() const
 {
   std::vector<std::string> sentences;
   for (const auto &domain : model.domains)
-    if (const std::string note = note_on_locking(*domain, model.communicator); !note.empty())
-      sentences.push_back(domain->name + ": " + note);
+    for (const std::string &note :
+         {note_on_mesh(domain->mesh()), note_on_locking(*domain, model.communicator)})
+      if (!note.empty())
+        sentences.push_back(domain->name + ": " + note);
   for (const auto &interface : model.interfaces)
     if (interface->is_active(time))
       for (const std::string &sentence : interface->tie().notes())

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The mapped shape of one hypercube cell or face as a polynomial through its mapping's support points.
+// The mapped shape of one cell or face as a polynomial through its mapping's support points.
 
 #pragma once
 
 #include <deal.II/base/point.h>
+#include <deal.II/base/polynomials_barycentric.h>
 #include <deal.II/base/tensor.h>
 #include <deal.II/base/tensor_product_polynomials.h>
 
@@ -36,6 +37,26 @@ public:
 private:
   std::vector<dealii::Point<structdim>> points;
   dealii::TensorProductPolynomials<structdim> polynomials;
+};
+
+/// The same for triangles and tetrahedra: the Lagrange basis of FE_SimplexP and its support points.
+template <int structdim>
+class SimplexBasis
+{
+public:
+  explicit SimplexBasis(unsigned int degree);
+
+  unsigned int size() const { return points.size(); }
+  const std::vector<dealii::Point<structdim>> &support_points() const { return points; }
+
+  /// Fill the arrays that are not empty (each must then have size() entries).
+  void evaluate(const dealii::Point<structdim> &xi, std::vector<double> &values,
+                std::vector<dealii::Tensor<1, structdim>> &gradients,
+                std::vector<dealii::Tensor<2, structdim>> &hessians) const;
+
+private:
+  std::vector<dealii::Point<structdim>> points;
+  dealii::BarycentricPolynomials<structdim> polynomials;
 };
 
 } // namespace dovetail

@@ -12,7 +12,8 @@ namespace dovetail {
 /// Bring the vertices of every cell into deal.II's order, mirrored cells the right way round, leave out other
 /// nodes, and examine the mesh in a time linear in the cells (times log, to sort their faces):
 ///
-/// * cells are straight, also those of second order;
+/// * quadrilaterals and hexahedra are straight, also those of second order; of curved triangles and
+/// tetrahedra the nodes on the edges are kept;
 /// * all cells have one shape and different nodes, and lie in one plane in 2D;
 /// * det dX/dxi has one sign at the Gauss points of a cell, which is turned round if that is minus;
 /// * no two cells have the same nodes, at most two cells share a face, from its two sides and with their
@@ -20,7 +21,8 @@ namespace dovetail {
 ///   in the same order round it: cells that lie on the same side overlap;
 /// * a face with an id is a face of a cell, and has one id. Faces between two cells lose theirs.
 ///
-/// Nodes that no cell has are no error, nor are nodes at the same place: a body may have a crack.
+/// Nodes that no cell has are no error. Nodes of the boundary at the same place are none either, since a body
+/// may have a crack, but the mesh gets a note.
 /// @throw MeshError, which names the elements and nodes as in the file and where they are
 template <int dim>
 void examine(MeshFile &mesh);

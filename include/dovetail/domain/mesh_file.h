@@ -57,10 +57,16 @@ struct MeshFile
   std::vector<std::int64_t> node_numbers; ///< as in the file
   MeshElements cells, faces;              ///< of the dimension of the scene and of one less
 
+  /// The nodes on the edges of curved triangles or tetrahedra, cell by cell, of the edges 01, 02, 12 or 01,
+  /// 02, 03, 12, 13, 23 of the cell's vertices. Empty where all cells are straight. Found by examine().
+  std::vector<dealii::Point<3>> nodes_on_edges;
+
+  std::string note; ///< a sentence about what is remarkable, by examine()
+
   template <class Archive>
   void serialize(Archive &archive, const unsigned int)
   {
-    archive &nodes &node_numbers &cells &faces;
+    archive &nodes &node_numbers &cells &faces &nodes_on_edges &note;
   }
 };
 

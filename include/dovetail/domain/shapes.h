@@ -47,9 +47,10 @@ public:
 private:
   const Domain<dim> &domain;
   void evaluate_simplex(const dealii::Point<dim> &unit_point, double *values,
-                        dealii::Tensor<1, dim> *gradients) const;
+                        dealii::Tensor<1, dim> *gradients);
 
-  const LagrangeBasis<dim> geometry, element; ///< of hypercubes
+  const LagrangeBasis<dim> geometry, element;  ///< of hypercubes
+  const SimplexBasis<dim> geometry_of_simplex; ///< of curved triangles or tetrahedra
   std::vector<unsigned int>
       lexicographic; ///< index in `element` of the shape functions of the scalar element
   std::unique_ptr<dealii::FEValues<dim>> geometry_nodes; ///< of curved cells
@@ -60,7 +61,7 @@ private:
   std::vector<dealii::Tensor<1, dim>> geometry_gradients, element_gradients;
   std::vector<dealii::Tensor<2, dim>> no_hessians;
   std::vector<double> no_values;
-  dealii::Tensor<2, dim> inverse_of_simplex; ///< dxi_i / dX_j
+  dealii::Tensor<2, dim> inverse_of_simplex; ///< dxi_i / dX_j of a straight one
 };
 
 } // namespace dovetail

@@ -37,7 +37,8 @@ public:
   {
     typename dealii::Triangulation<dim>::active_cell_iterator cell;
     unsigned int face_no;
-    double size; ///< diameter of the support points
+    double size;          ///< diameter of the support points
+    double rim_tolerance; ///< how far off sideways a point may be: what curved edges leave open
   };
 
   /// Tells which boundary faces are meant, by the cell and the boundary id.
@@ -95,10 +96,10 @@ public:
     dealii::Point<dim> unit_point;                             ///< reference coordinates in the cell
     dealii::Point<dim> X;                                      ///< the closest point
     dealii::Tensor<1, dim> N;                                  ///< the partner's outward normal there
-    double face_size = 0;
+    double face_size = 0, rim_tolerance = 0;
 
-    /// All but found, rank and face, from a point of a face.
-    void set(const FaceShape<dim> &shape, unsigned int face_no, double size, const Query &query,
+    /// All but found, rank, face and sizes, from a point of a face.
+    void set(const FaceShape<dim> &shape, unsigned int face_no, const Query &query,
              const SurfacePoint<dim> &point);
   };
 
@@ -107,7 +108,7 @@ public:
   {
     unsigned int rank, index; ///< index into side().faces of that rank
     unsigned int face_no;
-    double size;
+    double size, rim_tolerance;
     GlobalKey key;
     std::vector<dealii::Point<dim>> nodes;
   };
@@ -134,8 +135,9 @@ public:
 
   /// Whether the closest point of a face makes it a partner: it must face the point (angle below 90 degrees),
   /// lie within the search radius and, where the closest point is clamped to the rim of the face, be off
-  /// sideways by no more than 1e-6 of the face size or the normal distance, whichever is larger (so a curved
-  /// side of coarse facets loses no point, and a side that sticks out over its partner is uncovered there).
+  /// sideways by no more than the largest of 1e-6 of the face size, the normal distance (so a curved side of
+  /// coarse facets loses no point, and a side that sticks out over its partner is uncovered there) and a
+  /// tenth of the height of its curved edges over their chords (two meshes with the same curved rim).
   bool is_partner(const Query &query, const Match &match) const;
 
   /// A match per query. Collective.

@@ -68,6 +68,15 @@ Point<dim - 1> Chart<dim>::project(const Point<dim> &X) const
 }
 
 template <int dim>
+bool Chart<dim>::is_in_plane(const Point<dim> &X) const
+{
+  Tensor<1, dim> r = X - origin;
+  for (const Tensor<1, dim> &direction : axis)
+    r -= (r * direction) * direction;
+  return r.norm() <= std::max(1e-9, rounding) * size;
+}
+
+template <int dim>
 Point<dim> Chart<dim>::lift(const Point<dim - 1> &s) const
 {
   Point<dim> X = origin;
@@ -261,6 +270,37 @@ CurvedRegion CurvedWindow::clip(const CurvedRegion &region) const
                              false};
     result = dovetail::clip(result, side);
   }
+  return without_detours(result);
+}
+
+/// Where arcs along the rim run to and fro, only what remains of their sum.
+CurvedRegion CurvedWindow::without_detours(const CurvedRegion &region) const
+{
+  CurvedRegion result;
+  std::vector<std::vector<std::pair<double, int>>> changes(rims.size()); // how often the rim is passed
+  for (const Arc &arc : region)
+    if (arc.rim == Arc::no_rim)
+      result.push_back(arc);
+    else {
+      changes[arc.rim].emplace_back(arc.begin, 1);
+      changes[arc.rim].emplace_back(arc.end, -1);
+    }
+  for (unsigned int i = 0; i < rims.size(); ++i) {
+    std::sort(changes[i].begin(), changes[i].end());
+    int n_passes = 0;
+    for (unsigned int j = 0; j + 1 < changes[i].size(); ++j) {
+      n_passes += changes[i][j].second;
+      if (n_passes == 0 || changes[i][j + 1].first - changes[i][j].first < 1e-14)
+        continue;
+      Arc arc = rims[i];
+      arc.begin = changes[i][j].first;
+      arc.end = changes[i][j + 1].first;
+      if (n_passes < 0)
+        std::swap(arc.begin, arc.end);
+      for (int pass = 0; pass < std::abs(n_passes); ++pass)
+        result.push_back(arc);
+    }
+  }
   return result;
 }
 
@@ -364,13 +404,18 @@ Point<2> CurvedWindow::centroid(const CurvedRegion &region) const
   return origin + sum / twice;
 }
 
-Region<2> CurvedWindow::corners(const CurvedRegion &region) const
+Point<2> CurvedWindow::reference_point(const Point<2> &s) const
 {
-  Region<2> result;
-  for (const Arc &arc : region)
-    for (unsigned int i = 0, n = arc.rim != Arc::no_rim || (arc.degree == 1 && chart.is_affine) ? 1 : 8;
-         i < n; ++i)
-      result.push_back(xi_of(arc, arc.begin + (arc.end - arc.begin) * i / n));
+  return chart.is_flat ? xi_of(s) : s;
+}
+
+std::vector<Point<2>> CurvedWindow::reference_points(const Arc &arc) const
+{
+  const bool stays_straight = arc.rim != Arc::no_rim || (arc.degree == 1 && chart.is_affine);
+  const unsigned int n = stays_straight ? 1 : 8;
+  std::vector<Point<2>> result;
+  for (unsigned int i = 0; i <= n; ++i)
+    result.push_back(xi_of(arc, arc.begin + (arc.end - arc.begin) * i / n));
   return result;
 }
 

@@ -222,15 +222,6 @@ CurvedRegion clip(const CurvedRegion &region, const WindowSide &side)
   return result;
 }
 
-Region<2> corners(const CurvedRegion &region)
-{
-  Region<2> result;
-  for (const Arc &arc : region)
-    for (unsigned int i = 0, n = arc.degree == 1 ? 1 : 8; i < n; ++i)
-      result.push_back(arc.at(arc.begin + (arc.end - arc.begin) * i / n));
-  return result;
-}
-
 CurvedRegion reversed(const CurvedRegion &region)
 {
   CurvedRegion result(region.rbegin(), region.rend());

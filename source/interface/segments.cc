@@ -111,7 +111,11 @@ private:
   void add_face(unsigned int face, const std::vector<unsigned int> &nearby);
   bool is_near(const SurfacePoint<dim> &middle, const NearbyFace &face, Segment &segment) const;
   Segment nearest_face(const SurfacePoint<dim> &middle, const FaceBoxes &face_boxes) const;
-  bool has_curves(const Chart<dim> &chart, const std::vector<unsigned int> &nearby) const;
+  bool needs_rim_tolerance(const SurfacePoint<dim> &middle, const NearbyFace &face) const;
+  typename FaceLocator<dim>::Query query_at(const SurfacePoint<dim> &point) const;
+  bool is_coplanar(const Chart<dim> &chart, const NearbyFace &face) const;
+  bool has_curves(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
+                  const std::vector<Segment> &segments) const;
   bool add_curved_face(const Chart<dim> &chart, const std::vector<unsigned int> &nearby);
   void add_curved_rest(const Chart<dim> &chart, const CurvedWindow &window,
                        const std::vector<CurvedSegment> &segments, double area, const FaceBoxes &face_boxes);
@@ -208,7 +212,7 @@ void Segmentation<dim>::add_face(const unsigned int face, const std::vector<unsi
         });
     have_overlap = before - covered > 1e-9 * whole;
   }
-  if (!have_overlap && has_curves(chart, nearby) && add_curved_face(chart, nearby))
+  if (!have_overlap && has_curves(chart, nearby, segments) && add_curved_face(chart, nearby))
     return;
   if (covered < whole * (1 - 2 * chart.negligible))
     add_rest(chart, nearby, segments);
@@ -230,18 +234,34 @@ typename FaceLocator<dim>::Match Segmentation<dim>::match(const NearbyFace &part
   return result;
 }
 
+template <int dim>
+typename FaceLocator<dim>::Query Segmentation<dim>::query_at(const SurfacePoint<dim> &point) const
+{
+  const Tensor<1, dim> N = own.shape.normal(own.faces[current_face].face_no, point);
+  return {point.X, N / N.norm(), own.faces[current_face].size};
+}
+
 /// Whether a face of the other side is opposite to a point of the own face and within reach; then it is the
 /// segment's partner.
 template <int dim>
 bool Segmentation<dim>::is_near(const SurfacePoint<dim> &middle, const NearbyFace &face,
                                 Segment &segment) const
 {
-  const Tensor<1, dim> N = own.shape.normal(own.faces[current_face].face_no, middle);
-  const typename FaceLocator<dim>::Query query{middle.X, N / N.norm(), own.faces[current_face].size};
+  const auto query = query_at(middle);
   const Match match = this->match(face, query);
   segment.partner = &face;
   segment.distance = match.distance;
   return locator.is_partner(query, match);
+}
+
+/// Whether a face is a partner only because two curved rims approximate one curve.
+template <int dim>
+bool Segmentation<dim>::needs_rim_tolerance(const SurfacePoint<dim> &middle, const NearbyFace &face) const
+{
+  const auto query = query_at(middle);
+  Match match = this->match(face, query);
+  match.rim_tolerance = 0;
+  return !locator.is_partner(query, match);
 }
 
 template <int dim>
@@ -473,20 +493,36 @@ void Segmentation<dim>::add_point(const SurfacePoint<dim> &point, const double J
   points.matches.back().found = segment.is_tied;
 }
 
-/// Whether polygons would not do: the own face is not flat, or the projection of an edge is not straight.
+/// Whether the nodes of a face of the other side lie in the plane of the own face.
 template <int dim>
-bool Segmentation<dim>::has_curves(const Chart<dim> &chart, const std::vector<unsigned int> &nearby) const
+bool Segmentation<dim>::is_coplanar(const Chart<dim> &chart, const NearbyFace &face) const
+{
+  return std::all_of(face.nodes.begin(), face.nodes.end(),
+                     [&](const Point<dim> &X) { return chart.is_in_plane(X); });
+}
+
+/// Whether polygons would not do although all is plane: the own face is not flat, or edges are not straight.
+template <int dim>
+bool Segmentation<dim>::has_curves(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
+                                   const std::vector<Segment> &segments) const
 {
   if constexpr (dim == 3) {
+    if (chart.is_flat && partner_shape.degree() == 1)
+      return false;
+    for (unsigned int a = 0; a < own.shape.n_nodes(); ++a)
+      if (!chart.is_in_plane(own.nodes(current_face)[a]))
+        return false;
+    if (std::any_of(segments.begin(), segments.end(),
+                    [&](const Segment &segment) { return !is_coplanar(chart, *segment.partner); }))
+      return false;
     if (!chart.is_flat)
       return true;
-    if (partner_shape.degree() == 1)
-      return false;
     const CurvedWindow window(chart);
     for (const unsigned int i : nearby)
-      for (const Arc &arc : window.project(partner_shape, others.faces[i].nodes.data(), edges_of_partner))
-        if (arc.degree > 1)
-          return true;
+      if (is_coplanar(chart, others.faces[i]))
+        for (const Arc &arc : window.project(partner_shape, others.faces[i].nodes.data(), edges_of_partner))
+          if (arc.degree > 1)
+            return true;
   }
   return false;
 }
@@ -501,6 +537,8 @@ bool Segmentation<dim>::add_curved_face(const Chart<dim> &chart, const std::vect
     double covered = 0;
     for (const unsigned int i : nearby) {
       const NearbyFace &other = others.faces[i];
+      if (!is_coplanar(chart, other))
+        continue;
       CurvedSegment segment;
       segment.region = window.clip(window.project(partner_shape, other.nodes.data(), edges_of_partner));
       if (window.has_failed())
@@ -573,14 +611,16 @@ void Segmentation<dim>::add_curved_rest(const Chart<dim> &chart, const CurvedWin
     std::vector<Segment> triangles;
     Boxes boxes;
     for (const CurvedSegment &segment : segments) {
-      const Region<2> polygon = window.corners(segment.region);
-      const Point<2> centre = centroid(polygon);
-      for (unsigned int i = 0; i < polygon.size(); ++i) {
-        Segment triangle;
-        triangle.region = {centre, polygon[i], polygon[(i + 1) % polygon.size()]};
-        if (measure(triangle.region) > 1e-14) {
-          boxes.insert({box_of(triangle.region), static_cast<unsigned int>(triangles.size())});
-          triangles.push_back(triangle);
+      const Point<2> centre = window.reference_point(window.centroid(segment.region));
+      for (const Arc &arc : segment.region) {
+        const std::vector<Point<2>> corners = window.reference_points(arc);
+        for (unsigned int i = 0; i + 1 < corners.size(); ++i) {
+          Segment triangle;
+          triangle.region = {centre, corners[i], corners[i + 1]};
+          if (measure(triangle.region) > 1e-14) {
+            boxes.insert({box_of(triangle.region), static_cast<unsigned int>(triangles.size())});
+            triangles.push_back(triangle);
+          }
         }
       }
     }
@@ -603,7 +643,11 @@ void Segmentation<dim>::add_reference_region(const Region<dim - 1> &region, cons
   if constexpr (dim == 3) {
     const Point<dim> *nodes = own.nodes(current_face);
     const Point<2> centre = centroid(region);
-    const Segment segment = nearest_face(own.shape.evaluate(nodes, centre), face_boxes);
+    Segment segment = nearest_face(own.shape.evaluate(nodes, centre), face_boxes);
+    if (segment.is_tied && needs_rim_tolerance(own.shape.evaluate(nodes, centre), *segment.partner))
+      for (const Point<2> &corner : region) // a strip of a face that goes on beyond the rim is none
+        segment.is_tied =
+            segment.is_tied && nearest_face(own.shape.evaluate(nodes, corner), face_boxes).is_tied;
     const auto &rule = rules.simplex(2 * degree + 2);
     for (unsigned int i = 0; i < region.size(); ++i) {
       const Tensor<1, 2> a = region[i] - centre, b = region[(i + 1) % region.size()] - centre;

@@ -3,7 +3,8 @@
 //
 // What is wrong with a mesh file and where: broken files of every format, and files in order whose mesh is
 // none. Every message names the line, or elements and nodes with the numbers of the file. Then meshes that
-// are in order although they look odd: mirrored cells, a crack, nodes that nobody uses, a thin cell.
+// are in order although they look odd: mirrored cells, curved ones with the nodes on their edges, a crack,
+// nodes that nobody uses, a thin cell.
 
 #include <dovetail/domain/mesh_examination.h>
 #include <dovetail/domain/mesh_text.h>
@@ -23,6 +24,9 @@ void show(const std::string &what, const Reader &reader, const std::string &cont
     MeshFile mesh = reader(text, dim);
     examine<dim>(mesh);
     std::cout << mesh.cells.size() << " cells, " << mesh.faces.size() << " faces";
+    for (const auto &node : mesh.nodes_on_edges)
+      std::cout << ", (" << node << ")";
+    std::cout << (mesh.note.empty() ? "" : ", ") << mesh.note;
   } catch (const MeshError &error) {
     std::cout << error.what();
   }
@@ -118,6 +122,7 @@ void show_odd_meshes()
   auto curved = of_second_order;
   curved[4] = "0.7 0.7 0";
   show<2>("second order, curved", read_gmsh, gmsh(curved, {"9 1 2 3 4 5 6"}));
+  show<2>("second order, curved, mirrored", read_gmsh, gmsh(curved, {"9 1 3 2 6 5 4"}));
   show<2>("mirrored cells, an inner line, a node of nobody", read_gmsh,
           gmsh({"0 0 0", "1 0 0", "1 1 0", "0 1 0", "2 0 0", "2 1 0", "9 9 9"},
                {"3 4 3 2 1", "3 2 5 6 3", "1 2 3", "1 1 2"}));

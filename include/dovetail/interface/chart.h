@@ -30,6 +30,8 @@ public:
   double rounding;   ///< of coordinates
   double negligible; ///< regions below this fraction of a face are rounding
 
+  /// Whether a point lies in the plane of the corners, in 3D.
+  bool is_in_plane(const dealii::Point<dim> &X) const;
   /// The projection of a point of the other side.
   dealii::Point<dim - 1> project(const dealii::Point<dim> &X) const;
   /// From the coordinates of the clipping to those of the integration, with straight edges in both.
@@ -83,8 +85,10 @@ public:
   double measure(const CurvedRegion &region) const;
   dealii::Point<2> centroid(const CurvedRegion &region) const;
   double measure() const { return whole; } ///< of the face
-  /// The polygon of points of a region in reference coordinates.
-  Region<2> corners(const CurvedRegion &region) const;
+  /// Reference coordinates: of a point of the integration, of the ends of an arc and, unless it is straight
+  /// there, of points between them, and of the corners of the face.
+  dealii::Point<2> reference_point(const dealii::Point<2> &s) const;
+  std::vector<dealii::Point<2>> reference_points(const Arc &arc) const;
   Region<2> reference_corners() const;
 
   /// Whether somewhere no reference coordinates were found, since the face is too strongly curved.
@@ -93,6 +97,7 @@ public:
 private:
   dealii::Point<2> xi_of(const Arc &arc, double v) const;
   dealii::Point<2> xi_of(const dealii::Point<2> &s) const;
+  CurvedRegion without_detours(const CurvedRegion &region) const;
   double distance_from_rim(unsigned int rim, const dealii::Point<2> &xi) const;
   double parameter_of_rim(unsigned int rim, const dealii::Point<2> &xi) const;
   Region<2> surroundings() const;

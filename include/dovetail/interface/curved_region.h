@@ -31,8 +31,8 @@ struct Arc
   dealii::Tensor<1, 2> derivative(double v) const;
 };
 
-/// A closed curve, each arc from where the last one ends. Arcs may run to and fro along one line: integrals
-/// over the region are sums over its arcs, in which such parts cancel.
+/// The arcs of a closed curve; for clip() each begins where the last one ends. They may run to and fro along
+/// one line: integrals over the region are sums over its arcs, in which such parts cancel.
 using CurvedRegion = std::vector<Arc>;
 
 Arc straight_arc(const dealii::Point<2> &from, const dealii::Point<2> &to);
@@ -66,10 +66,6 @@ WindowSide left_of(const dealii::Point<2> &a, const dealii::Point<2> &b);
 /// The part of a region on the inner side: Sutherland and Hodgman (1974) with the points where arcs cross the
 /// side found by bracketing.
 CurvedRegion clip(const CurvedRegion &region, const WindowSide &side);
-
-/// Its points on a polygon that has the ends of the arcs as corners and, on each arc of a higher degree,
-/// further ones.
-Region<2> corners(const CurvedRegion &region);
 
 /// Of the same curve the other way round.
 CurvedRegion reversed(const CurvedRegion &region);

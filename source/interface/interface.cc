@@ -365,6 +365,26 @@ void Interface<dim>::jump(const TiedField &field, const unsigned int q, const st
 }
 
 template <int dim>
+std::vector<bool> Interface<dim>::unknowns_in_jump(const typename Pairing<dim>::Group &group) const
+{
+  std::vector<bool> in_jump(n_local(source) + n_local(destination), false);
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    for (const unsigned int side : {source, destination}) {
+      const unsigned int n = sides[side].domain->n_nodes();
+      const unsigned int first =
+          (side == source ? 0 : n_local(source)) + position(side, fields[f].first_component[side]) * n;
+      for (unsigned int q = group.begin; q < group.end; ++q) {
+        const double *trial = pairing().trial(side, q, f), *test = pairing().test(side, q, f);
+        for (unsigned int a = 0; a < n; ++a)
+          if (std::abs(trial[a]) > least_in_jump || std::abs(test[a]) > least_in_jump)
+            for (unsigned int c = 0; c < fields[f].n_components; ++c)
+              in_jump[first + c * n + a] = true;
+      }
+    }
+  return in_jump;
+}
+
+template <int dim>
 unsigned int Interface<dim>::position(const unsigned int side, const unsigned int component) const
 {
   return std::find(components[side].begin(), components[side].end(), component) - components[side].begin();

@@ -430,8 +430,6 @@ template <int dim>
 void MultiplierSpace<dim>::add_rows(const Face &face, std::map<Index, Row> &to) const
 {
   const Pairing<dim> &pairing = interface.pairing();
-  const Domain<dim> &from = *interface.sides[source].domain;
-  const unsigned int n = face.nodes.size(), n_source = from.n_nodes();
   for (const Component &component : face.components)
     for (unsigned int j = 0; j < component.dofs.size(); ++j)
       if (component.has_function[j]) {
@@ -444,58 +442,66 @@ void MultiplierSpace<dim>::add_rows(const Face &face, std::map<Index, Row> &to) 
         row.diagonal += component.mass(j, j);
       }
 
-  const unsigned int n_destination = interface.sides[destination].domain->n_nodes();
-  std::vector<double> moment, of_destination, of_source;
   for (const unsigned int g : face.groups) {
-    const auto &group = pairing.groups[g];
-    const auto &source_dofs = pairing.cells[source][group.cells[source]].dofs;
     unsigned int position = 0;
-    for (const TiedField &field : interface.fields)
-      for (unsigned int c = 0; c < field.n_components; ++c, ++position) {
+    for (unsigned int f = 0; f < interface.fields.size(); ++f)
+      for (unsigned int c = 0; c < interface.fields[f].n_components; ++c, ++position) {
         const Component &component = face.components[position];
         for (unsigned int j = 0; j < component.dofs.size(); ++j)
           if (component.has_function[j]) {
-            std::vector<double> psi(n, 0.); // at the face's nodes
-            for (unsigned int a = 0; a < n; ++a)
-              for (unsigned int l = 0; l < component.dofs.size(); ++l)
-                psi[a] += component.C(a, l) * component.psi(j, l);
-            moment.assign(n_source, 0.);
-            of_source.assign(n_source, 0.);
-            of_destination.assign(n_destination, 0.);
-            bool is_bridged = false;
-            const unsigned int f = &field - interface.fields.data();
-            for (unsigned int q = group.begin; q < group.end; ++q) {
-              double value = 0;
-              for (unsigned int a = 0; a < n; ++a)
-                value += psi[a] * pairing.values(destination, q)[face.nodes[a]];
-              for (unsigned int k = 0; k < n_source; ++k)
-                moment[k] += pairing.weight(q) * value * pairing.trial(source, q, f)[k];
-              if (!pairing.own_side_bridges(q, f))
-                continue;
-              is_bridged = true;
-              for (unsigned int k = 0; k < n_destination; ++k)
-                of_destination[k] +=
-                    pairing.weight(q) * value *
-                    (pairing.trial(destination, q, f)[k] - pairing.values(destination, q)[k]);
-              for (unsigned int k = 0; k < n_source; ++k)
-                of_source[k] +=
-                    pairing.weight(q) * value *
-                    (pairing.values(source, q)[k] + pairing.gradients(source, q)[k] * pairing.offset(q) -
-                     pairing.trial(source, q, f)[k]);
-            }
             Row &row = to[component.dofs[j]];
-            if (is_bridged)
-              add_own_gradient(group, f, c, of_destination, of_source, row);
             row.field = f;
             row.component = c;
-            for (unsigned int k = 0; k < n_source; ++k)
-              if (moment[k] != 0) {
-                row.weights[source_dofs[(field.first_component[source] + c) * n_source + k]] -= moment[k];
-                row.of_source -= moment[k];
-              }
+            add_source(face, pairing.groups[g], component, j, row);
           }
       }
   }
+}
+
+/// The integrals of a group with function @p j of a component: of the source's trace, and of what the gap
+/// adds to the destination's.
+template <int dim>
+void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<dim>::Group &group,
+                                      const Component &component, const unsigned int j, Row &row) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const unsigned int n = face.nodes.size(), f = row.field;
+  const unsigned int n_source = interface.sides[source].domain->n_nodes();
+  const unsigned int n_destination = interface.sides[destination].domain->n_nodes();
+  std::vector<double> psi(n, 0.); // at the face's nodes
+  for (unsigned int a = 0; a < n; ++a)
+    for (unsigned int l = 0; l < component.dofs.size(); ++l)
+      psi[a] += component.C(a, l) * component.psi(j, l);
+
+  std::vector<double> moment(n_source, 0.), of_source(n_source, 0.), of_destination(n_destination, 0.);
+  bool is_bridged = false;
+  for (unsigned int q = group.begin; q < group.end; ++q) {
+    const double *at_destination = pairing.values(destination, q);
+    double value = 0;
+    for (unsigned int a = 0; a < n; ++a)
+      value += psi[a] * at_destination[face.nodes[a]];
+    value *= pairing.weight(q);
+    const double *trial = pairing.trial(source, q, f);
+    for (unsigned int k = 0; k < n_source; ++k)
+      moment[k] += value * trial[k];
+    if (!pairing.own_side_bridges(q, f))
+      continue;
+    is_bridged = true;
+    for (unsigned int k = 0; k < n_destination; ++k)
+      of_destination[k] += value * (pairing.trial(destination, q, f)[k] - at_destination[k]);
+    for (unsigned int k = 0; k < n_source; ++k)
+      of_source[k] += value * (pairing.values(source, q)[k] +
+                               pairing.gradients(source, q)[k] * pairing.offset(q) - trial[k]);
+  }
+  if (is_bridged)
+    add_own_gradient(group, f, row.component, of_destination, of_source, row);
+  const auto &source_dofs = pairing.cells[source][group.cells[source]].dofs;
+  const unsigned int first = interface.fields[f].first_component[source] + row.component;
+  for (unsigned int k = 0; k < n_source; ++k)
+    if (moment[k] != 0) {
+      row.weights[source_dofs[first * n_source + k]] -= moment[k];
+      row.of_source -= moment[k];
+    }
 }
 
 template <int dim>

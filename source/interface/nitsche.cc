@@ -714,7 +714,7 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
       for (unsigned int a = 0; a < n_nodes; ++a, ++i)
         if (c < field.n_components) {
           of_field.push_back(i);
-          if (std::abs(trial[a]) > 1e-14 || std::abs(test[a]) > 1e-14)
+          if (std::abs(trial[a]) > interface.least_in_jump || std::abs(test[a]) > interface.least_in_jump)
             in_jump.push_back({i, c, sign * trial[a], sign * test[a]});
         }
     }

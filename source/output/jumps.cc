@@ -3,6 +3,8 @@
 
 #include <dovetail/output/jumps.h>
 
+#include <deal.II/base/mpi.h>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -31,9 +33,12 @@ double range(const Interface<dim> &interface, const std::string &field, const or
              : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// Collective.
 template <int dim>
-std::string explain(const Interface<dim> &interface, const std::vector<std::pair<std::string, double>> &jumps)
+std::string explain(const Interface<dim> &interface, const std::vector<std::pair<std::string, double>> &jumps,
+                    const MPI_Comm &communicator)
 {
+  const double penalty = dealii::Utilities::MPI::max(interface.tie().penalty().largest, communicator);
   std::ostringstream sentence;
   sentence.precision(2);
   sentence << interface.name << ":";
@@ -41,7 +46,7 @@ std::string explain(const Interface<dim> &interface, const std::vector<std::pair
     sentence << (&field == &jumps.front().first ? " its two sides differ in the " : " and in the ") << field
              << " by " << 100 * jump << " % of the range in the two bodies";
   sentence << " (root mean square). Refine the coarser side at it";
-  if (interface.tie().penalty().largest > 0)
+  if (penalty > 0)
     sentence << ", or take a larger Multiplier, which costs accuracy of the flux, or a mortar";
   sentence << '.';
   return sentence.str();
@@ -71,7 +76,7 @@ std::vector<std::string> explain_jumps(const Model<dim> &model, const double t, 
         large.emplace_back(field.name, jump);
     }
     if (!large.empty())
-      sentences.push_back(explain(*interface, large));
+      sentences.push_back(explain(*interface, large, model.communicator));
   }
   return sentences;
 }

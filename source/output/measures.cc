@@ -245,73 +245,53 @@ void measure_extremes(const Domain<dim> &domain, const Vector &solution, ordered
     result["minimum"][domain.fields()[f].name] = -minus_smallest[f];
 }
 
-template <int dim>
-void measure_fluxes(const Interface<dim> &interface, const Vector &solution, const double t,
-                    ordered_json &result)
+/// Integrals over the points of an interface, of one field.
+struct FluxIntegrals
 {
-  struct Squares
-  {
-    double jump = 0, flux_jump = 0, flux_error = 0, flux_norm = 0;
-    double largest_flux = 0, largest_flux_error = 0; // squares
-    std::array<std::vector<double>, 2> trace;        // integrals
-  };
-  std::vector<Squares> squares(interface.fields.size());
-  for (unsigned int f = 0; f < squares.size(); ++f)
-    for (auto &of_side : squares[f].trace)
-      of_side.assign(interface.fields[f].n_components, 0.);
-  double area = 0;
-  InterfacePoint<dim> point(interface, t);
-  std::vector<bool> is_known; // the exact flux, by field
-  for (unsigned int f = 0; f < squares.size(); ++f)
-    is_known.push_back(point.has_exact_flux(f));
-  const bool knows_any = std::find(is_known.begin(), is_known.end(), true) != is_known.end();
-  std::optional<FluxOscillation<dim>> oscillation;
-  if (knows_any)
-    oscillation.emplace(interface);
-  std::vector<double> error;
-  point.for_each(solution, [&](const unsigned int q, const unsigned int /*side_of_point*/) {
-    const double weight = interface.pairing().weight(q);
-    area += weight;
-    for (unsigned int f = 0; f < squares.size(); ++f) {
-      const auto &of_field = point.fields[f];
-      for (const unsigned int side : {source, destination})
-        for (unsigned int c = 0; c < of_field.jump.size(); ++c)
-          squares[f].trace[side][c] += of_field.trace[side][c] * weight;
-      for (unsigned int c = 0; c < of_field.jump.size(); ++c) {
-        squares[f].jump += of_field.jump[c] * of_field.jump[c] * weight;
-        squares[f].flux_jump +=
-            std::pow(of_field.flux[source][c] + of_field.flux[destination][c], 2) * weight;
-      }
-      error.assign(of_field.jump.size(), 0.);
-      if (is_known[f]) {
-        const std::vector<double> exact = point.exact_flux(f, q);
-        double square = 0, square_of_error = 0;
-        for (unsigned int c = 0; c < exact.size(); ++c) {
-          error[c] = of_field.numerical_flux[c] - exact[c];
-          square += exact[c] * exact[c];
-          square_of_error += error[c] * error[c];
-        }
-        squares[f].flux_norm += square * weight;
-        squares[f].flux_error += square_of_error * weight;
-        squares[f].largest_flux = std::max(squares[f].largest_flux, square);
-        // not std::max(a, b), which drops NaN
-        if (!(square_of_error <= squares[f].largest_flux_error))
-          squares[f].largest_flux_error = square_of_error;
-      }
-      if (knows_any)
-        oscillation->add(f, q, error);
-    }
-  });
+  double jump = 0, flux_jump = 0, flux_error = 0, flux_norm = 0; // squares
+  double largest_flux = 0, largest_flux_error = 0;               // squares
+  std::array<std::vector<double>, 2> trace;
 
-  const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
-  const auto norm = [&](const double square) { return std::sqrt(sum_over_ranks(square, communicator)); };
-  area = sum_over_ranks(area, communicator);
-  const std::vector<double> oscillations =
-      knows_any ? oscillation->evaluate(communicator) : std::vector<double>();
-  for (unsigned int f = 0; f < squares.size(); ++f) {
-    const std::string &field = interface.fields[f].name;
+  template <int dim>
+  void add(const typename InterfacePoint<dim>::OfField &at_point, const double weight)
+  {
+    for (unsigned int c = 0; c < at_point.jump.size(); ++c) {
+      for (const unsigned int side : {source, destination})
+        trace[side][c] += at_point.trace[side][c] * weight;
+      jump += at_point.jump[c] * at_point.jump[c] * weight;
+      flux_jump += std::pow(at_point.flux[source][c] + at_point.flux[destination][c], 2) * weight;
+    }
+  }
+
+  /// @return the error of the numerical flux
+  std::vector<double> add_error(const std::vector<double> &flux, const std::vector<double> &exact,
+                                const double weight)
+  {
+    std::vector<double> error(exact.size());
+    double square = 0, square_of_error = 0;
+    for (unsigned int c = 0; c < exact.size(); ++c) {
+      error[c] = flux[c] - exact[c];
+      square += exact[c] * exact[c];
+      square_of_error += error[c] * error[c];
+    }
+    flux_norm += square * weight;
+    flux_error += square_of_error * weight;
+    largest_flux = std::max(largest_flux, square);
+    if (!(square_of_error <= largest_flux_error)) // not std::max(a, b), which drops NaN
+      largest_flux_error = square_of_error;
+    return error;
+  }
+
+  /// Collective.
+  void report(const std::string &field, const double area, const bool knows_exact,
+              const MPI_Comm &communicator, ordered_json &result)
+  {
+    const auto norm = [&](const double square) { return std::sqrt(sum_over_ranks(square, communicator)); };
+    const auto largest = [&](const double square) {
+      return std::sqrt(dealii::Utilities::MPI::max(square, communicator));
+    };
     for (const unsigned int side : {source, destination}) {
-      std::vector<double> &mean = squares[f].trace[side];
+      std::vector<double> &mean = trace[side];
       dealii::Utilities::MPI::sum(mean, communicator, mean);
       for (double &component : mean)
         component /= area;
@@ -321,18 +301,56 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
       else
         value = mean;
     }
-    result["jump L2"][field] = norm(squares[f].jump);
-    result["flux jump L2"][field] = norm(squares[f].flux_jump);
-    if (is_known[f]) {
-      const auto largest = [&](const double square) {
-        return std::sqrt(dealii::Utilities::MPI::max(square, communicator));
-      };
-      result["flux error L2"][field] = norm(squares[f].flux_error);
-      result["flux norm L2"][field] = norm(squares[f].flux_norm);
-      result["flux error max"][field] = largest(squares[f].largest_flux_error);
-      result["flux max"][field] = largest(squares[f].largest_flux);
-      result["flux oscillation"][field] = oscillations[f];
+    result["jump L2"][field] = norm(jump);
+    result["flux jump L2"][field] = norm(flux_jump);
+    if (!knows_exact)
+      return;
+    result["flux error L2"][field] = norm(flux_error);
+    result["flux norm L2"][field] = norm(flux_norm);
+    result["flux error max"][field] = largest(largest_flux_error);
+    result["flux max"][field] = largest(largest_flux);
+  }
+};
+
+template <int dim>
+void measure_fluxes(const Interface<dim> &interface, const Vector &solution, const double t,
+                    ordered_json &result)
+{
+  InterfacePoint<dim> point(interface, t);
+  std::vector<FluxIntegrals> integrals(interface.fields.size());
+  std::vector<bool> is_known; // the exact flux, by field
+  for (unsigned int f = 0; f < integrals.size(); ++f) {
+    is_known.push_back(point.has_exact_flux(f));
+    for (auto &of_side : integrals[f].trace)
+      of_side.assign(interface.fields[f].n_components, 0.);
+  }
+  std::optional<FluxOscillation<dim>> oscillation;
+  if (std::find(is_known.begin(), is_known.end(), true) != is_known.end())
+    oscillation.emplace(interface);
+  double area = 0;
+  point.for_each(solution, [&](const unsigned int q, const unsigned int /*side_of_point*/) {
+    const double weight = interface.pairing().weight(q);
+    area += weight;
+    for (unsigned int f = 0; f < integrals.size(); ++f) {
+      const auto &of_field = point.fields[f];
+      integrals[f].template add<dim>(of_field, weight);
+      std::vector<double> error(of_field.jump.size(), 0.);
+      if (is_known[f])
+        error = integrals[f].add_error(of_field.numerical_flux, point.exact_flux(f, q), weight);
+      if (oscillation)
+        oscillation->add(f, q, error);
     }
+  });
+
+  const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
+  area = sum_over_ranks(area, communicator);
+  const std::vector<double> oscillations =
+      oscillation ? oscillation->evaluate(communicator) : std::vector<double>();
+  for (unsigned int f = 0; f < integrals.size(); ++f) {
+    const std::string &field = interface.fields[f].name;
+    integrals[f].report(field, area, is_known[f], communicator, result);
+    if (is_known[f])
+      result["flux oscillation"][field] = oscillations[f];
   }
 }
 

@@ -14,7 +14,7 @@
 #include <dovetail/run/counters.h>
 #include <dovetail/run/first_guess.h>
 #include <dovetail/scene/scene_text.h>
-#include <dovetail/study/options.h>
+#include <dovetail/scene/study_options.h>
 #include <dovetail/system/place.h>
 
 #include <algorithm>

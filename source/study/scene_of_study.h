@@ -6,7 +6,7 @@
 #pragma once
 
 #include <dovetail/scene/scene_text.h>
-#include <dovetail/study/options.h>
+#include <dovetail/scene/study_options.h>
 
 #include <map>
 #include <string>

@@ -5,8 +5,8 @@
 
 #pragma once
 
+#include <dovetail/scene/study_options.h>
 #include <dovetail/study/numbers.h>
-#include <dovetail/study/options.h>
 
 #include <iosfwd>
 #include <string>

@@ -184,71 +184,85 @@ void BlockSystem<dim>::make_constraints(const ConstraintLines &lines)
 }
 
 template <int dim>
+void BlockSystem<dim>::add_pattern(const Domain<dim> &domain, dealii::DynamicSparsityPattern &pattern) const
+{
+  const unsigned int n = domain.n_nodes();
+  dealii::Table<2, bool> couples(domain.dofs_per_cell(), domain.dofs_per_cell());
+  const auto &fields = domain.fields();
+  bool all_couple = true;
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    for (unsigned int g = 0; g < fields.size(); ++g) {
+      const bool depends = domain.material.depends(f, g);
+      all_couple = all_couple && depends;
+      for (unsigned int i = 0; depends && i < fields[f].n_components * n; ++i)
+        for (unsigned int j = 0; j < fields[g].n_components * n; ++j)
+          couples(fields[f].first_component * n + i, fields[g].first_component * n + j) = true;
+    }
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      domain.cell_dofs(cell, dofs);
+      if (all_couple)
+        constraints.add_entries_local_to_global(dofs, pattern, false);
+      else
+        constraints.add_entries_local_to_global(dofs, pattern, false, couples);
+    }
+}
+
+/// The two cells of a group couple by the jump alone, unless the tie couples their fluxes, too: an unknown
+/// that is not in the jump then meets only those that are, which leaves most of a cell of high degree out.
+template <int dim>
+void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
+                                   dealii::DynamicSparsityPattern &pattern) const
+{
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<unsigned int> component; // of each local unknown, counted over both sides
+  for (const unsigned int side : {source, destination})
+    for (unsigned int k = 0; k < interface.components[side].size(); ++k)
+      component.insert(component.end(), interface.sides[side].domain->n_nodes(),
+                       k + (side == source ? 0 : interface.components[source].size()));
+  const unsigned int n = component.size();
+  dealii::Table<2, bool> depends(n, n);
+  for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int j = 0; j < n; ++j)
+      depends(i, j) = interface.couples(component[i], component[j]);
+  const bool by_flux = interface.tie().couples_fluxes();
+
+  dealii::Table<2, bool> couples(n, n);
+  for (const auto &group : interface.pairing().groups) {
+    interface.group_dofs(group, dofs);
+    const std::vector<bool> in_jump =
+        by_flux ? std::vector<bool>(n, true) : interface.unknowns_in_jump(group);
+    for (unsigned int i = 0; i < n; ++i)
+      for (unsigned int j = 0; j < n; ++j)
+        couples(i, j) = depends(i, j) && (in_jump[i] || in_jump[j]);
+    if (const auto position = merge_repeated(interface, dofs); !position.empty()) {
+      dealii::Table<2, bool> merged(dofs.size(), dofs.size());
+      for (unsigned int i = 0; i < n; ++i)
+        for (unsigned int j = 0; j < n; ++j)
+          merged(position[i], position[j]) = merged(position[i], position[j]) || couples(i, j);
+      constraints.add_entries_local_to_global(dofs, pattern, false, merged);
+    } else
+      constraints.add_entries_local_to_global(dofs, pattern, false, couples);
+  }
+}
+
+template <int dim>
 void BlockSystem<dim>::make_sparsity(const double t)
 {
   dealii::DynamicSparsityPattern pattern(relevant);
-  std::vector<dealii::types::global_dof_index> dofs;
-  for (const auto &domain : model.domains) {
-    const unsigned int n = domain->n_nodes();
-    dealii::Table<2, bool> couples(domain->dofs_per_cell(), domain->dofs_per_cell());
-    const auto &fields = domain->fields();
-    bool all_couple = true;
-    for (unsigned int f = 0; f < fields.size(); ++f)
-      for (unsigned int g = 0; g < fields.size(); ++g) {
-        const bool depends = domain->material.depends(f, g);
-        all_couple = all_couple && depends;
-        for (unsigned int i = 0; depends && i < fields[f].n_components * n; ++i)
-          for (unsigned int j = 0; j < fields[g].n_components * n; ++j)
-            couples(fields[f].first_component * n + i, fields[g].first_component * n + j) = true;
-      }
-    for (const auto &cell : domain->dof_handler().active_cell_iterators())
-      if (cell->is_locally_owned()) {
-        domain->cell_dofs(cell, dofs);
-        if (all_couple)
-          constraints.add_entries_local_to_global(dofs, pattern, false);
-        else
-          constraints.add_entries_local_to_global(dofs, pattern, false, couples);
-      }
-  }
+  for (const auto &domain : model.domains)
+    add_pattern(*domain, pattern);
 
   dealii::Timer timer;
-  for (const auto &interface : model.interfaces)
-    if (interface->is_active(t) && interface->tie().adds_terms()) {
-      dealii::Table<2, bool> couples;
-      bool all_couple = true;
-      for (const auto &group : interface->pairing().groups) {
-        interface->group_dofs(group, dofs);
-        if (couples.n_rows() == 0) {
-          couples.reinit(dofs.size(), dofs.size());
-          std::vector<unsigned int> component; // of each local unknown, counted over both sides
-          for (const unsigned int side : {source, destination})
-            for (unsigned int k = 0; k < interface->components[side].size(); ++k)
-              component.insert(component.end(), interface->sides[side].domain->n_nodes(),
-                               k + (side == source ? 0 : interface->components[source].size()));
-          for (unsigned int i = 0; i < dofs.size(); ++i)
-            for (unsigned int j = 0; j < dofs.size(); ++j) {
-              couples(i, j) = interface->couples(component[i], component[j]);
-              all_couple = all_couple && couples(i, j);
-            }
-        }
-        if (const auto position = merge_repeated(*interface, dofs); !position.empty()) {
-          dealii::Table<2, bool> merged(dofs.size(), dofs.size());
-          for (unsigned int i = 0; i < position.size(); ++i)
-            for (unsigned int j = 0; j < position.size(); ++j)
-              merged(position[i], position[j]) = merged(position[i], position[j]) || couples(i, j);
-          constraints.add_entries_local_to_global(dofs, pattern, false, merged);
-        } else if (all_couple) // faster
-          constraints.add_entries_local_to_global(dofs, pattern, false);
-        else
-          constraints.add_entries_local_to_global(dofs, pattern, false, couples);
-      }
-    }
   for (const auto &interface : model.interfaces) {
     const Tie<dim> &tie = interface->tie();
-    if (interface->is_active(t))
+    if (interface->is_active(t)) {
+      if (tie.adds_terms())
+        add_pattern(*interface, pattern);
       for (unsigned int i = 0; i < tie.n_terms(); ++i)
         constraints.add_entries_local_to_global(tie.term_dofs(i), pattern, false);
-    else
+    } else
       for_each_multiplier(*interface, [&](const auto dof) { pattern.add(dof, dof); });
   }
   if (!model.interfaces.empty())

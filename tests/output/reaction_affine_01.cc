@@ -58,7 +58,8 @@ subsection Domain box
   subsection Boundary condition walls
     set Type = value
     set Field = temperature
-    set Boundary ids = )" + (dim == 2 ? "2, 3" : "2, 3, 4, 5") +
+    set Boundary ids = )" +
+                          (dim == 2 ? "2, 3" : "2, 3, 4, 5") +
                           R"(
     set Expression = 5 + x - 2*y
   end
@@ -78,7 +79,8 @@ subsection Domain box
   subsection Boundary condition fixed
     set Type = value
     set Field = displacement
-    set Boundary ids = )" + (dim == 2 ? "0, 2, 3" : "0, 2, 3, 4, 5") +
+    set Boundary ids = )" +
+                          (dim == 2 ? "0, 2, 3" : "0, 2, 3, 4, 5") +
                           R"(
     set Expression = )" + (dim == 2 ? "x/10; y/10" : "x/10; y/10; z/10") +
                           R"(

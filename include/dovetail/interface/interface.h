@@ -67,6 +67,11 @@ public:
   /// The jump of a field at a point, all components.
   void jump(const TiedField &field, unsigned int q, const std::vector<double> &unknowns,
             std::vector<double> &result) const;
+  /// Which of the unknowns of a group the jump of a tied field or its variation depends on, at any point of
+  /// it.
+  std::vector<bool> unknowns_in_jump(const typename Pairing<dim>::Group &group) const;
+  /// Shape functions at a point that are smaller than this are rounding: their node is not on the interface.
+  static constexpr double least_in_jump = 1e-14;
   /// Position of a component of the domain among components[side].
   unsigned int position(unsigned int side, unsigned int component) const;
   /// Whether the unknown of component index r (row, counted over both sides' components) couples with that of

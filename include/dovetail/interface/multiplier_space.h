@@ -110,6 +110,8 @@ private:
   dealii::FullMatrix<double> node_coordinates(const Face &face) const;
   dealii::FullMatrix<double> polynomials(const Face &face, unsigned int degree) const;
   void add_rows(const Face &face, std::map<Index, Row> &to) const;
+  void add_source(const Face &face, const typename Pairing<dim>::Group &group, const Component &component,
+                  unsigned int j, Row &row) const;
   void add_own_gradient(const typename Pairing<dim>::Group &group, unsigned int field, unsigned int component,
                         const std::vector<double> &of_destination, const std::vector<double> &of_source,
                         Row &row) const;

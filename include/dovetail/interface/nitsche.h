@@ -35,6 +35,7 @@ public:
   void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
   std::array<bool, 2> integrates_on() const override { return sides_of_integration; }
   bool adds_terms() const override { return true; }
+  bool couples_fluxes() const override { return has_joint(); }
   bool is_symmetric() const override { return theta == 1. && !own_sides; }
   bool is_balanced() const override { return !own_sides; }
   bool has_constant_tangent(const Interface<dim> &interface) const override

@@ -98,6 +98,8 @@ public:
   }
 
   virtual bool adds_terms() const { return false; }
+  /// Whether two unknowns that are both zero in the jump, of different sides, have an entry in the tangent.
+  virtual bool couples_fluxes() const { return true; }
 
   /// Gives the values of unknowns of cells that this rank owns or of groups of its points.
   using Unknowns = std::function<void(const std::vector<dealii::types::global_dof_index> &dofs,
@@ -135,11 +137,6 @@ public:
                                 const Owned & /*force*/, const MPI_Comm & /*communicator*/)
   {
   }
-
-  /// The influx into the source, component by component, if find_multipliers learns that but no flux at
-  /// points.
-  virtual bool knows_resultant() const { return false; }
-  virtual std::vector<double> resultant(unsigned int /*field*/) const { return {}; }
 
   /// What a user should know about this tie, if anything; after add_constraints, the same on all ranks.
   virtual std::vector<std::string> notes() const { return {}; }

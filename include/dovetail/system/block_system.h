@@ -14,6 +14,7 @@
 #include <dovetail/system/vector.h>
 
 #include <deal.II/lac/affine_constraints.h>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
 
 #include <memory>
 #include <vector>
@@ -126,6 +127,8 @@ private:
   bool are_prescribed(const ConstraintLines &lines) const;
   void make_constraints(const ConstraintLines &lines);
   void make_sparsity(double t);
+  void add_pattern(const Domain<dim> &domain, dealii::DynamicSparsityPattern &pattern) const;
+  void add_pattern(const Interface<dim> &interface, dealii::DynamicSparsityPattern &pattern) const;
   void move_constraints_from(const Vector &ghosted);
   bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);
   bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);

@@ -2,7 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/scene/path.h>
-#include <dovetail/study/options.h>
+#include <dovetail/scene/study_options.h>
 
 #include <deal.II/base/utilities.h>
 

@@ -3,7 +3,7 @@
 //
 // The grammar of `Vary`, products of its lists and names of variants.
 
-#include <dovetail/study/options.h>
+#include <dovetail/scene/study_options.h>
 
 #include <iostream>
 

@@ -237,7 +237,7 @@ void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &con
   source_shares.clear();
   shares_of_force.clear();
   for (const auto &[dof, line] : follower_lines(followers, to, constraints, communicator, interface.work())) {
-    constraints.lines[dof] = line.as_constraint();
+    constraints.add(dof, line.as_constraint());
     shares_of_force[dof] = {{-line.source_weight(), 1 - line.destination_weight()}};
     if (const Follower &follower = followers.at(dof); !follower.wanted.from_destination.empty())
       source_shares[dof] = line.source_weight() / follower.first.source_weight();

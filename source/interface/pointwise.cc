@@ -269,7 +269,7 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
   for (const auto &[dof, line] :
        follower_lines(followers, *to.domain, constraints, communicator, interface.work())) {
     places.at(dof).shares = {{-line.source_weight(), 1 - line.destination_weight()}};
-    constraints.lines[dof] = line.as_constraint();
+    constraints.add(dof, line.as_constraint());
   }
   n_followers = dealii::Utilities::MPI::sum(n_followers, communicator);
   n_prescribed = dealii::Utilities::MPI::sum(n_prescribed, communicator);

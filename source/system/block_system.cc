@@ -96,15 +96,15 @@ void BlockSystem<dim>::set_up(const double t)
     TieConstraints all;
     for (const auto &domain : model.domains)
       domain->add_constraints(t, all.lines);
-    const ConstraintLines given = all.lines;
     dealii::Timer timer;
     for (unsigned int i = 0; i < model.interfaces.size(); ++i)
       if (model.interfaces[i]->is_active(t)) {
+        all.tie = i;
         model.interfaces[i]->tie().add_constraints(*model.interfaces[i], all, model.communicator);
-        for (const auto &[dof, line] : all.lines)
-          if (given.count(dof) == 0 && tie_lines.emplace(dof, line).second)
-            tie_lines.at(dof).tie = i;
       }
+    for (const auto &[dof, line] : all.lines)
+      if (line.tie >= 0)
+        tie_lines.emplace_hint(tie_lines.end(), dof, line);
     tie_seconds += timer.wall_time();
   }
 

@@ -42,6 +42,12 @@ struct TieConstraints
 {
   ConstraintLines lines;                                ///< hanging nodes, prescribed values, ties
   std::set<dealii::types::global_dof_index> multiplied; ///< have an equation of a multiplier
+  int tie = -1; ///< the position in the scene of the interface whose tie adds now
+  void add(const dealii::types::global_dof_index dof, ConstraintLine line)
+  {
+    line.tie = tie;
+    lines[dof] = std::move(line);
+  }
   bool has(const dealii::types::global_dof_index dof) const
   {
     return lines.count(dof) > 0 || multiplied.count(dof) > 0;

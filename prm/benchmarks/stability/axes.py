@@ -221,6 +221,14 @@ def pull(load, course="t", steps=1):
     return entries
 
 
+# Force on the top of the rubber alone, of the same mesh, whose faces are held and moved: seal.prm without its plates [N/mm]
+FORCE_OF_RUBBER = {0.1: -29.03974721, 0.3: -115.27256427, 0.5: -273.93594149}
+
+
+def seal(strain, steps):
+    return {"Domain lid/Boundary condition press/Expression": f"0; {-8 * strain!r}*t", "Steps/Number of steps": str(steps)}
+
+
 def decades(first, last, step=1):
     return [10.0 ** e for e in range(first, last + 1, step)]
 
@@ -307,6 +315,11 @@ AXES += [
     Axis("load_neo_hookean", "Neo-Hookean, plane wave: strain", "neo_hookean", [1e-6, 1e-4, 1e-2, 0.05, 0.5], 0.05, neo_hookean,
          small=(1e-6,), label="strain", ties=FEW, spectrum=False, field="displacement"),
 ]
+for name, words, n_steps in (("seal", "10 steps", 10), ("seal_one_step", "one step that may be halved", 1)):
+    AXES.append(Axis(name, f"A rubber seal between steel plates in {words}: it is squeezed by", "seal", [0.1, 0.3, 0.5], 0.1,
+                     lambda strain, n=n_steps: seal(strain, n), small=(0.3,), label="part of its height", log=False, ties=FEW,
+                     spectrum=False, field="displacement", interfaces=("lower bond", "upper bond"),
+                     reference=lambda strain: ("force", 1, FORCE_OF_RUBBER[strain])))
 for course in ("t", "held", "unloaded"):
     AXES.append(Axis("steps_" + {"t": "growing"}.get(course, course), f"Number of steps; the load is {'growing' if course == 't' else course}",
                      "pull", [2, 10, 100, 1000], 2, lambda n, c=course: pull(1e-2, c, n), small=(10,), label="steps", ties=FEW,

@@ -183,9 +183,9 @@ void Interface<dim>::read_fields()
                 "and Destination have no field in common: " + sides[source].domain->name + " and " +
                     sides[destination].domain->name + " share no kind of law.");
   for (const std::string &field : asked.empty() ? common : asked) {
-    section.check(std::find(common.begin(), common.end(), field) != common.end(), "Fields",
-                  "names '" + field + "', but the fields that both domains have are " +
-                      comma_separated(common) + ". " + did_you_mean(field, common));
+    if (!section.documenting() && std::find(common.begin(), common.end(), field) == common.end())
+      section.fail("Fields", "names '" + field + "', but the fields that both domains have are " +
+                                 comma_separated(common) + ". " + did_you_mean(field, common));
     section.check(std::count(asked.begin(), asked.end(), field) <= 1, "Fields", "has '" + field + "' twice.");
     TiedField tied;
     tied.name = field;

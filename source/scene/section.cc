@@ -184,17 +184,20 @@ void check_announced(const Section &scene, const SceneState &state, const std::v
                      const std::string &plural, const std::string &singular)
 {
   const std::vector<std::string> subsections = state.tree.names_of_subsections(scene.path());
+  const std::set<std::string> present(subsections.begin(), subsections.end());
   std::set<std::string> expected;
-  for (const std::string &name : names) {
-    scene.check(!name.empty(), plural, "has an empty name: '" + comma_separated(names) + "'.");
+  for (const std::string &name : names) { // the messages are long: only an error pays for them
+    if (name.empty() && !scene.documenting())
+      scene.fail(plural, "has an empty name: '" + comma_separated(names) + "'.");
     scene.check(name.find_first_of("/:;|=") == std::string::npos, plural,
                 "has the name '" + name + "'; names may not contain any of / : ; | =.");
     scene.check(expected.insert(singular + " " + name).second, plural, "has the name '" + name + "' twice.");
   }
   for (const std::string &subsection : expected)
-    scene.check(std::count(subsections.begin(), subsections.end(), subsection) > 0, plural,
-                "names '" + subsection.substr(singular.size() + 1) + "', but there is no subsection '" +
-                    subsection + "'. " + did_you_mean(subsection, subsections));
+    if (present.count(subsection) == 0 && !scene.documenting())
+      scene.fail(plural, "names '" + subsection.substr(singular.size() + 1) +
+                             "', but there is no subsection '" + subsection + "'. " +
+                             did_you_mean(subsection, subsections));
   for (const std::string &subsection : subsections)
     if (subsection.rfind(singular + " ", 0) == 0 && expected.count(subsection) == 0)
       Section(scene)

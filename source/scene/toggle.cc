@@ -28,9 +28,9 @@ std::string Toggles::read_reference(const Section &section) const
   std::vector<std::string> known;
   for (const auto &toggle : active_while)
     known.push_back(toggle.first);
-  section.check(name.empty() || active_while.count(name) > 0, "Toggle",
-                "names '" + name + "', which is not among Toggles (" + comma_separated(known) + "). " +
-                    did_you_mean(name, known));
+  if (!name.empty() && active_while.count(name) == 0)
+    section.fail("Toggle", "names '" + name + "', which is not among Toggles (" + comma_separated(known) +
+                               "). " + did_you_mean(name, known));
   return name;
 }
 

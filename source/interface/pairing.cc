@@ -216,6 +216,17 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
   if (!options.integrate_on[partner]) // up to the angle and what counts twice where that is large
     account.covered[partner] = std::min(account.area[partner], sum(covered_partner, communicator));
 
+  append(sides, own, factor, face_points, shapes, order);
+}
+
+/// The points of @p order with what is known of them, as they lie one behind the other, and their groups.
+template <int dim>
+void Pairing<dim>::append(const std::array<InterfaceSide<dim>, 2> &sides, const unsigned int own,
+                          const double factor, const FacePoints<dim> &face_points,
+                          const std::array<PartnerShapes<dim>, 2> &shapes,
+                          const std::vector<unsigned int> &order)
+{
+  const unsigned int partner = 1 - own;
   const unsigned int first_point = weights.size();
   const std::array<unsigned int, 2> first_cell = {{static_cast<unsigned int>(cells[source].size()),
                                                    static_cast<unsigned int>(cells[destination].size())}};

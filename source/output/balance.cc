@@ -91,10 +91,9 @@ ordered_json value(const std::vector<double> &components)
 
 template <int dim>
 ordered_json measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
-                             const double newton_tolerance, std::vector<std::string> &notes)
+                             const double tolerance, std::vector<std::string> &notes)
 {
-  const double allowed =
-      model.is_linear() ? largest_imbalance : std::max(largest_imbalance, newton_tolerance);
+  const double allowed = std::max(largest_imbalance, tolerance);
   ordered_json all = ordered_json::object();
   for (const auto &domain : model.domains) {
     const std::vector<Flows> flows = find_flows(model, *domain, reactions, solution);

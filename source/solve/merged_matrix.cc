@@ -23,18 +23,14 @@ MergedMatrix::MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned
     merge_structure(matrix);
 }
 
-void MergedMatrix::merge_structure(const BlockMatrix &matrix)
+/// The rows of each rank lie one behind the other, block after block.
+void MergedMatrix::number_rows(const BlockMatrix &matrix)
 {
-  const MPI_Comm communicator = matrix.block(0, 0).get_mpi_communicator();
-  const auto block = [&](const unsigned int i, const unsigned int j) -> const Epetra_CrsMatrix & {
-    return matrix.block(block_numbers[i], block_numbers[j]).trilinos_matrix();
-  };
   const unsigned int n_blocks = block_numbers.size();
-
   std::vector<int> own;
-  for (unsigned int i = 0; i < n_blocks; ++i)
-    own.push_back(block(i, i).NumMyRows());
-  const auto sizes = dealii::Utilities::MPI::all_gather(communicator, own);
+  for (const unsigned int b : block_numbers)
+    own.push_back(matrix.block(b, b).trilinos_matrix().NumMyRows());
+  const auto sizes = dealii::Utilities::MPI::all_gather(matrix.block(0, 0).get_mpi_communicator(), own);
   begin_in_block.assign(n_blocks, std::vector<int>(1, 0));
   begin_merged.assign(n_blocks, {});
   int next = 0;
@@ -44,6 +40,16 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
       begin_in_block[i].push_back(begin_in_block[i].back() + of_rank[i]);
       next += of_rank[i];
     }
+}
+
+void MergedMatrix::merge_structure(const BlockMatrix &matrix)
+{
+  const MPI_Comm communicator = matrix.block(0, 0).get_mpi_communicator();
+  const auto block = [&](const unsigned int i, const unsigned int j) -> const Epetra_CrsMatrix & {
+    return matrix.block(block_numbers[i], block_numbers[j]).trilinos_matrix();
+  };
+  const unsigned int n_blocks = block_numbers.size();
+  number_rows(matrix);
   // columns: the own ones in the order of the rows, then those of other ranks
   const Epetra_MpiComm epetra_communicator(communicator);
   const int n_own = first_local.back();

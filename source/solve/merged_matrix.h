@@ -38,6 +38,7 @@ public:
   unsigned int first_local_of(const unsigned int i) const { return first_local[i]; } ///< of the i-th block
 
 private:
+  void number_rows(const BlockMatrix &matrix);
   void merge_structure(const BlockMatrix &matrix);
   void fill_structure(const BlockMatrix &matrix, const std::vector<std::vector<std::vector<int>>> &column_of);
 

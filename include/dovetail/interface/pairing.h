@@ -52,8 +52,8 @@ template <int dim>
 SideFaces<dim> faces_of(const InterfaceSide<dim> &side);
 
 /// What a jump does with the gap between facing points X (own) and X' (partner): with the share s of extend()
-/// both fields are extended affinely to the point between them, B(X) + s grad B(X).(X' - X) and B(X') + (1 - s)
-/// grad B(X').(X - X'), for solution and test functions, for the solution only, or not at all.
+/// both fields are extended affinely to the point between them, B(X) + s grad B(X).(X' - X) and B(X') + (1 -
+/// s) grad B(X').(X - X'), for solution and test functions, for the solution only, or not at all.
 enum class GapExtension { symmetric, trial, none };
 
 /// Where the points of an interface lie: on the common refinement of the faces of both sides, or at the Gauss
@@ -153,9 +153,8 @@ public:
   /// Values with which solution and test functions of a tied field enter the jump.
   const double *trial(const unsigned int side, const unsigned int q, const unsigned int field) const
   {
-    return extended_values.empty()
-               ? values(side, q)
-               : &extended_values[extension_of_field[field]][side][q * n_nodes[side]];
+    return extended_values.empty() ? values(side, q)
+                                   : &extended_values[extension_of_field[field]][side][q * n_nodes[side]];
   }
   /// Whether the field of the side on whose face the point lies bridges a share of the gap.
   bool own_side_bridges(const unsigned int q, const unsigned int field) const
@@ -178,6 +177,9 @@ private:
   FacePoints<dim> find_points(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own,
                               const Options &options, const SideFaces<dim> &own_faces,
                               const FaceLocator<dim> &locator);
+  void append(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own, double factor,
+              const FacePoints<dim> &face_points, const std::array<PartnerShapes<dim>, 2> &shapes,
+              const std::vector<unsigned int> &order);
   void count(const FacePoints<dim> &points, const SideFaces<dim> &faces, unsigned int own,
              const MPI_Comm &communicator);
 

@@ -18,11 +18,11 @@ namespace dovetail {
 /// sums of what is put into the body and of what is taken out, by prescribed unknowns, by cells with sources
 /// or given influxes, and by the pairs of faces, followers and multipliers of the interfaces. "rounding" is
 /// what rounding alone makes of them; only where the imbalance is larger than largest_imbalance times the
-/// others (in a nonlinear scene: than the tolerance of Newton's method allows). Collective. @param notes gets
-/// a sentence for each field whose balance does not hold
+/// others and than @p tolerance allows: that of Newton's method, or what a linear solve has left. Collective.
+/// @param notes gets a sentence for each field whose balance does not hold
 template <int dim>
 nlohmann::ordered_json measure_balance(const Model<dim> &model, const Reactions<dim> &reactions,
-                                       const Vector &solution, double newton_tolerance,
+                                       const Vector &solution, double tolerance,
                                        std::vector<std::string> &notes);
 
 /// Of the larger one of in and out, over the components.

@@ -79,6 +79,7 @@ private:
   NewtonResult solve_until_penalties_fit(double t);
   void check_is_held() const;
   void explain_failure(double t);
+  bool run_steps(double nominal, double &t, unsigned int &n_done);
   bool run_cycles(double t);
   NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t);
   void find_forces();
@@ -86,6 +87,7 @@ private:
   template <typename Write>
   void try_to_write(const Write &write);
   void write_output(double t, unsigned int step, bool is_last);
+  double last_residual() const;
   void measure(double t, bool is_converged);
   void compare(double t, bool is_converged);
   void explain_solution(double t);

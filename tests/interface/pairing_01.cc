@@ -2,10 +2,10 @@
 // Copyright (C) 2026 by the Dovetail authors
 //
 // The points of a pairing: areas and covered areas by hand in every comment below (with mapped points a side
-// that ends inside a face is covered up to its quadrature points only), number of points and of groups (pairs of cells). At
-// every point: the normals are opposite on flat sides, the shape functions sum to 1 and their gradients to 0,
-// values and gradients of an affine field are exact on both sides, and its jump over a gap vanishes with the
-// gap extension and is the gradient times the gap without.
+// that ends inside a face is covered up to its quadrature points only), number of points and of groups (pairs
+// of cells). At every point: the normals are opposite on flat sides, the shape functions sum to 1 and their
+// gradients to 0, values and gradients of an affine field are exact on both sides, and its jump over a gap
+// vanishes with the gap extension and is the gradient times the gap without.
 //
 // ranks: 1, 2, 3
 

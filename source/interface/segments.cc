@@ -117,8 +117,8 @@ private:
   bool has_curves(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
                   const std::vector<Segment> &segments) const;
   bool add_curved_face(const Chart<dim> &chart, const std::vector<unsigned int> &nearby);
-  void add_curved_rest(const Chart<dim> &chart, const CurvedWindow &window,
-                       const std::vector<CurvedSegment> &segments, double area, const FaceBoxes &face_boxes);
+  void add_curved_rest(const CurvedWindow &window, const std::vector<CurvedSegment> &segments, double area,
+                       const FaceBoxes &face_boxes);
   void add_reference_region(const Region<dim - 1> &region, const FaceBoxes &face_boxes);
   FaceBoxes boxes_of(const std::vector<unsigned int> &nearby) const;
   double area_of_current_face() const;
@@ -560,7 +560,7 @@ bool Segmentation<dim>::add_curved_face(const Chart<dim> &chart, const std::vect
     const double area = area_of_current_face();
     const double rest = area - std::accumulate(points.JxW.begin() + first, points.JxW.end(), 0.);
     if (rest > 1e-9 * area)
-      add_curved_rest(chart, window, segments, rest, boxes_of(nearby));
+      add_curved_rest(window, segments, rest, boxes_of(nearby));
   }
   return dim == 3;
 }
@@ -603,7 +603,7 @@ void Segmentation<dim>::integrate(const Chart<dim> &chart, const CurvedWindow &w
 /// polygons in reference coordinates, with points on the curves as corners, and their weights are scaled so
 /// that their sum is exact.
 template <int dim>
-void Segmentation<dim>::add_curved_rest(const Chart<dim> &chart, const CurvedWindow &window,
+void Segmentation<dim>::add_curved_rest(const CurvedWindow &window,
                                         const std::vector<CurvedSegment> &segments, const double area,
                                         const FaceBoxes &face_boxes)
 {

@@ -92,7 +92,7 @@ dealii::FullMatrix<double> orthonormal_basis(const dealii::FullMatrix<double> &M
 {
   const double least = 1e-6;
   if (M.m() == 0)
-    return {};
+    return dealii::FullMatrix<double>();
   const auto [values, vectors] = eigenvectors(M);
   std::vector<unsigned int> chosen;
   for (unsigned int i = 0; i < values.size(); ++i)

@@ -210,7 +210,9 @@ void BlockSystem<dim>::add_pattern(const Domain<dim> &domain, dealii::DynamicSpa
 }
 
 /// The two cells of a group couple by the jump alone, unless the tie couples their fluxes, too: an unknown
-/// that is not in the jump then meets only those that are, which leaves most of a cell of high degree out.
+/// that is not in the jump then meets only those of the other cell that are, which leaves most of a cell of
+/// high degree out. The unknowns of one cell couple in any case, here as well, because this rank may not own
+/// that cell and yet adds second derivatives of its flux.
 template <int dim>
 void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
                                    dealii::DynamicSparsityPattern &pattern) const
@@ -227,6 +229,7 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
     for (unsigned int j = 0; j < n; ++j)
       depends(i, j) = interface.couples(component[i], component[j]);
   const bool by_flux = interface.tie().couples_fluxes();
+  const auto is_of_source = [&](const unsigned int i) { return i < interface.n_local(source); };
 
   dealii::Table<2, bool> couples(n, n);
   for (const auto &group : interface.pairing().groups) {
@@ -235,7 +238,7 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
         by_flux ? std::vector<bool>(n, true) : interface.unknowns_in_jump(group);
     for (unsigned int i = 0; i < n; ++i)
       for (unsigned int j = 0; j < n; ++j)
-        couples(i, j) = depends(i, j) && (in_jump[i] || in_jump[j]);
+        couples(i, j) = depends(i, j) && (in_jump[i] || in_jump[j] || is_of_source(i) == is_of_source(j));
     if (const auto position = merge_repeated(interface, dofs); !position.empty()) {
       dealii::Table<2, bool> merged(dofs.size(), dofs.size());
       for (unsigned int i = 0; i < n; ++i)

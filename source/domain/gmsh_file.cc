@@ -114,16 +114,25 @@ private:
 
   std::int64_t read_node_number() { return text.integer("the number of a node", 1, largest_mesh_number); }
 
+  /// At the top of a section of nodes or elements: the numbers of blocks (version 2: one) and of these
+  /// things.
+  std::pair<std::size_t, std::size_t> read_sizes(const std::string &thing)
+  {
+    const std::size_t n_blocks = is_version_4 ? text.count("the number of blocks of " + thing + "s") : 1;
+    const std::size_t n = text.count("the number of " + thing + "s");
+    for (unsigned int i = 0; is_version_4 && i < 2; ++i)
+      text.integer("the smallest and largest number of " +
+                       (thing == "element" ? "an " + thing : "a " + thing),
+                   0, largest_mesh_number);
+    return {n_blocks, n};
+  }
+
   void read_nodes()
   {
     text.check(!has_nodes, "the section $Nodes is there twice");
     has_nodes = true;
-    const std::size_t n_blocks = is_version_4 ? text.count("the number of blocks of nodes") : 1;
-    const std::size_t n_nodes = text.count("the number of nodes");
-    if (is_version_4)
-      for (unsigned int i = 0; i < 2; ++i)
-        text.integer("the smallest and largest number of a node", 0, largest_mesh_number);
-    else
+    const auto [n_blocks, n_nodes] = read_sizes("node");
+    if (!is_version_4)
       for (std::size_t i = 0; i < n_nodes; ++i)
         read_node(read_node_number(), 0);
     for (std::size_t block = 0; is_version_4 && block < n_blocks; ++block) {
@@ -145,12 +154,8 @@ private:
   {
     text.check(has_nodes && !has_elements, "the section $Elements comes before $Nodes, or twice");
     has_elements = true;
-    const std::size_t n_blocks = is_version_4 ? text.count("the number of blocks of elements") : 1;
-    const std::size_t n_elements = text.count("the number of elements");
-    if (is_version_4)
-      for (unsigned int i = 0; i < 2; ++i)
-        text.integer("the smallest and largest number of an element", 0, largest_mesh_number);
-    else
+    const auto [n_blocks, n_elements] = read_sizes("element");
+    if (!is_version_4)
       for (std::size_t i = 0; i < n_elements; ++i)
         read_element_of_version_2();
     std::size_t n = is_version_4 ? 0 : n_elements;

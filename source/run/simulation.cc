@@ -239,7 +239,7 @@ void Simulation<dim>::check()
 }
 
 template <int dim>
-void Simulation<dim>::set_initial_values(const double t)
+void Simulation<dim>::set_initial_values(const double t, const std::string &without_initial)
 {
   // Of scalar fields, by domain. A linear scene needs none, and an update from a guess far from the solution
   // has the rounding of the guess.
@@ -254,7 +254,7 @@ void Simulation<dim>::set_initial_values(const double t)
     std::vector<dealii::types::global_dof_index> dofs;
     for (const Field &field : domain->fields())
       if (const Expression *initial =
-              field.name == guessed_field ? nullptr : domain->initial().find(field.name);
+              field.name == without_initial ? nullptr : domain->initial().find(field.name);
           initial || (may_guess && field.n_components == 1)) {
         if (!initial && guesses.count(field.name) == 0)
           guesses[field.name] = first_guess(model, field.name, t);
@@ -288,9 +288,7 @@ bool Simulation<dim>::guess_again(const double t)
   if (!is_scalar)
     return false;
   log.line("  did not converge from the first guess; the " + name + " begins at what is prescribed");
-  guessed_field = name;
-  set_initial_values(t);
-  guessed_field.clear();
+  set_initial_values(t, name);
   begin_step(t);
   newton_step->spread_prescribed_values(solution);
   return true;

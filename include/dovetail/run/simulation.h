@@ -61,7 +61,8 @@ private:
   /// Model::linear_part, where constrained unknowns are the sum of those they follow.
   std::vector<SolveGroup::Sum> linear_part(unsigned int block_number) const;
   void check_formulas() const;
-  void set_initial_values(double t);
+  /// @p without_initial: a field that starts from given values although it has an `Initial`.
+  void set_initial_values(double t, const std::string &without_initial = "");
   bool guess_again(double t);
   void make_system(double t);
   void set_up(double t);
@@ -114,7 +115,6 @@ private:
   std::unique_ptr<Report> report;
   std::unique_ptr<NewtonStep<dim>> newton_step;
   Vector solution;
-  std::string guessed_field;                        ///< that starts from given values, not from its Initial
   bool can_be_halved = true;                        ///< the step that has failed
   std::optional<NodalForces<dim>> forces;           ///< at the solution, once they are asked for
   bool lacks_multipliers = false;                   ///< those of the solution have not been looked for

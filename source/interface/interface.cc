@@ -330,11 +330,11 @@ void Interface<dim>::group_dofs(const typename Pairing<dim>::Group &group,
 
 template <int dim>
 void Interface<dim>::evaluate(const unsigned int side, const unsigned int q,
-                              const std::vector<double> &unknowns, State<dim> &state) const
+                              const dealii::Tensor<1, dim> *gradients, const std::vector<double> &unknowns,
+                              State<dim> &state) const
 {
   const unsigned int n = sides[side].domain->n_nodes();
   const double *values = pairing().values(side, q);
-  const dealii::Tensor<1, dim> *gradients = pairing().gradients(side, q);
   const double *unknown = unknowns.data() + (side == source ? 0 : n_local(source));
   std::fill(state.value.begin(), state.value.end(), std::numeric_limits<double>::quiet_NaN());
   for (const unsigned int c : components[side]) {

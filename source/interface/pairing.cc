@@ -45,16 +45,20 @@ PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &
   result.values.resize(points.size() * n);
   result.gradients.resize(points.size() * n);
   ShapeEvaluator<dim> shapes(domain);
+  std::vector<double> no_values(n);
   unsigned int current = dealii::numbers::invalid_unsigned_int;
   for (unsigned int q = 0; q < points.size(); ++q) {
     if (points.face[q] != current) {
       current = points.face[q];
       const auto &face = faces.faces[current];
       shapes.reinit(face.cell);
-      CellBehind behind;
+      CellBehind<dim> behind;
       domain.cell_dofs(domain.dof_cell(face.cell), behind.dofs);
       behind.cell_measure = shapes.cell_measure(face.cell);
       behind.face_measure = shapes.face_measure(face.cell, face.face_no);
+      behind.central_gradients.resize(n);
+      shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), no_values.data(),
+                      behind.central_gradients.data());
       behind.rank = this_rank;
       behind.face = current;
       result.cells.push_back(std::move(behind));

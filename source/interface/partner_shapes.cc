@@ -36,7 +36,15 @@ std::vector<double> pack(const std::vector<Request<dim>> &requests)
   return numbers;
 }
 
-/// Answers as numbers: dofs, Omega, Gamma, then values and gradients of each point.
+template <int dim>
+void append(const std::vector<dealii::Tensor<1, dim>> &gradients, std::vector<double> &numbers)
+{
+  for (const auto &gradient : gradients)
+    for (unsigned int d = 0; d < dim; ++d)
+      numbers.push_back(gradient[d]);
+}
+
+/// Answers as numbers: dofs, Omega, Gamma, the gradients at the centre, then values and gradients of each point.
 template <int dim>
 std::vector<double> answer(const std::vector<double> &question, const Domain<dim> &domain,
                            const FaceLocator<dim> &locator, ShapeEvaluator<dim> &shapes)
@@ -53,15 +61,15 @@ std::vector<double> answer(const std::vector<double> &question, const Domain<dim
     numbers.insert(numbers.end(), dofs.begin(), dofs.end());
     numbers.push_back(shapes.cell_measure(face.cell));
     numbers.push_back(shapes.face_measure(face.cell, face.face_no));
+    shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), values.data(), gradients.data());
+    append(gradients, numbers);
     for (unsigned int q = 0; q < n_points; ++q) {
       dealii::Point<dim> unit_point;
       for (unsigned int d = 0; d < dim; ++d)
         unit_point[d] = question[i++];
       shapes.evaluate(unit_point, values.data(), gradients.data());
       numbers.insert(numbers.end(), values.begin(), values.end());
-      for (const auto &gradient : gradients)
-        for (unsigned int d = 0; d < dim; ++d)
-          numbers.push_back(gradient[d]);
+      append(gradients, numbers);
     }
   }
   return numbers;
@@ -73,21 +81,26 @@ void unpack(const unsigned int rank, const std::vector<double> &numbers,
 {
   const unsigned int n_nodes = domain.n_nodes();
   auto next = numbers.begin();
+  const auto take_gradients = [&](dealii::Tensor<1, dim> *gradients) {
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      for (unsigned int d = 0; d < dim; ++d)
+        gradients[a][d] = *next++;
+  };
   for (const auto &request : requests) {
-    CellBehind cell;
+    CellBehind<dim> cell;
     cell.dofs.assign(next, next + domain.dofs_per_cell());
     next += domain.dofs_per_cell();
     cell.cell_measure = *next++;
     cell.face_measure = *next++;
+    cell.central_gradients.resize(n_nodes);
+    take_gradients(cell.central_gradients.data());
     cell.rank = rank;
     cell.face = request.face;
     for (const unsigned int point : request.points) {
       result.cell_of_point[point] = result.cells.size();
       std::copy(next, next + n_nodes, result.values.begin() + point * n_nodes);
       next += n_nodes;
-      for (unsigned int a = 0; a < n_nodes; ++a)
-        for (unsigned int d = 0; d < dim; ++d)
-          result.gradients[point * n_nodes + a][d] = *next++;
+      take_gradients(&result.gradients[point * n_nodes]);
     }
     result.cells.push_back(std::move(cell));
   }

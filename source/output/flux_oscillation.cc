@@ -28,7 +28,7 @@ void FluxOscillation<dim>::add(const unsigned int field, const unsigned int q,
 {
   const Pairing<dim> &pairing = interface.pairing();
   for (const unsigned int side : {source, destination}) {
-    const CellBehind &behind = pairing.cells[side][pairing.groups[group_of_point[q]].cells[side]];
+    const CellBehind<dim> &behind = pairing.cells[side][pairing.groups[group_of_point[q]].cells[side]];
     Sums &of_face = sums[side][{behind.rank, behind.face}];
     of_face.resize(first.back());
     if (field == 0)

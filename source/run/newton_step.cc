@@ -40,6 +40,8 @@ void NewtonStep<dim>::begin(const double t_of_step, const Vector &x)
 {
   t = t_of_step;
   start = x;
+  if (at_rest.n_blocks() == 0)
+    at_rest = x;
   may_adapt = !has_converged;
   is_first_assembly = true;
   criterion.begin_step();
@@ -87,7 +89,8 @@ std::optional<unsigned int> NewtonStep<dim>::solve_for_update(const std::functio
 {
   const Phases::Scope scope(phases, "solve");
   if (has_new_tangent) {
-    linear_solver.set_matrix(system.tangent());
+    linear_solver.set_matrix(stabilised.n_block_rows() > 0 ? stabilised : system.tangent());
+    stabilised.clear();
     if (model.is_linear())
       check_tangent();
   }
@@ -251,6 +254,22 @@ bool NewtonStep<dim>::adapt_ties()
   return system.refreeze(t, state);
 }
 
+template <int dim>
+void NewtonStep<dim>::stabilise(const double share)
+{
+  if (tangent_at_rest.n_block_rows() == 0) {
+    const Vector accepted = trial;
+    trial = at_rest;
+    if (!std::isfinite(assemble(true)))
+      return;
+    tangent_at_rest.copy_from(system.tangent());
+    trial = accepted;
+    assemble(true);
+  }
+  stabilised.copy_from(system.tangent());
+  stabilised.add(share, tangent_at_rest);
+}
+
 /// Of a domain, not of multipliers.
 template <int dim>
 bool NewtonStep<dim>::is_scalar(const unsigned int b) const
@@ -318,7 +337,10 @@ NewtonResult NewtonStep<dim>::solve(Vector &x, const std::function<void()> &chec
     if (damping != 0)
       trial.add(damping, update);
   };
-  problem.accept = [&]() { solution = trial; };
+  problem.accept = [&]() {
+    solution = trial;
+    system.accept_state();
+  };
   problem.moves_constraints = [&]() { return system.moves_constraints(); };
   problem.linear_residual = [&]() { return linear_residual; };
   problem.update_norm = [&]() { return norm(update); };
@@ -330,11 +352,20 @@ NewtonResult NewtonStep<dim>::solve(Vector &x, const std::function<void()> &chec
     return norm(difference);
   };
   problem.adapt = [&]() { return adapt_ties(); };
+  problem.stabilise = [&](const double share) { stabilise(share); };
   problem.report = [&](const unsigned int iteration, const double size, const unsigned int linear_iterations,
                        const double damping) {
     log.newton_iteration(iteration, size, linear_iterations, damping);
   };
   const NewtonResult result = newton.solve(problem);
+  if (result.has_jumped) {
+    std::ostringstream words;
+    words.precision(4);
+    words << "in the step to t = " << t
+          << " the solution jumps: there is a limit point, beyond which none is near. Where bodies or single "
+             "cells snap through, what comes after it depends on the path; compare with a finer mesh";
+    all_notes.push_back(words.str());
+  }
   found_no_damping = !std::isfinite(result.residuals.back());
   has_converged = has_converged || result.is_converged;
   needs_iterations = !result.is_converged && result.linear_iterations.size() == newton.largest_number();

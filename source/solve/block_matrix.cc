@@ -90,6 +90,25 @@ BlockMatrix &BlockMatrix::operator=(const double zero)
   return *this;
 }
 
+void BlockMatrix::copy_from(const BlockMatrix &other)
+{
+  clear();
+  indices = other.indices;
+  blocks.resize(other.blocks.size());
+  for (unsigned int row = 0; row < blocks.size(); ++row)
+    for (const auto &[column, block] : other.blocks[row]) {
+      blocks[row][column] = std::make_unique<Block>();
+      blocks[row][column]->copy_from(*block);
+    }
+}
+
+void BlockMatrix::add(const double factor, const BlockMatrix &other)
+{
+  for (unsigned int row = 0; row < blocks.size(); ++row)
+    for (const auto &[column, block] : blocks[row])
+      block->add(factor, other.block(row, column));
+}
+
 void BlockMatrix::add(const size_type row, const size_type n, const size_type *columns, const double *values,
                       const bool elide_zeros, const bool columns_are_sorted)
 {

@@ -31,6 +31,8 @@ const double smallest_damping = 1e-6;
 const double largest_reduction = 10; ///< of a damping that was too bold: far off, no estimate holds
 /// Of the residual, by a full update that is trusted. That of a body of slenderness s grows by less than s^3.
 const double largest_growth = 1e10;
+const double growth_at_limit_point = 10; ///< of updates within a step
+const unsigned int most_passes = 5;      ///< of the iterations of a step, to get past it
 /// A linear system is solved once; how far rounding lets the residual down depends on its condition.
 /// A singular system leaves a residual of order one.
 const double largest_linear_residual = 1e-3;
@@ -101,6 +103,41 @@ double Newton::search_line(const NewtonProblem &problem, const double norm, cons
   return std::nan("");
 }
 
+/// Where the tangent becomes singular no branch of solutions leads on, and updates grow without bound. From
+/// there a body that moved slowly would fall to another solution: pseudo-transient continuation (Kelley and
+/// Keyes 1998), in which the tangent at rest takes the place of the mass, and time steps grow as the residual
+/// falls.
+void Newton::cross_limit_point(const NewtonProblem &problem, NewtonResult &result) const
+{
+  const double first_share = 1, smallest_share = 1e-8, largest_share = 1e4;
+  problem.try_update(0);
+  double norm = problem.assemble(true), share = first_share;
+  while (result.linear_iterations.size() < most_passes * maximum_iterations && share <= largest_share) {
+    problem.stabilise(share);
+    const auto linear_iterations = problem.solve();
+    if (!linear_iterations)
+      return;
+    result.linear_iterations.push_back(*linear_iterations);
+    problem.try_update(1);
+    const double new_norm = problem.assemble(true);
+    result.residuals.push_back(new_norm);
+    problem.report(result.linear_iterations.size(), new_norm, *linear_iterations, 1 / (1 + share));
+    if (!std::isfinite(new_norm)) {
+      share *= 4;
+      problem.try_update(0);
+      problem.assemble(true);
+      continue;
+    }
+    problem.accept();
+    if (new_norm <= relative_tolerance && problem.is_update_small()) {
+      result.is_converged = result.has_jumped = true;
+      return;
+    }
+    share = std::max(smallest_share, share * std::min(2., std::max(0.1, new_norm / norm)));
+    norm = new_norm;
+  }
+}
+
 void Newton::solve_linear(const NewtonProblem &problem, NewtonResult &result) const
 {
   const auto linear_iterations = problem.solve();
@@ -135,6 +172,7 @@ NewtonResult Newton::solve(const NewtonProblem &problem) const
   }
 
   Damping damping;
+  double first_update = 0;
   while (result.linear_iterations.size() < maximum_iterations) {
     const auto linear_iterations = problem.solve();
     if (!linear_iterations)
@@ -142,14 +180,19 @@ NewtonResult Newton::solve(const NewtonProblem &problem) const
     result.linear_iterations.push_back(*linear_iterations);
     // near convergence the next tangent is probably not needed
     const bool is_near = norm * norm <= relative_tolerance;
+    if (first_update == 0)
+      first_update = problem.update_norm();
     norm = search_line(problem, norm, !is_near, damping);
     const bool is_done = norm <= relative_tolerance && damping.factor == 1 && problem.is_update_small();
     if (is_near && !is_done && std::isfinite(norm) && damping.factor == 1)
       norm = problem.assemble(true);
     result.residuals.push_back(norm);
     problem.report(result.linear_iterations.size(), norm, *linear_iterations, damping.factor);
-    if (!std::isfinite(norm))
+    if (!std::isfinite(norm)) {
+      if (line_search && problem.stabilise && damping.update > growth_at_limit_point * first_update)
+        cross_limit_point(problem, result);
       return result;
+    }
     problem.accept();
     if (is_done) {
       result.is_converged = true;

@@ -15,6 +15,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <stdexcept>
 
 namespace dovetail {
 
@@ -376,6 +378,20 @@ void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
   move = largest_move;
 }
 
+namespace {
+
+/// An exception that this rank has caught, if any, or else one that another rank has.
+void throw_on_all_ranks(const std::exception_ptr &fault, const MPI_Comm &communicator)
+{
+  if (dealii::Utilities::MPI::max(fault ? 1 : 0, communicator) == 0)
+    return;
+  if (fault)
+    std::rethrow_exception(fault);
+  throw std::runtime_error("another rank could not assemble its part.");
+}
+
+} // namespace
+
 template <int dim>
 bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
 {
@@ -391,6 +407,44 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   sizes = {std::vector<double>(n_blocks, 0.), std::vector<double>(n_blocks, 0.),
            std::vector<double>(n_blocks, 0.)};
 
+  std::exception_ptr fault;
+  bool is_defined = true;
+  try {
+    is_defined = assemble_all(with_tangent);
+  } catch (...) { // perhaps of this rank alone: the others wait in compress()
+    fault = std::current_exception();
+  }
+  if (with_tangent)
+    matrix.compress(dealii::VectorOperation::add);
+  right_hand_side.compress(dealii::VectorOperation::add);
+  if (share < 1)
+    right_hand_side.add(share - 1, held_back);
+  for (auto *of_blocks : {&sizes.forces, &sizes.on_free, &sizes.of_tangent})
+    dealii::Utilities::MPI::sum(*of_blocks, model.communicator, *of_blocks);
+  if (with_tangent)
+    tangent_at_x = sizes.of_tangent;
+  throw_on_all_ranks(fault, model.communicator);
+  is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
+  has_tangent = with_tangent ? is_defined : has_tangent;
+  if (!is_defined) {
+    problem = first_of_ranks(problem_here, model.communicator);
+    if (problem.is_at_every_state)
+      throw UserError(problem.reason);
+  }
+  return is_defined;
+}
+
+template <int dim>
+void BlockSystem<dim>::accept_state()
+{
+  for (const auto &interface : model.interfaces)
+    interface->tie().accept_state();
+}
+
+/// @return whether all laws are defined on this rank.
+template <int dim>
+bool BlockSystem<dim>::assemble_all(const bool with_tangent)
+{
   bool is_defined = true;
   for (unsigned int d = 0; d < model.domains.size(); ++d)
     is_defined = assemble_domain(d, ghosted_scratch, with_tangent) && is_defined;
@@ -402,23 +456,6 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
       assemble_multipliers(*interface, ghosted_scratch, with_tangent);
     }
     tie_seconds += timer.wall_time();
-  }
-
-  if (with_tangent)
-    matrix.compress(dealii::VectorOperation::add);
-  right_hand_side.compress(dealii::VectorOperation::add);
-  if (share < 1)
-    right_hand_side.add(share - 1, held_back);
-  for (auto *of_blocks : {&sizes.forces, &sizes.on_free, &sizes.of_tangent})
-    dealii::Utilities::MPI::sum(*of_blocks, model.communicator, *of_blocks);
-  if (with_tangent)
-    tangent_at_x = sizes.of_tangent;
-  is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
-  has_tangent = with_tangent ? is_defined : has_tangent;
-  if (!is_defined) {
-    problem = first_of_ranks(problem_here, model.communicator);
-    if (problem.is_at_every_state)
-      throw UserError(problem.reason);
   }
   return is_defined;
 }

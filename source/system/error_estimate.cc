@@ -148,7 +148,7 @@ public:
       ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
       std::array<double, 2> share = {{0, 0}}, size;
       for (const unsigned int side : {source, destination}) {
-        const CellBehind &cell = interface.pairing().cells[side][group.cells[side]];
+        const CellBehind<dim> &cell = interface.pairing().cells[side][group.cells[side]];
         size[side] = cell.cell_measure / cell.face_measure;
       }
       for (unsigned int q = group.begin; q < group.end; ++q)

@@ -73,7 +73,7 @@ void check(const Case &of)
     for (const auto &group : pairing.groups)
       for (unsigned int q = group.begin; q < group.end; ++q) {
         area[group.cells[own]] += pairing.weight(q);
-        const CellBehind &partner = pairing.cells[1 - own][group.cells[1 - own]];
+        const CellBehind<dim> &partner = pairing.cells[1 - own][group.cells[1 - own]];
         area_of_partner[partner.dofs] +=
             pairing.weight(q) / std::abs(pairing.N(source, q) * pairing.N(destination, q));
         measure_of_partner[partner.dofs] = partner.face_measure;

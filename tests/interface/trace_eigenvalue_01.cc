@@ -70,7 +70,7 @@ void check(const Case &of, const unsigned int degree, const double angle = 0)
   double error = 0;
   for (const unsigned int side : {source, destination})
     for (unsigned int i = 0; i < lambda.of_tangent[side].size(); ++i) {
-      const CellBehind &cell = interface.pairing().cells[side][i];
+      const CellBehind<dim> &cell = interface.pairing().cells[side][i];
       const double constant =
           lambda.of_tangent[side][i] * cell.cell_measure / (of.stiffness * cell.face_measure);
       error = std::max(error, std::abs(constant / of.expected - 1));

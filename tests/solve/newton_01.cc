@@ -5,7 +5,8 @@
 // Line search: log(x) from 5, whose full update leaves the domain of the logarithm, and exp(x) - 1 from -6,
 // whose full update of 402 would make the residual grow by 1e174, so it is not trusted. exp(5 x) has no zero,
 // but its residual vanishes as x runs off: its updates never become small. A failure is a status, not an
-// exception.
+// exception. Beyond a limit point: x^3 - 3 x + 3 from 1.6, where nothing but the root at -2.1038 is left; with
+// and without what stabilises.
 
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/solve/newton.h>
@@ -30,6 +31,7 @@ struct Toy
   bool is_linear = false, moves_constraints = false, confirms_first_update = false;
   double adapts_to = 0; ///< if not 0: the factor of the equation after the first full update
   double linear_residual = 0;
+  double slope_at_rest = 0; ///< if not 0: what stabilises
   unsigned int fails_at = 1000; ///< number of the solve that fails
   unsigned int n_solves = 0, n_assemblies = 0, n_tangents = 0;
   std::vector<double> dampings;
@@ -40,7 +42,9 @@ struct Toy
     NewtonProblem problem;
     problem.is_linear = is_linear;
     problem.confirms_first_update = confirms_first_update;
-    double factor = 1;
+    double factor = 1, share = 0;
+    if (slope_at_rest != 0)
+      problem.stabilise = [&](const double share_of_rest) { share = share_of_rest; };
     problem.adapt = [&]() { return adapts_to != 0 && std::exchange(factor, adapts_to) == 1; };
     problem.assemble = [&](const bool with_tangent) {
       ++n_assemblies;
@@ -52,8 +56,8 @@ struct Toy
     problem.solve = [&]() -> std::optional<unsigned int> {
       if (++n_solves == fails_at)
         return {};
-      dx = -residual / tangent;
-      solved_with = tangent;
+      solved_with = tangent + std::exchange(share, 0) * slope_at_rest;
+      dx = -residual / solved_with;
       return 3;
     };
     problem.update_norm = [&]() { return std::abs(dx); };
@@ -150,4 +154,8 @@ int main(int argc, char **argv)
   toy.x = 2;
   toy.moves_constraints = true;
   show("no damping while prescribed values move", toy, "set Maximum iterations = 1");
+  toy = {[](double x) { return x * x * x - 3 * x + 3; }, [](double x) { return 3 * x * x - 3; }, 1.6};
+  show("limit point", toy);
+  toy.slope_at_rest = 3;
+  show("limit point, stabilised", toy);
 }

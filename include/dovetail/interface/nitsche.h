@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/interface/side_states.h>
 #include <dovetail/interface/trace_eigenvalue.h>
 
 #include <limits>
@@ -51,6 +52,7 @@ public:
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent) override;
+  void accept_state() override { sides.accept(); }
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
                       const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
                       const std::vector<double> &jump, std::vector<double> &result) const override;
@@ -113,16 +115,25 @@ private:
   bool has_constant_penalty(const Interface<dim> &interface) const;
   void find_eigenvalues(const Interface<dim> &interface, double t,
                         const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator);
-  void evaluate_stiffness(const Interface<dim> &interface, unsigned int q, double t,
-                          const std::vector<double> &unknowns);
+  void evaluate_stiffness(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                          unsigned int q, double t, const std::vector<double> &unknowns);
   double stiffness(const Interface<dim> &interface, const TiedField &field, unsigned int side,
                    const dealii::Tensor<1, dim> &N) const;
   double choose(const Interface<dim> &interface, unsigned int field_index,
                 const typename Pairing<dim>::Group &group, unsigned int q, double t,
                 Parameters &chosen) const;
+  double multiplier_of(const Interface<dim> &interface, const TiedField &field) const;
+  void note_central_gradients(const MPI_Comm &communicator);
   bool may_turn_skew(const Interface<dim> &interface, const TiedField &field) const;
   void note_bound(unsigned int field_index, const typename Pairing<dim>::Group &group,
                   Parameters &chosen) const;
+  /// By which factor the penalties of a field have grown, and by which they have shrunk.
+  struct Change
+  {
+    double growth = 0, decrease = 0;
+  };
+  Change change_to(const std::vector<Parameters> &of_solution, const Interface<dim> &interface,
+                   unsigned int field_index, const MPI_Comm &communicator) const;
   double theta_at(const Interface<dim> &interface, const TiedField &field, unsigned int q,
                   Parameters &parameters) const;
   void note_margin(unsigned int field_index, const typename Pairing<dim>::Group &group,
@@ -132,8 +143,8 @@ private:
 
   bool join(const Interface<dim> &interface, const TiedField &field, unsigned int q, double gamma,
             const std::array<State<dim>, 2> &of_sides, Series &series) const;
-  bool evaluate_sides(const Interface<dim> &interface, unsigned int q, double t,
-                      const std::vector<double> &unknowns, bool with_derivatives);
+  bool evaluate_sides(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                      unsigned int q, double t, const std::vector<double> &unknowns, bool with_derivatives);
   bool add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q,
                  const std::vector<double> &unknowns, std::vector<double> &residual,
                  dealii::FullMatrix<double> *tangent);
@@ -157,15 +168,16 @@ private:
   bool own_sides;
   const Weights weights;
   const PenaltyRule penalty_rule;
+  const bool is_automatic; ///< the multiplier
   const double multiplier;
   const Expression value;
 
-  std::vector<Parameters> parameters;        ///< at field * n_points + point
-  std::vector<double> first_gamma;           ///< of the first step, likewise
-  static constexpr double least_share = 0.1; ///< of it that a softened material keeps
+  std::vector<Parameters> parameters; ///< at field * n_points + point
+  std::vector<double> first_gamma;    ///< of the first step, likewise
   /// Of a penalty in a step: harmless, too much, too much.
   static constexpr double small_growth = 1.5, largest_growth = 10, largest_decrease = 100;
-  bool has_begun = false, has_warned = false;
+  static constexpr double central_factor = 10; ///< of the penalty where the flux is that at a cell's centre
+  bool has_begun = false, has_warned = false, has_noted_centres = false;
   /// By field, of the cells behind the points; empty if nothing needs them.
   std::vector<TraceEigenvalues> lambda;
   typename Tie<dim>::Penalty range;
@@ -175,8 +187,7 @@ private:
   typename Tie<dim>::FluxVariations variations;
 
   // at the current point: states and responses of the two sides, and of the current field what R needs
-  std::array<State<dim>, 2> state;
-  std::array<Response<dim>, 2> response;
+  SideStates<dim> sides;
   double theta_here = 0;                                      ///< theta or -1
   std::vector<double> jump, mean_flux, transmitted, mismatch; ///< [B], {A}, s and e
   std::vector<double> mean_flux_of;                           ///< d{A}_c / dx_i at c * n_local + i

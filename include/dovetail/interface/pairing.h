@@ -121,7 +121,7 @@ public:
   using OwnShare = std::function<double(unsigned int own, unsigned int q)>;
   void extend(const std::vector<OwnShare> &share_of_field);
 
-  std::array<std::vector<CellBehind>, 2> cells;
+  std::array<std::vector<CellBehind<dim>>, 2> cells;
   std::vector<Group> groups;
   std::vector<Piece> pieces; ///< of the sides on which points lie, to be shown
   std::vector<Uncovered> uncovered;

@@ -12,13 +12,15 @@
 
 namespace dovetail {
 
-/// A cell behind points of an interface: its unknowns (component, node) and the measures of it and of its
-/// face.
+/// A cell behind points of an interface: its unknowns (component, node), the measures of it and of its face,
+/// and the gradients of its shape functions at its centre.
+template <int dim>
 struct CellBehind
 {
   std::vector<dealii::types::global_dof_index> dofs;
   double cell_measure = 0;                                   ///< Omega
   double face_measure = 0;                                   ///< Gamma
+  std::vector<dealii::Tensor<1, dim>> central_gradients;     ///< of each node
   unsigned int rank = dealii::numbers::invalid_unsigned_int; ///< that owns the cell
   unsigned int face = dealii::numbers::invalid_unsigned_int; ///< of the side, as in SideFaces::faces there
 };
@@ -28,7 +30,7 @@ struct CellBehind
 template <int dim>
 struct PartnerShapes
 {
-  std::vector<CellBehind> cells;
+  std::vector<CellBehind<dim>> cells;
   std::vector<unsigned int> cell_of_point; ///< invalid_unsigned_int if the point has no partner
   std::vector<double> values;
   std::vector<dealii::Tensor<1, dim>> gradients;

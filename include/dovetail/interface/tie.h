@@ -133,6 +133,9 @@ public:
     return true;
   }
 
+  /// The state of the last assembly becomes the solution so far: of a trial that is rejected nothing may stay.
+  virtual void accept_state() {}
+
   /// Values at unknowns that this rank owns, by global index.
   using Owned = std::function<double(dealii::types::global_dof_index dof)>;
   virtual bool has_multipliers() const { return false; }

@@ -61,6 +61,7 @@ private:
   double norm(const Vector &of_update) const;
   bool is_update_small() const;
   bool adapt_ties();
+  void stabilise(double share);
   bool is_scalar(unsigned int block) const;
 
   const Model<dim> &model;
@@ -72,6 +73,9 @@ private:
   Convergence criterion;
   Vector solution, trial, update, correction, update_loads, moving_loads;
   double t = 0;
+  Vector at_rest; ///< where the run begins
+  /// The tangent there, and a sum with it that the linear solver gets; empty until they are needed.
+  BlockMatrix tangent_at_rest, stabilised;
   Vector start;                                            ///< of the step
   bool has_converged = false;                              ///< some step; the first starts from a guess
   bool may_adapt = true;                                   ///< the ties, once in a step that does

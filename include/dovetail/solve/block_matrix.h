@@ -58,6 +58,8 @@ public:
   }
 
   BlockMatrix &operator=(double zero);
+  void copy_from(const BlockMatrix &other);
+  void add(double factor, const BlockMatrix &other); ///< of the same pattern
   void add(size_type row, size_type n, const size_type *columns, const double *values,
            bool elide_zeros = true, bool columns_are_sorted = false);
   void add(size_type row, size_type column, double value);

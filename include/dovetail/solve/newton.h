@@ -51,6 +51,10 @@ struct NewtonProblem
   /// is frozen in them being adapted to x. May be missing.
   std::function<bool()> adapt;
 
+  /// Let the next solve() use the last tangent plus @p share of a tangent that is positive definite. May be
+  /// missing.
+  std::function<void(double share)> stabilise;
+
   /// Told of each iteration: number, norm, linear iterations, damping.
   std::function<void(unsigned int, double, unsigned int, double)> report;
 };
@@ -58,6 +62,7 @@ struct NewtonProblem
 struct NewtonResult
 {
   bool is_converged = false;
+  bool has_jumped = false;       ///< past a limit point
   std::vector<double> residuals; ///< relative, before the first and after each iteration
   std::vector<unsigned int> linear_iterations;
 };
@@ -82,6 +87,7 @@ private:
   };
   double predict(const NewtonProblem &problem, const Damping &last) const;
   double search_line(const NewtonProblem &problem, double norm, bool with_tangent, Damping &damping) const;
+  void cross_limit_point(const NewtonProblem &problem, NewtonResult &result) const;
   void solve_linear(const NewtonProblem &problem, NewtonResult &result) const;
 
   double relative_tolerance, tolerance;

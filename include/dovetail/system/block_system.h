@@ -48,6 +48,8 @@ public:
   /// R(x), and the tangent. @return false, on all ranks alike, if a law is not defined at x. @throw UserError
   /// if what is not defined is not so at any x.
   bool assemble(const Vector &x, bool with_tangent);
+  /// The state of the last assembly becomes the solution so far.
+  void accept_state();
   /// Of the last assembly since begin_step() that was not defined: which law at which state, in which domain
   /// and cell; the same on all ranks.
   const Undefined &why_undefined() const { return problem; }
@@ -130,6 +132,7 @@ private:
   void add_pattern(const Domain<dim> &domain, dealii::DynamicSparsityPattern &pattern) const;
   void add_pattern(const Interface<dim> &interface, dealii::DynamicSparsityPattern &pattern) const;
   void move_constraints_from(const Vector &ghosted);
+  bool assemble_all(bool with_tangent);
   bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);
   bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
   void assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted, bool with_tangent);

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/interface/side_states.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dovetail {
+
+template <int dim>
+bool has_large_strain(const Interface<dim> &interface, const TiedField &field)
+{
+  bool is_linear = true;
+  for (const unsigned int side : {source, destination})
+    is_linear = is_linear && interface.sides[side].domain->material.is_linear(field.field[side]);
+  return field.n_components > 1 && !is_linear;
+}
+
+template <int dim>
+void SideStates<dim>::begin_step(const Interface<dim> &interface, const double t,
+                                 const typename Tie<dim>::Unknowns &values_of)
+{
+  for (const unsigned int side : {source, destination}) {
+    const unsigned int n_components = interface.sides[side].domain->n_components();
+    state[side] = State<dim>(n_components);
+    response[side] = Response<dim>(n_components);
+    state[side].t = t;
+  }
+  choices.assign(interface.pairing().n_points(), {});
+  if (std::none_of(interface.fields.begin(), interface.fields.end(),
+                   [&](const TiedField &field) { return has_large_strain(interface, field); }))
+    return;
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns;
+  for (const auto &group : interface.pairing().groups) {
+    interface.group_dofs(group, dofs);
+    values_of(dofs, unknowns);
+    for (unsigned int q = group.begin; q < group.end; ++q)
+      for (const unsigned int side : {source, destination}) {
+        const bool is_central = stiffens(interface, group, side, q, unknowns);
+        choices[q][side] = {is_central, is_central};
+      }
+  }
+}
+
+template <int dim>
+bool SideStates<dim>::stiffens(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                               const unsigned int side, const unsigned int q,
+                               const std::vector<double> &unknowns)
+{
+  state[side].X = interface.pairing().X(side, q);
+  const auto &at_centre = interface.pairing().cells[side][group.cells[side]].central_gradients;
+  if (!evaluate_with(interface.pairing().gradients(side, q), interface, side, q, unknowns, true))
+    return true;
+  const std::vector<TiedField> &fields = interface.fields;
+  std::vector<double> here;
+  for (const TiedField &field : fields)
+    here.push_back(normal_stiffness(interface, field, side, q));
+  if (!evaluate_with(at_centre.data(), interface, side, q, unknowns, true))
+    return false;
+  bool does = false;
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    does = does || (has_large_strain(interface, fields[f]) &&
+                    here[f] > largest_stiffening * normal_stiffness(interface, fields[f], side, q));
+  return does;
+}
+
+template <int dim>
+bool SideStates<dim>::evaluate(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                               const unsigned int side, const unsigned int q, const double t,
+                               const std::vector<double> &unknowns, const bool with_derivatives)
+{
+  state[side].X = interface.pairing().X(side, q);
+  state[side].t = t;
+  Choice &choice = choices[q][side];
+  choice.is_of_trial = choice.is_accepted;
+  if (!choice.is_accepted &&
+      evaluate_with(interface.pairing().gradients(side, q), interface, side, q, unknowns, with_derivatives))
+    return true;
+  choice.is_of_trial = true;
+  const auto &at_centre = interface.pairing().cells[side][group.cells[side]].central_gradients;
+  return evaluate_with(at_centre.data(), interface, side, q, unknowns, with_derivatives);
+}
+
+template <int dim>
+bool SideStates<dim>::evaluate_with(const dealii::Tensor<1, dim> *shape_gradients,
+                                    const Interface<dim> &interface, const unsigned int side,
+                                    const unsigned int q, const std::vector<double> &unknowns,
+                                    const bool with_derivatives)
+{
+  gradients[side] = shape_gradients;
+  interface.evaluate(side, q, shape_gradients, unknowns, state[side]);
+  return interface.sides[side].domain->material.evaluate(state[side], with_derivatives, response[side]);
+}
+
+template <int dim>
+void SideStates<dim>::evaluate_state(const Interface<dim> &interface, const unsigned int side,
+                                     const unsigned int q, const double t,
+                                     const std::vector<double> &unknowns)
+{
+  state[side].X = interface.pairing().X(side, q);
+  state[side].t = t;
+  interface.evaluate(side, q, interface.pairing().gradients(side, q), unknowns, state[side]);
+}
+
+template <int dim>
+void SideStates<dim>::accept()
+{
+  for (auto &of_point : choices)
+    for (Choice &choice : of_point)
+      choice.is_accepted = choice.is_of_trial;
+}
+
+template <int dim>
+unsigned int SideStates<dim>::n_central() const
+{
+  unsigned int n = 0;
+  for (unsigned int q = 0; q < choices.size(); ++q)
+    n += is_central(q) ? 1 : 0;
+  return n;
+}
+
+template <int dim>
+double SideStates<dim>::normal_stiffness(const Interface<dim> &interface, const TiedField &field,
+                                         const unsigned int side, const unsigned int q) const
+{
+  const unsigned int n = interface.sides[side].domain->n_components(), first = field.first_component[side];
+  double square = 0;
+  for (unsigned int c = first; c < first + field.n_components; ++c)
+    for (unsigned int d = first; d < first + field.n_components; ++d)
+      square += (interface.pairing().N(side, q) * response[side].by_gradient[c * n + d]).norm_square();
+  return std::sqrt(square);
+}
+
+template class SideStates<2>;
+template class SideStates<3>;
+template bool has_large_strain(const Interface<2> &, const TiedField &);
+template bool has_large_strain(const Interface<3> &, const TiedField &);
+
+} // namespace dovetail

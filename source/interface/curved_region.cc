@@ -6,8 +6,14 @@
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/lac/full_matrix.h>
 
+#include <boost/math/tools/minima.hpp>
+#include <boost/math/tools/toms748_solve.hpp>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
 
 namespace dovetail {
 
@@ -24,53 +30,29 @@ double snapped(const double distance)
   return std::abs(distance) <= tolerance ? 0. : distance;
 }
 
-/// The zero between two parameters with values of different signs: regula falsi that halves the value of an
-/// end which stays (the Illinois algorithm: Dowell and Jarratt, 1971).
+/// The zero between two parameters with values of different signs.
 template <typename Function>
 double zero_between(const Function &f, double a, double f_a, double b, double f_b)
 {
-  for (unsigned int iteration = 0; iteration < 60 && std::abs(b - a) > 1e-16; ++iteration) {
-    double c = (a * f_b - b * f_a) / (f_b - f_a);
-    if (!(c > std::min(a, b) && c < std::max(a, b)))
-      c = (a + b) / 2;
-    const double f_c = f(c);
-    if (f_c == 0 || std::abs(f_c) < 1e-17)
-      return c;
-    if ((f_c > 0) != (f_b > 0)) {
-      a = b;
-      f_a = f_b;
-    } else
-      f_a /= 2;
-    b = c;
-    f_b = f_c;
-    if (std::abs(f_b) < 1e-16)
-      break;
+  if (a > b) {
+    std::swap(a, b);
+    std::swap(f_a, f_b);
   }
-  return b;
+  std::uintmax_t n_evaluations = 60;
+  const auto bracket = boost::math::tools::toms748_solve(
+      f, a, b, f_a, f_b, [](const double left, const double right) { return right - left <= 1e-16; },
+      n_evaluations);
+  return (bracket.first + bracket.second) / 2;
 }
 
-/// The parameter between a and b at which |f| is least, by golden section.
+/// The parameter between a and b at which |f| is least.
 template <typename Function>
-double least_between(const Function &f, double a, double b)
+double least_between(const Function &f, const double a, const double b)
 {
-  constexpr double golden = 0.6180339887498949;
-  double c = b - golden * (b - a), d = a + golden * (b - a);
-  double f_c = std::abs(f(c)), f_d = std::abs(f(d));
-  for (unsigned int iteration = 0; iteration < 40; ++iteration)
-    if (f_c < f_d) {
-      b = d;
-      d = c;
-      f_d = f_c;
-      c = b - golden * (b - a);
-      f_c = std::abs(f(c));
-    } else {
-      a = c;
-      c = d;
-      f_c = f_d;
-      d = a + golden * (b - a);
-      f_d = std::abs(f(d));
-    }
-  return (a + b) / 2;
+  const int bits = std::numeric_limits<double>::digits / 2; // half of them is all that a minimum shows
+  return boost::math::tools::brent_find_minima([&](const double v) { return std::abs(f(v)); }, std::min(a, b),
+                                               std::max(a, b), bits)
+      .first;
 }
 
 /// Where the distance of an arc's points changes its sign, in the order of the arc, with both ends of the

@@ -383,7 +383,7 @@ void Nitsche<dim>::warn_if_not_coercive(const Interface<dim> &interface, const M
             << (penalty_rule == PenaltyRule::value ? "Value" : "Multiplier") << " = " << 2 * least
             << " (twice the least)";
     if (penalty_rule != PenaltyRule::value)
-      message << " instead of " << multiplier;
+      message << " instead of " << multiplier_of(interface, interface.fields[0]);
     message << ", or Theta = -1, which needs none.";
   }
   sentences.push_back(message.str());
@@ -398,7 +398,7 @@ void Nitsche<dim>::note_large_penalty(const MPI_Comm &communicator)
 {
   const double largest_excess = 18;
   const double of_all = dealii::Utilities::MPI::max(excess, communicator);
-  if (has_joint() || !sentences.empty() || of_all < largest_excess)
+  if (is_automatic || has_joint() || !sentences.empty() || of_all < largest_excess)
     return;
   std::ostringstream message;
   message.precision(2);
@@ -502,7 +502,8 @@ bool Nitsche<dim>::refreeze(const Interface<dim> &interface, const double t,
   for (unsigned int f = 0; f < interface.fields.size(); ++f) {
     const Change change = change_to(of_solution, interface, f, communicator);
     const bool needs_bound = !may_turn_skew(interface, interface.fields[f]);
-    is_outdated = is_outdated || change.growth > largest_growth || change.decrease > largest_decrease ||
+    is_outdated = is_outdated || change.growth > (needs_bound ? largest_growth : largest_mean_growth) ||
+                  change.decrease > largest_decrease ||
                   (needs_bound && range.coercivity_margin < 0 && change.growth > small_growth);
   }
   if (dealii::Utilities::MPI::max(static_cast<int>(is_outdated), communicator) == 0)

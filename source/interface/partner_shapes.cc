@@ -44,7 +44,8 @@ void append(const std::vector<dealii::Tensor<1, dim>> &gradients, std::vector<do
       numbers.push_back(gradient[d]);
 }
 
-/// Answers as numbers: dofs, Omega, Gamma, the gradients at the centre, then values and gradients of each point.
+/// Answers as numbers: dofs, Omega, Gamma, the gradients at the centre, then values and gradients of each
+/// point.
 template <int dim>
 std::vector<double> answer(const std::vector<double> &question, const Domain<dim> &domain,
                            const FaceLocator<dim> &locator, ShapeEvaluator<dim> &shapes)

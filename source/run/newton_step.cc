@@ -40,7 +40,7 @@ void NewtonStep<dim>::begin(const double t_of_step, const Vector &x)
 {
   t = t_of_step;
   start = x;
-  if (at_rest.n_blocks() == 0)
+  if (at_rest.n_blocks() == 0 && has_large_strain())
     at_rest = x;
   may_adapt = !has_converged;
   is_first_assembly = true;
@@ -254,17 +254,31 @@ bool NewtonStep<dim>::adapt_ties()
   return system.refreeze(t, state);
 }
 
+/// Of some solid: only then limit points are looked for.
+template <int dim>
+bool NewtonStep<dim>::has_large_strain() const
+{
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int b = 0; b < blocks.size(); ++b)
+    if (!blocks[b].is_of_multipliers && !is_scalar(b) &&
+        !model.domains[blocks[b].domain_index]->material.is_linear(blocks[b].field_index))
+      return true;
+  return false;
+}
+
 template <int dim>
 void NewtonStep<dim>::stabilise(const double share)
 {
   if (tangent_at_rest.n_block_rows() == 0) {
     const Vector accepted = trial;
     trial = at_rest;
-    if (!std::isfinite(assemble(true)))
-      return;
-    tangent_at_rest.copy_from(system.tangent());
+    const bool is_defined = std::isfinite(assemble(true));
+    if (is_defined)
+      tangent_at_rest.copy_from(system.tangent());
     trial = accepted;
     assemble(true);
+    if (!is_defined)
+      return;
   }
   stabilised.copy_from(system.tangent());
   stabilised.add(share, tangent_at_rest);
@@ -352,7 +366,8 @@ NewtonResult NewtonStep<dim>::solve(Vector &x, const std::function<void()> &chec
     return norm(difference);
   };
   problem.adapt = [&]() { return adapt_ties(); };
-  problem.stabilise = [&](const double share) { stabilise(share); };
+  if (has_large_strain())
+    problem.stabilise = [&](const double share) { stabilise(share); };
   problem.report = [&](const unsigned int iteration, const double size, const unsigned int linear_iterations,
                        const double damping) {
     log.newton_iteration(iteration, size, linear_iterations, damping);

@@ -109,7 +109,7 @@ double Newton::search_line(const NewtonProblem &problem, const double norm, cons
 /// falls.
 void Newton::cross_limit_point(const NewtonProblem &problem, NewtonResult &result) const
 {
-  const double first_share = 1, smallest_share = 1e-8, largest_share = 1e4;
+  const double first_share = 1, smallest_share = 1e-8, largest_share = 1e4, largest_last_share = 1e-3;
   problem.try_update(0);
   double norm = problem.assemble(true), share = first_share;
   while (result.linear_iterations.size() < most_passes * maximum_iterations && share <= largest_share) {
@@ -129,7 +129,7 @@ void Newton::cross_limit_point(const NewtonProblem &problem, NewtonResult &resul
       continue;
     }
     problem.accept();
-    if (new_norm <= relative_tolerance && problem.is_update_small()) {
+    if (new_norm <= relative_tolerance && share <= largest_last_share && problem.is_update_small()) {
       result.is_converged = result.has_jumped = true;
       return;
     }

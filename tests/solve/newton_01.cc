@@ -5,8 +5,8 @@
 // Line search: log(x) from 5, whose full update leaves the domain of the logarithm, and exp(x) - 1 from -6,
 // whose full update of 402 would make the residual grow by 1e174, so it is not trusted. exp(5 x) has no zero,
 // but its residual vanishes as x runs off: its updates never become small. A failure is a status, not an
-// exception. Beyond a limit point: x^3 - 3 x + 3 from 1.6, where nothing but the root at -2.1038 is left; with
-// and without what stabilises.
+// exception. Beyond a limit point: x^3 - 3 x + 3 from 1.6, where nothing but the root at -2.1038 is left;
+// with and without what stabilises.
 
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/solve/newton.h>
@@ -31,7 +31,7 @@ struct Toy
   bool is_linear = false, moves_constraints = false, confirms_first_update = false;
   double adapts_to = 0; ///< if not 0: the factor of the equation after the first full update
   double linear_residual = 0;
-  double slope_at_rest = 0; ///< if not 0: what stabilises
+  double slope_at_rest = 0;     ///< if not 0: what stabilises
   unsigned int fails_at = 1000; ///< number of the solve that fails
   unsigned int n_solves = 0, n_assemblies = 0, n_tangents = 0;
   std::vector<double> dampings;

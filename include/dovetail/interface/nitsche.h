@@ -175,7 +175,8 @@ private:
   std::vector<Parameters> parameters; ///< at field * n_points + point
   std::vector<double> first_gamma;    ///< of the first step, likewise
   /// Of a penalty in a step: harmless, too much, too much.
-  static constexpr double small_growth = 1.5, largest_growth = 10, largest_decrease = 100;
+  static constexpr double small_growth = 1.5, largest_growth = 10, largest_mean_growth = 5,
+                          largest_decrease = 100;
   static constexpr double central_factor = 10; ///< of the penalty where the flux is that at a cell's centre
   bool has_begun = false, has_warned = false, has_noted_centres = false;
   /// By field, of the cells behind the points; empty if nothing needs them.

@@ -133,7 +133,8 @@ public:
     return true;
   }
 
-  /// The state of the last assembly becomes the solution so far: of a trial that is rejected nothing may stay.
+  /// The state of the last assembly becomes the solution so far: of a trial that is rejected nothing may
+  /// stay.
   virtual void accept_state() {}
 
   /// Values at unknowns that this rank owns, by global index.

@@ -61,6 +61,7 @@ private:
   double norm(const Vector &of_update) const;
   bool is_update_small() const;
   bool adapt_ties();
+  bool has_large_strain() const;
   void stabilise(double share);
   bool is_scalar(unsigned int block) const;
 

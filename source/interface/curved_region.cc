@@ -38,10 +38,13 @@ double zero_between(const Function &f, double a, double f_a, double b, double f_
     std::swap(a, b);
     std::swap(f_a, f_b);
   }
+  const auto snapped_to_zero = [&](const double v) {
+    const double value = f(v);
+    return std::abs(value) < 1e-16 ? 0. : value;
+  };
   std::uintmax_t n_evaluations = 60;
   const auto bracket = boost::math::tools::toms748_solve(
-      f, a, b, f_a, f_b, [](const double left, const double right) { return right - left <= 1e-16; },
-      n_evaluations);
+      snapped_to_zero, a, b, f_a, f_b, boost::math::tools::eps_tolerance<double>(51), n_evaluations);
   return (bracket.first + bracket.second) / 2;
 }
 

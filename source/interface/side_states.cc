@@ -118,7 +118,7 @@ unsigned int SideStates<dim>::n_central() const
 {
   unsigned int n = 0;
   for (unsigned int q = 0; q < choices.size(); ++q)
-    n += is_central(q) ? 1 : 0;
+    n += is_central(source, q) || is_central(destination, q) ? 1 : 0;
   return n;
 }
 

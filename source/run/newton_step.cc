@@ -40,8 +40,7 @@ void NewtonStep<dim>::begin(const double t_of_step, const Vector &x)
 {
   t = t_of_step;
   start = x;
-  if (at_rest.n_blocks() == 0 && has_large_strain())
-    at_rest = x;
+  tangent_at_rest.clear(); // ties and conditions may have changed
   may_adapt = !has_converged;
   is_first_assembly = true;
   criterion.begin_step();
@@ -89,8 +88,7 @@ std::optional<unsigned int> NewtonStep<dim>::solve_for_update(const std::functio
 {
   const Phases::Scope scope(phases, "solve");
   if (has_new_tangent) {
-    linear_solver.set_matrix(stabilised.n_block_rows() > 0 ? stabilised : system.tangent());
-    stabilised.clear();
+    linear_solver.set_matrix(system.tangent());
     if (model.is_linear())
       check_tangent();
   }
@@ -266,22 +264,25 @@ bool NewtonStep<dim>::has_large_strain() const
   return false;
 }
 
+/// @return false if the laws are not defined at rest.
 template <int dim>
-void NewtonStep<dim>::stabilise(const double share)
+bool NewtonStep<dim>::stabilise(const double share)
 {
   if (tangent_at_rest.n_block_rows() == 0) {
     const Vector accepted = trial;
-    trial = at_rest;
+    for (unsigned int b = 0; b < trial.n_blocks(); ++b)
+      if (!is_scalar(b))
+        trial.block(b) = 0;
     const bool is_defined = std::isfinite(assemble(true));
     if (is_defined)
       tangent_at_rest.copy_from(system.tangent());
     trial = accepted;
     assemble(true);
     if (!is_defined)
-      return;
+      return false;
   }
-  stabilised.copy_from(system.tangent());
-  stabilised.add(share, tangent_at_rest);
+  system.add_to_tangent(share, tangent_at_rest);
+  return true;
 }
 
 /// Of a domain, not of multipliers.
@@ -366,8 +367,8 @@ NewtonResult NewtonStep<dim>::solve(Vector &x, const std::function<void()> &chec
     return norm(difference);
   };
   problem.adapt = [&]() { return adapt_ties(); };
-  if (has_large_strain())
-    problem.stabilise = [&](const double share) { stabilise(share); };
+  if (may_jump && has_large_strain())
+    problem.stabilise = [&](const double share) { return stabilise(share); };
   problem.report = [&](const unsigned int iteration, const double size, const unsigned int linear_iterations,
                        const double damping) {
     log.newton_iteration(iteration, size, linear_iterations, damping);
@@ -377,8 +378,9 @@ NewtonResult NewtonStep<dim>::solve(Vector &x, const std::function<void()> &chec
     std::ostringstream words;
     words.precision(4);
     words << "in the step to t = " << t
-          << " the solution jumps: there is a limit point, beyond which none is near. Where bodies or single "
-             "cells snap through, what comes after it depends on the path; compare with a finer mesh";
+          << " the solution jumps: the tangent became singular on the way, as where bodies or single cells "
+             "snap "
+             "through. What comes after depends on the path; compare with smaller steps and a finer mesh";
     all_notes.push_back(words.str());
   }
   found_no_damping = !std::isfinite(result.residuals.back());

@@ -560,6 +560,7 @@ bool Simulation<dim>::run_steps(const double nominal, double &t, unsigned int &n
     log.step_begins(n_done + 1, steps.n_steps, is_last ? steps.end_time : next, steps.end_time);
     const Vector last_good = solution;
     bool is_good = false;
+    newton_step->allow_jumps(next - t < 0.75 * nominal); // it has been halved
     try {
       is_good = advance(is_last ? steps.end_time : next, t);
     } catch (const UserError &error) { // toggles, or formulas in t: the steps before it are kept

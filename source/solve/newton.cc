@@ -113,7 +113,8 @@ void Newton::cross_limit_point(const NewtonProblem &problem, NewtonResult &resul
   problem.try_update(0);
   double norm = problem.assemble(true), share = first_share;
   while (result.linear_iterations.size() < most_passes * maximum_iterations && share <= largest_share) {
-    problem.stabilise(share);
+    if (!problem.stabilise(share))
+      return;
     const auto linear_iterations = problem.solve();
     if (!linear_iterations)
       return;

@@ -44,7 +44,10 @@ struct Toy
     problem.confirms_first_update = confirms_first_update;
     double factor = 1, share = 0;
     if (slope_at_rest != 0)
-      problem.stabilise = [&](const double share_of_rest) { share = share_of_rest; };
+      problem.stabilise = [&](const double share_of_rest) {
+        share = share_of_rest;
+        return true;
+      };
     problem.adapt = [&]() { return adapts_to != 0 && std::exchange(factor, adapts_to) == 1; };
     problem.assemble = [&](const bool with_tangent) {
       ++n_assemblies;

@@ -10,6 +10,7 @@
 #include <dovetail/interface/trace_eigenvalue.h>
 
 #include <limits>
+#include <map>
 
 namespace dovetail {
 
@@ -173,7 +174,9 @@ private:
   const Expression value;
 
   std::vector<Parameters> parameters; ///< at field * n_points + point
-  std::vector<double> first_gamma;    ///< of the first step, likewise
+  /// s where a side takes the gradient of the centre, in the last assembly; likewise.
+  std::map<std::size_t, std::vector<double>> central_flux;
+  std::vector<double> first_gamma; ///< of the first step, likewise
   /// Of a penalty in a step: harmless, too much, too much.
   static constexpr double small_growth = 1.5, largest_growth = 10, largest_mean_growth = 5,
                           largest_decrease = 100;

@@ -41,9 +41,9 @@ public:
   void accept();
 
   /// Whether a side takes the gradient of the centre, in the state that was evaluated last.
-  bool is_central(const unsigned int q) const
+  bool is_central(const unsigned int side, const unsigned int q) const
   {
-    return choices[q][source].is_of_trial || choices[q][destination].is_of_trial;
+    return choices[q][side].is_of_trial;
   }
   unsigned int n_central() const; ///< number of points of this rank that do
 

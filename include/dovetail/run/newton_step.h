@@ -27,6 +27,8 @@ public:
   NewtonStep(const Model<dim> &model, BlockSystem<dim> &system, const Newton &newton, LinearSolver &solver,
              Phases &phases, Log &log);
 
+  /// Whether solids may jump past limit points; not as long as a smaller step may find a solution nearby.
+  void allow_jumps(const bool are_allowed) { may_jump = are_allowed; }
   /// Before the first solve() of a step to time @p t, from @p x.
   void begin(double t, const Vector &x);
   /// Newton's method from @p x, which becomes the last state that was accepted. @p check_tangent is called
@@ -62,7 +64,7 @@ private:
   bool is_update_small() const;
   bool adapt_ties();
   bool has_large_strain() const;
-  void stabilise(double share);
+  bool stabilise(double share);
   bool is_scalar(unsigned int block) const;
 
   const Model<dim> &model;
@@ -74,13 +76,12 @@ private:
   Convergence criterion;
   Vector solution, trial, update, correction, update_loads, moving_loads;
   double t = 0;
-  Vector at_rest; ///< where the run begins
-  /// The tangent there, and a sum with it that the linear solver gets; empty until they are needed.
-  BlockMatrix tangent_at_rest, stabilised;
-  Vector start;                                            ///< of the step
-  bool has_converged = false;                              ///< some step; the first starts from a guess
-  bool may_adapt = true;                                   ///< the ties, once in a step that does
-  bool is_spread = false;                                  ///< the next solve() starts so
+  BlockMatrix tangent_at_rest; ///< without displacements; empty until a step needs it
+  bool may_jump = false;       ///< past limit points
+  Vector start;                ///< of the step
+  bool has_converged = false;  ///< some step; the first starts from a guess
+  bool may_adapt = true;       ///< the ties, once in a step that does
+  bool is_spread = false;      ///< the next solve() starts so
   std::vector<double> smallest_at_start, largest_at_start; ///< values, by block
   std::vector<double> scales;                              ///< of the updates, by block
   std::array<double, 2> loads_at_start{};

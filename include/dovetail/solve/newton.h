@@ -51,9 +51,9 @@ struct NewtonProblem
   /// is frozen in them being adapted to x. May be missing.
   std::function<bool()> adapt;
 
-  /// Let the next solve() use the last tangent plus @p share of a tangent that is positive definite. May be
-  /// missing.
-  std::function<void(double share)> stabilise;
+  /// Add @p share of a tangent that is positive definite to the last tangent. @return false if there is none.
+  /// May be missing: then no limit point is crossed.
+  std::function<bool(double share)> stabilise;
 
   /// Told of each iteration: number, norm, linear iterations, damping.
   std::function<void(unsigned int, double, unsigned int, double)> report;

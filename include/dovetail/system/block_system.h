@@ -73,6 +73,8 @@ public:
   const Assemblies &assemblies() const { return n_assemblies; }
 
   const BlockMatrix &tangent() const { return matrix; }
+  /// Until the next assembly of a tangent. @p other: one of this system since set_up().
+  void add_to_tangent(const double factor, const BlockMatrix &other) { matrix.add(factor, other); }
   const Vector &negative_residual() const { return right_hand_side; }
   /// Prescribed values, hanging nodes and ties of the unknowns relevant to this rank, resolved.
   const dealii::AffineConstraints<double> &all_constraints() const { return constraints; }

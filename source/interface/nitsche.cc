@@ -285,8 +285,8 @@ double Nitsche<dim>::choose(const Interface<dim> &interface, const unsigned int 
 }
 
 /// At large strain the tangent grows while the penalty is frozen; and the flux of degree 1 says little about
-/// that on the face of a cell in which the strain varies, so that the penalty carries more (measured:
-/// prm/benchmarks/stability, seal).
+/// that on the face of a cell in which the strain varies, so that the penalty carries more (measured on a
+/// seal: doc/theory/nitsche.md).
 template <int dim>
 double Nitsche<dim>::multiplier_of(const Interface<dim> &interface, const TiedField &field) const
 {

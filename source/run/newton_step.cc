@@ -379,7 +379,8 @@ NewtonResult NewtonStep<dim>::solve(Vector &x, const std::function<void()> &chec
     words.precision(4);
     words << "in the step to t = " << t
           << " the solution jumps: the tangent became singular on the way, as where bodies or single cells "
-             "snap through. What comes after depends on the path; compare with smaller steps and a finer mesh";
+             "snap "
+             "through. What comes after depends on the path; compare with smaller steps and a finer mesh";
     all_notes.push_back(words.str());
   }
   found_no_damping = !std::isfinite(result.residuals.back());

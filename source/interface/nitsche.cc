@@ -47,15 +47,15 @@ double automatic_multiplier(const double theta)
 }
 } // namespace
 
-/// 1 with a given penalty.
+/// Nothing if it is automatic; 1 with a given penalty.
 template <int dim>
-double Nitsche<dim>::read_multiplier(const Section &section, const PenaltyRule rule, const double theta)
+std::optional<double> Nitsche<dim>::read_multiplier(const Section &section, const PenaltyRule rule)
 {
   if (rule == PenaltyRule::value && !section.documenting())
     return 1;
   const std::string text = section.read<std::string>("Multiplier", "automatic", multiplier_help);
   if (text == "automatic" || section.documenting())
-    return rule == PenaltyRule::eigenvalue ? automatic_multiplier(theta) : 1;
+    return {};
   section.check(Patterns::Double(0).match(text), "Multiplier",
                 "is '" + text + "', but must be automatic or a number that is not negative.");
   return dealii::Utilities::string_to_double(text);
@@ -76,9 +76,9 @@ Nitsche<dim>::Nitsche(const Section &section)
           "(1+Theta)^2/4; volume: c (G1+G2)/(V1/k1+V2/k2) with face areas G, cell volumes V and stiffnesses "
           "k "
           "(times p^2 for degree p); value: given [-]"))),
-      is_automatic(penalty_rule == PenaltyRule::eigenvalue && !section.documenting() &&
-                   section.read<std::string>("Multiplier", "automatic", multiplier_help) == "automatic"),
-      multiplier(read_multiplier(section, penalty_rule, theta)),
+      given_multiplier(read_multiplier(section, penalty_rule)),
+      is_automatic(penalty_rule == PenaltyRule::eigenvalue && !given_multiplier),
+      multiplier(given_multiplier.value_or(is_automatic ? automatic_multiplier(theta) : 1.)),
       value(penalty_rule != PenaltyRule::value && !section.documenting()
                 ? Expression()
                 : section.require_expression("Value", {1},
@@ -314,7 +314,7 @@ void Nitsche<dim>::note_bound(const unsigned int field_index, const typename Pai
       chosen.bound[side] =
           (1 + theta) * (1 + theta) / 4 * w * w * lambda[field_index].of_tangent[side][group.cells[side]];
   chosen.stiffness = {{0, 0}};
-  chosen.is_skew = chosen.gamma < chosen.bound[source] + chosen.bound[destination];
+  chosen.is_skew = chosen.is_skew_in_trial = chosen.gamma < chosen.bound[source] + chosen.bound[destination];
 }
 
 /// The least penalty grows with the stiffness at the point.
@@ -331,8 +331,8 @@ double Nitsche<dim>::theta_at(const Interface<dim> &interface, const TiedField &
       p.stiffness[side] = now;
     least += p.bound[side] * now / p.stiffness[side];
   }
-  p.is_skew = p.is_skew || p.gamma < least;
-  return p.is_skew ? -1 : theta;
+  p.is_skew_in_trial = p.is_skew || p.gamma < least;
+  return p.is_skew_in_trial ? -1 : theta;
 }
 
 /// gamma > (1+theta)^2/4 (w_src^2 L_src + w_dst^2 L_dst) makes the form coercive, with a joint, too; with the
@@ -428,6 +428,49 @@ template <int dim>
 void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
                               const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
 {
+  freeze(interface, t, values_of, communicator);
+  may_predict = is_automatic && has_large_strain(interface);
+  is_predicting = false;
+  if (may_predict)
+    change.start(interface, values_of);
+}
+
+/// The first update of a step moves the bodies along straight lines. If it moves them far, the fluxes there
+/// say little and the frozen penalty does not bound their tangents. Until the updates are small the penalty
+/// joins the sides alone: its form is positive in every state, and asks no law at the interface.
+template <int dim>
+bool Nitsche<dim>::adapt(const Interface<dim> &interface, const double t,
+                         const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
+{
+  if (!may_predict && !is_predicting)
+    return false;
+  const double update = change.advance(interface, values_of, communicator);
+  if (is_predicting) {
+    if (update < small_update)
+      end_prediction(interface, t, values_of, communicator);
+    return !is_predicting;
+  }
+  may_predict = false;
+  is_predicting = update > large_update;
+  for (unsigned int f = 0; is_predicting && f < interface.fields.size(); ++f)
+    if (has_large_strain(interface, interface.fields[f]))
+      for (unsigned int q = 0; q < interface.pairing().n_points(); ++q)
+        parameters[f * interface.pairing().n_points() + q].weight = {{0, 0}};
+  return is_predicting;
+}
+
+template <int dim>
+void Nitsche<dim>::end_prediction(const Interface<dim> &interface, const double t,
+                                  const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
+{
+  is_predicting = false;
+  freeze(interface, t, values_of, communicator);
+}
+
+template <int dim>
+void Nitsche<dim>::freeze(const Interface<dim> &interface, const double t,
+                          const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
+{
   if (has_begun && has_constant_penalty(interface))
     return;
   check_value(interface, t, communicator);
@@ -485,9 +528,13 @@ bool Nitsche<dim>::refreeze(const Interface<dim> &interface, const double t,
 {
   if (has_constant_penalty(interface))
     return false;
+  if (is_predicting) {
+    end_prediction(interface, t, values_of, communicator);
+    return true;
+  }
   std::vector<Parameters> used = parameters;
   SideStates<dim> used_sides = sides;
-  Nitsche<dim>::begin_step(interface, t, values_of, communicator);
+  freeze(interface, t, values_of, communicator);
   std::swap(parameters, used);
   std::swap(sides, used_sides);
   const std::vector<Parameters> &of_solution = used;
@@ -616,6 +663,14 @@ bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const typenam
       sides.evaluate_state(interface, side, q, t, unknowns);
   }
   return true;
+}
+
+template <int dim>
+void Nitsche<dim>::accept_state()
+{
+  sides.accept();
+  for (Parameters &of_point : parameters)
+    of_point.is_skew = of_point.is_skew_in_trial;
 }
 
 template <int dim>

@@ -56,9 +56,11 @@ PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &
       domain.cell_dofs(domain.dof_cell(face.cell), behind.dofs);
       behind.cell_measure = shapes.cell_measure(face.cell);
       behind.face_measure = shapes.face_measure(face.cell, face.face_no);
-      behind.central_gradients.resize(n);
-      shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), no_values.data(),
-                      behind.central_gradients.data());
+      if (domain.material.has_large_strain()) {
+        behind.central_gradients.resize(n);
+        shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), no_values.data(),
+                        behind.central_gradients.data());
+      }
       behind.rank = this_rank;
       behind.face = current;
       result.cells.push_back(std::move(behind));

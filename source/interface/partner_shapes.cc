@@ -62,8 +62,11 @@ std::vector<double> answer(const std::vector<double> &question, const Domain<dim
     numbers.insert(numbers.end(), dofs.begin(), dofs.end());
     numbers.push_back(shapes.cell_measure(face.cell));
     numbers.push_back(shapes.face_measure(face.cell, face.face_no));
-    shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), values.data(), gradients.data());
-    append(gradients, numbers);
+    if (domain.material.has_large_strain()) {
+      shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), values.data(),
+                      gradients.data());
+      append(gradients, numbers);
+    }
     for (unsigned int q = 0; q < n_points; ++q) {
       dealii::Point<dim> unit_point;
       for (unsigned int d = 0; d < dim; ++d)
@@ -93,8 +96,10 @@ void unpack(const unsigned int rank, const std::vector<double> &numbers,
     next += domain.dofs_per_cell();
     cell.cell_measure = *next++;
     cell.face_measure = *next++;
-    cell.central_gradients.resize(n_nodes);
-    take_gradients(cell.central_gradients.data());
+    if (domain.material.has_large_strain()) {
+      cell.central_gradients.resize(n_nodes);
+      take_gradients(cell.central_gradients.data());
+    }
     cell.rank = rank;
     cell.face = request.face;
     for (const unsigned int point : request.points) {

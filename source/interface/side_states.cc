@@ -19,6 +19,13 @@ bool has_large_strain(const Interface<dim> &interface, const TiedField &field)
 }
 
 template <int dim>
+bool has_large_strain(const Interface<dim> &interface)
+{
+  return std::any_of(interface.fields.begin(), interface.fields.end(),
+                     [&](const TiedField &field) { return has_large_strain(interface, field); });
+}
+
+template <int dim>
 void SideStates<dim>::begin_step(const Interface<dim> &interface, const double t,
                                  const typename Tie<dim>::Unknowns &values_of)
 {
@@ -29,8 +36,7 @@ void SideStates<dim>::begin_step(const Interface<dim> &interface, const double t
     state[side].t = t;
   }
   choices.assign(interface.pairing().n_points(), {});
-  if (std::none_of(interface.fields.begin(), interface.fields.end(),
-                   [&](const TiedField &field) { return has_large_strain(interface, field); }))
+  if (!has_large_strain(interface))
     return;
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;
@@ -50,20 +56,23 @@ bool SideStates<dim>::stiffens(const Interface<dim> &interface, const typename P
                                const unsigned int side, const unsigned int q,
                                const std::vector<double> &unknowns)
 {
+  if (!interface.sides[side].domain->material.has_large_strain())
+    return false;
   state[side].X = interface.pairing().X(side, q);
   const auto &at_centre = interface.pairing().cells[side][group.cells[side]].central_gradients;
   if (!evaluate_with(interface.pairing().gradients(side, q), interface, side, q, unknowns, true))
     return true;
   const std::vector<TiedField> &fields = interface.fields;
-  std::vector<double> here;
-  for (const TiedField &field : fields)
-    here.push_back(normal_stiffness(interface, field, side, q));
+  std::vector<double> here(fields.size(), 0.);
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    if (has_large_strain(interface, fields[f]))
+      here[f] = normal_stiffness(interface, fields[f], side, q);
   if (!evaluate_with(at_centre.data(), interface, side, q, unknowns, true))
     return false;
   bool does = false;
   for (unsigned int f = 0; f < fields.size(); ++f)
-    does = does || (has_large_strain(interface, fields[f]) &&
-                    here[f] > largest_stiffening * normal_stiffness(interface, fields[f], side, q));
+    does = does ||
+           (here[f] > 0 && here[f] > largest_stiffening * normal_stiffness(interface, fields[f], side, q));
   return does;
 }
 
@@ -79,6 +88,8 @@ bool SideStates<dim>::evaluate(const Interface<dim> &interface, const typename P
   if (!choice.is_accepted &&
       evaluate_with(interface.pairing().gradients(side, q), interface, side, q, unknowns, with_derivatives))
     return true;
+  if (!interface.sides[side].domain->material.has_large_strain())
+    return false;
   choice.is_of_trial = true;
   const auto &at_centre = interface.pairing().cells[side][group.cells[side]].central_gradients;
   return evaluate_with(at_centre.data(), interface, side, q, unknowns, with_derivatives);
@@ -138,5 +149,7 @@ template class SideStates<2>;
 template class SideStates<3>;
 template bool has_large_strain(const Interface<2> &, const TiedField &);
 template bool has_large_strain(const Interface<3> &, const TiedField &);
+template bool has_large_strain(const Interface<2> &);
+template bool has_large_strain(const Interface<3> &);
 
 } // namespace dovetail

@@ -270,6 +270,15 @@ bool Material<dim>::depends(unsigned int field, unsigned int on_field) const
 }
 
 template <int dim>
+bool Material<dim>::has_large_strain() const
+{
+  for (unsigned int f = 0; f < all_fields.size(); ++f)
+    if (all_fields[f].n_components > 1 && !is_linear(f))
+      return true;
+  return false;
+}
+
+template <int dim>
 bool Material<dim>::is_linear(unsigned int field) const
 {
   AssertIndexRange(field, all_fields.size());

@@ -235,21 +235,23 @@ bool NewtonStep<dim>::is_update_small() const
   return criterion.is_small(sizes);
 }
 
-/// The first step of a run starts from a guess. Penalties that were frozen there may be decades off where
-/// Newton's method ends, and next to far too large ones rounding drowns all fluxes: they are frozen anew
-/// after its first full update. Only for scalars, of which a conductivity asks; a displacement starts from
-/// rest, and one update of a slender body tells nothing.
+/// After an update. The first step of a run starts from a guess. Penalties that were frozen there may be
+/// decades off where Newton's method ends, and next to far too large ones rounding drowns all fluxes: they
+/// are frozen anew after its first full update. Only for scalars, of which a conductivity asks; a
+/// displacement starts from rest, and one update of a slender body tells nothing.
 template <int dim>
 bool NewtonStep<dim>::adapt_ties()
 {
-  if (!may_adapt)
-    return false;
-  may_adapt = false;
-  Vector state = start;
-  for (unsigned int b = 0; b < state.n_blocks(); ++b)
-    if (is_scalar(b))
-      state.block(b) = solution.block(b);
-  return system.refreeze(t, state);
+  bool has_changed = false;
+  if (may_adapt) {
+    may_adapt = false;
+    Vector state = start;
+    for (unsigned int b = 0; b < state.n_blocks(); ++b)
+      if (is_scalar(b))
+        state.block(b) = solution.block(b);
+    has_changed = system.refreeze(t, state);
+  }
+  return system.adapt_ties(t, solution) || has_changed;
 }
 
 /// Of some solid: only then limit points are looked for.

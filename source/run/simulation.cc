@@ -506,6 +506,7 @@ NewtonResult Simulation<dim>::continue_in_load(const double t)
       size *= 2;
     } else {
       solution = last_good;
+      system->begin_step(t, solution); // the ties forget the share that failed
       size = (next - done) / 2;
     }
   }

@@ -346,6 +346,22 @@ bool BlockSystem<dim>::refreeze(const double t, const Vector &x)
   return is_any_outdated;
 }
 
+template <int dim>
+bool BlockSystem<dim>::adapt_ties(const double t, const Vector &x)
+{
+  if (model.interfaces.empty())
+    return false;
+  dealii::Timer timer;
+  ghosted_scratch = x;
+  bool is_any_adapted = false;
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t) &&
+        interface->tie().adapt(*interface, t, ghosted_values(), model.communicator))
+      is_any_adapted = true;
+  tie_seconds += timer.wall_time();
+  return is_any_adapted;
+}
+
 /// Of ghosted_scratch.
 template <int dim>
 typename Tie<dim>::Unknowns BlockSystem<dim>::ghosted_values() const

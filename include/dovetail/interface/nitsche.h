@@ -5,12 +5,14 @@
 
 #pragma once
 
+#include <dovetail/interface/gradient_change.h>
 #include <dovetail/interface/interface.h>
 #include <dovetail/interface/side_states.h>
 #include <dovetail/interface/trace_eigenvalue.h>
 
 #include <limits>
 #include <map>
+#include <optional>
 
 namespace dovetail {
 
@@ -25,9 +27,10 @@ namespace dovetail {
 ///
 /// theta = 1 is symmetric, 0 nonsymmetric (delta{A} is never evaluated), -1 skew-symmetric. The tangent is
 /// exact: for theta != 0 and a nonlinear law it holds the second derivative of A, contracted with e. Weights
-/// and penalty are frozen at the beginning of a step. For theta > 0 and a nonlinear law of a vector field, -1
-/// takes the place of theta at points at which the penalty does not bound the tangent: the skew-symmetric
-/// form asks for no bound, and every theta is consistent.
+/// and penalty are frozen at the beginning of a step. Where the first update of a step changes the strain by
+/// a fifth, the penalty joins the sides alone until updates are small (adapt()). For theta > 0 and a
+/// nonlinear law of a vector field, -1 takes the place of theta at points at which the penalty does not bound
+/// the tangent: the skew-symmetric form asks for no bound, and every theta is consistent.
 template <int dim>
 class Nitsche : public Tie<dim>
 {
@@ -50,10 +53,12 @@ public:
                   const MPI_Comm &communicator) override;
   bool refreeze(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
                 const MPI_Comm &communicator) override;
+  bool adapt(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+             const MPI_Comm &communicator) override;
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent) override;
-  void accept_state() override { sides.accept(); }
+  void accept_state() override;
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
                       const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
                       const std::vector<double> &jump, std::vector<double> &result) const override;
@@ -92,7 +97,8 @@ private:
     /// The sides' shares in the least penalty at the beginning of a step, and |N.dA/dgrad B| then; 0: not
     /// known.
     std::array<double, 2> bound = {{0, 0}}, stiffness = {{0, 0}};
-    bool is_skew = false; ///< -1 takes the place of theta until the end of the step
+    /// -1 takes the place of theta until the end of the step: for the solution so far, and for the trial.
+    bool is_skew = false, is_skew_in_trial = false;
   };
 
   /// The tensors a and b: one value along N, another one across it.
@@ -109,9 +115,13 @@ private:
     }
   };
 
+  void freeze(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+              const MPI_Comm &communicator);
+  void end_prediction(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+                      const MPI_Comm &communicator);
   static void check_value(const Section &section, double gamma);
   void check_value(const Interface<dim> &interface, double t, const MPI_Comm &communicator) const;
-  static double read_multiplier(const Section &section, PenaltyRule rule, double theta);
+  static std::optional<double> read_multiplier(const Section &section, PenaltyRule rule);
   bool needs_eigenvalues() const;
   bool has_constant_penalty(const Interface<dim> &interface) const;
   void find_eigenvalues(const Interface<dim> &interface, double t,
@@ -169,11 +179,16 @@ private:
   bool own_sides;
   const Weights weights;
   const PenaltyRule penalty_rule;
-  const bool is_automatic; ///< the multiplier
+  const std::optional<double> given_multiplier;
+  const bool is_automatic; ///< the penalty
   const double multiplier;
   const Expression value;
 
   std::vector<Parameters> parameters; ///< at field * n_points + point
+  GradientChange<dim> change;         ///< since the last update
+  /// Whether the next update may be found to be large, and since when the penalty joins the sides alone.
+  bool may_predict = false, is_predicting = false;
+  static constexpr double large_update = 0.2, small_update = 0.1; ///< change of strain, mean
   /// s where a side takes the gradient of the centre, in the last assembly; likewise.
   std::map<std::size_t, std::vector<double>> central_flux;
   std::vector<double> first_gamma; ///< of the first step, likewise

@@ -13,7 +13,7 @@
 namespace dovetail {
 
 /// A cell behind points of an interface: its unknowns (component, node), the measures of it and of its face,
-/// and the gradients of its shape functions at its centre.
+/// and, where the solid's law is nonlinear, the gradients of its shape functions at its centre.
 template <int dim>
 struct CellBehind
 {

@@ -75,5 +75,8 @@ private:
 /// Whether the field is a vector and a law of one of the sides is nonlinear: large strain.
 template <int dim>
 bool has_large_strain(const Interface<dim> &interface, const TiedField &field);
+/// Whether any tied field is.
+template <int dim>
+bool has_large_strain(const Interface<dim> &interface);
 
 } // namespace dovetail

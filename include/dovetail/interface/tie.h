@@ -124,6 +124,14 @@ public:
     return false;
   }
 
+  /// After each full update of Newton's method that does not end the iteration: change the equations where
+  /// the way to the solution asks for it. Collective. @return whether they have changed, on all ranks alike.
+  virtual bool adapt(const Interface<dim> & /*interface*/, double /*t*/, const Unknowns & /*unknowns*/,
+                     const MPI_Comm & /*communicator*/)
+  {
+    return false;
+  }
+
   /// Residual and, if @p tangent is not nullptr, its exact derivative over the points of a group; both come
   /// in as zero. @return false if a law is not defined at the state of a point.
   virtual bool assemble(const Interface<dim> & /*interface*/, const typename Pairing<dim>::Group & /*group*/,

@@ -81,6 +81,7 @@ public:
   bool depends(unsigned int field,
                unsigned int on_field) const;   ///< whether A of one field depends on another
   bool is_linear(unsigned int field) const;    ///< affine in all fields, so constant derivatives
+  bool has_large_strain() const;               ///< of a vector field whose law is nonlinear
   bool is_symmetric(unsigned int field) const; ///< own block of the tangent is symmetric
   bool depends_on_time() const;
 

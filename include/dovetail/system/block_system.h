@@ -44,6 +44,8 @@ public:
   /// After a step has converged at @p x: freeze those weights and penalties anew that do not fit it any more.
   /// Collective. @return whether there were any; then the step must be solved on.
   bool refreeze(double t, const Vector &x);
+  /// Within a step: let the ties change their equations at @p x. @return whether one did. Collective.
+  bool adapt_ties(double t, const Vector &x);
 
   /// R(x), and the tangent. @return false, on all ranks alike, if a law is not defined at x. @throw UserError
   /// if what is not defined is not so at any x.

@@ -49,7 +49,7 @@ double GradientChange<dim>::advance(const Interface<dim> &interface,
 {
   const Pairing<dim> &pairing = interface.pairing();
   const Gradients now = gradients_at(interface, values_of);
-  std::array<double, 3> sums = {{0, 0, 0}}; // of both sides' changes, of the area
+  std::vector<double> sums(3, 0.); // of both sides' changes, of the area
   for (const unsigned int side : {source, destination}) {
     const unsigned int n = now[side].size() / std::max(pairing.n_points(), 1u);
     for (unsigned int q = 0; q < pairing.n_points(); ++q) {

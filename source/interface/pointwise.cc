@@ -25,6 +25,7 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/dofs/dof_tools.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -62,6 +63,9 @@ private:
     std::vector<std::pair<typename dealii::Triangulation<dim>::active_cell_iterator, unsigned int>> cells;
   };
   static std::vector<Node> nodes_of(const InterfaceSide<dim> &side);
+  static bool crosses_edges(const Pairing<dim> &pairing, const MPI_Comm &communicator);
+  static bool crosses_edges(const InterfaceSide<dim> &side, const std::vector<Node> &nodes,
+                            const std::vector<typename FaceLocator<dim>::Match> &matches);
   /// From the source to a node: the gap, for each field the share of it that the node's side bridges, and the
   /// source's unknowns and shapes there.
   struct Bridge
@@ -94,6 +98,8 @@ private:
   std::vector<HeldUnknown> prescribed;
   std::vector<Transmission> transmitted;
   SideRatios ratios;
+  unsigned int lost_degree =
+      0; ///< that of a destination which follows across edges of faces of the source; or 0
 };
 
 template <int dim>
@@ -101,8 +107,13 @@ std::vector<std::string> Pointwise<dim>::notes() const
 {
   if (ratios.stiffness > largest_stiffness_of_follower)
     return {words_for_stiff_follower(ratios.stiffness)};
-  if (ratios.face_size < 1.1)
-    return {};
+  if (ratios.face_size < 1.1) {
+    if (lost_degree < 2)
+      return {};
+    return {"the destination's faces of degree " + std::to_string(lost_degree) +
+            " lie across edges of the source's, where its trace has kinks that they cannot follow: the tie "
+            "errs as with degree 1. Use Type = Nitsche or mortar"};
+  }
   std::ostringstream sentence;
   sentence.precision(2);
   sentence
@@ -149,6 +160,23 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
     list.push_back(node);
   }
   return list;
+}
+
+/// Whether a face of the destination faces several of the source.
+template <int dim>
+bool Pointwise<dim>::crosses_edges(const Pairing<dim> &pairing, const MPI_Comm &communicator)
+{
+  const double sliver = 1e-6;
+  std::vector<unsigned int> n_partners(pairing.cells[destination].size(), 0);
+  for (const auto &group : pairing.groups) {
+    double area = 0;
+    for (unsigned int q = group.begin; q < group.end; ++q)
+      area += pairing.weight(q);
+    const unsigned int face = group.cells[destination];
+    n_partners[face] += area > sliver * pairing.cells[destination][face].face_measure ? 1 : 0;
+  }
+  const bool does = std::any_of(n_partners.begin(), n_partners.end(), [](const auto n) { return n > 1; });
+  return dealii::Utilities::MPI::max(does ? 1 : 0, communicator) == 1;
 }
 
 /// Add the derivative of a component along a direction at a node, the mean of its cells'.
@@ -226,6 +254,8 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
                                      const MPI_Comm &communicator)
 {
   ratios = side_ratios(interface, communicator);
+  lost_degree =
+      crosses_edges(interface.pairing(), communicator) ? interface.sides[destination].domain->degree : 0;
   places.clear();
   prescribed.clear();
   transmitted.clear();

@@ -90,6 +90,12 @@ std::unique_ptr<Law> create(const Section &section, const std::string &descripti
 
 } // namespace
 
+const std::vector<Field> &every_field()
+{
+  static const std::vector<Field> fields = {{"displacement", 3, 0}, {"temperature", 1, 3}};
+  return fields;
+}
+
 template <int dim>
 Material<dim>::Material(const std::string &name, const Section &section) : name(name)
 {

@@ -15,8 +15,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double worth_a_note = 0.01;
-constexpr double rounding = 1e-10; ///< range of a constant field, relative to its size
+constexpr double worth_a_note = 0.01, flux_worth_a_note = 0.5;
+constexpr double rounding = 1e-10;        ///< range of a constant field, relative to its size
+constexpr double smallest_strain = 1e-13; ///< of a body that is at rest but for rounding
 
 /// NaN if the field is constant.
 template <int dim>
@@ -52,6 +53,77 @@ std::string explain(const Interface<dim> &interface, const std::vector<std::pair
   return sentence.str();
 }
 
+/// Whether the field varies enough for its fluxes to be more than rounding.
+template <int dim>
+bool has_flux(const Interface<dim> &interface, const TiedField &field, const ordered_json &domains)
+{
+  const double width = range(interface, field.name, domains);
+  return field.n_components == 1 ? std::isfinite(width)
+                                 : width > smallest_strain * interface.sides[source].domain->typical_length();
+}
+
+/// Where the flux that is transmitted is far from those of both bodies, as when a penalty or multipliers
+/// oscillate.
+std::string words_for_flux_gap(const std::string &interface, const std::string &field, const double gap)
+{
+  std::ostringstream sentence;
+  sentence.precision(2);
+  sentence
+      << interface << ": the flux of the " << field << " between its sides differs by " << 100 * gap
+      << " % from that in either body (root mean square): it oscillates, and only its resultant is to be "
+         "trusted. Refine the bodies at it, or compare with another tie.";
+  return sentence.str();
+}
+
+std::string words_for_imbalance(const std::string &interface, const std::string &field, const double share)
+{
+  std::ostringstream sentence;
+  sentence.precision(2);
+  sentence
+      << interface << ": its two sides get resultants of the " << field << " that differ by " << 100 * share
+      << " %: that is how much the flux errs at its points. Use Quadrature = segments, or another side in "
+         "Integrate on.";
+  return sentence.str();
+}
+
+/// Of ties that give each side the flux at the points of its own faces: what one side gets and the other one
+/// does not give.
+double imbalance(const ordered_json &numbers, const std::string &field)
+{
+  const ordered_json &of_source = numbers.at("resultant source").at(field),
+                     &of_destination = numbers.at("resultant destination").at(field);
+  double square = 0;
+  if (!of_source.is_array())
+    return std::abs(of_source.get<double>() + of_destination.get<double>());
+  for (unsigned int c = 0; c < of_source.size(); ++c)
+    square += std::pow(of_source[c].get<double>() + of_destination[c].get<double>(), 2);
+  return std::sqrt(square);
+}
+
+template <int dim>
+void explain_fluxes(const Interface<dim> &interface, const double area, const ordered_json &domains,
+                    ordered_json &numbers, std::vector<std::string> &sentences)
+{
+  for (const TiedField &field : interface.fields) {
+    const ordered_json of_tie = numbers.at("numerical flux L2").at(field.name),
+                       gap = numbers.at("flux gap L2").at(field.name);
+    if (!of_tie.is_number() || !gap.is_number() || !has_flux(interface, field, domains))
+      continue;
+    const double flux = of_tie.get<double>();
+    if (!(flux > 0))
+      continue;
+    const double relative = gap.get<double>() / flux;
+    numbers["relative flux gap"][field.name] = relative;
+    if (relative > flux_worth_a_note)
+      sentences.push_back(words_for_flux_gap(interface.name, field.name, relative));
+    if (interface.tie().is_balanced())
+      continue;
+    const double share = imbalance(numbers, field.name) / (flux * std::sqrt(area));
+    if (share > worth_a_note)
+      sentences.push_back(words_for_imbalance(interface.name, field.name, share));
+  }
+}
+
 } // namespace
 
 template <int dim>
@@ -77,6 +149,7 @@ std::vector<std::string> explain_jumps(const Model<dim> &model, const double t, 
     }
     if (!large.empty())
       sentences.push_back(explain(*interface, large, model.communicator));
+    explain_fluxes(*interface, area, domains, numbers, sentences);
   }
   return sentences;
 }

@@ -250,6 +250,8 @@ struct FluxIntegrals
 {
   double jump = 0, flux_jump = 0, flux_error = 0, flux_norm = 0; // squares
   double largest_flux = 0, largest_flux_error = 0;               // squares
+  std::array<double, 2> flux_gap = {{0, 0}}; // of the numerical flux from that of each side
+  double numerical_flux = 0;                 // likewise squares
   std::array<std::vector<double>, 2> trace;
 
   template <int dim>
@@ -260,6 +262,10 @@ struct FluxIntegrals
         trace[side][c] += at_point.trace[side][c] * weight;
       jump += at_point.jump[c] * at_point.jump[c] * weight;
       flux_jump += std::pow(at_point.flux[source][c] + at_point.flux[destination][c], 2) * weight;
+      const double flux = at_point.numerical_flux[c];
+      flux_gap[source] += std::pow(flux - at_point.flux[source][c], 2) * weight;
+      flux_gap[destination] += std::pow(flux + at_point.flux[destination][c], 2) * weight;
+      numerical_flux += flux * flux * weight;
     }
   }
 
@@ -303,6 +309,8 @@ struct FluxIntegrals
     }
     result["jump L2"][field] = norm(jump);
     result["flux jump L2"][field] = norm(flux_jump);
+    result["numerical flux L2"][field] = norm(numerical_flux);
+    result["flux gap L2"][field] = std::min(norm(flux_gap[source]), norm(flux_gap[destination]));
     if (!knows_exact)
       return;
     result["flux error L2"][field] = norm(flux_error);

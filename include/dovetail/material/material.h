@@ -24,6 +24,9 @@ struct Field
   unsigned int first_component; ///< among the components of all fields of the material
 };
 
+/// All fields that a material may have, each with as many components as it may have, for the documentation.
+const std::vector<Field> &every_field();
+
 /// What a law sees at a point: position, time, and for each component c the trace B_c and its gradient.
 template <int dim>
 struct State

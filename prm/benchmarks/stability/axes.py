@@ -235,7 +235,7 @@ def decades(first, last, step=1):
 
 def bending_rounding(ratio):
     """The condition number of a thin beam grows like the fourth power of length over thickness."""
-    return max(1e-6, 1e-15 * ratio ** 4)
+    return max(1e-6, 2e-15 * ratio ** 4)
 
 
 CONTRASTS = [1e-10, 1e-6, 1e-3, 1.0, 1e3, 1e6, 1e10]

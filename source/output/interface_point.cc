@@ -3,6 +3,7 @@
 
 #include <dovetail/output/interface_point.h>
 
+#include <cmath>
 #include <limits>
 
 namespace dovetail {
@@ -41,6 +42,10 @@ void InterfacePoint<dim>::evaluate(const unsigned int q, const std::vector<doubl
     for (unsigned int f = 0; f < fields.size(); ++f) {
       const TiedField &field = interface.fields[f];
       fields[f].flux[side] = normal_flux(field, side, q);
+      double square = 0;
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        square += response.flux[field.first_component[side] + c].norm_square();
+      fields[f].flux_size[side] = std::sqrt(square);
       const auto first = state[side].value.begin() + field.first_component[side];
       fields[f].trace[side].assign(first, first + field.n_components);
     }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace dovetail {
@@ -15,7 +16,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double worth_a_note = 0.01, flux_worth_a_note = 0.5;
+constexpr double worth_a_note = 0.01;
+constexpr double flux_worth_a_note = 0.5, least_in_bodies = 0.05;
 constexpr double rounding = 1e-10;        ///< range of a constant field, relative to its size
 constexpr double smallest_strain = 1e-13; ///< of a body that is at rest but for rounding
 
@@ -86,6 +88,15 @@ std::string words_for_imbalance(const std::string &interface, const std::string 
   return sentence.str();
 }
 
+/// NaN if the report does not know it.
+double number(const ordered_json &numbers, const std::string &key, const std::string &field)
+{
+  const auto of_fields = numbers.find(key);
+  if (of_fields == numbers.end() || !of_fields->contains(field) || !of_fields->at(field).is_number())
+    return std::numeric_limits<double>::quiet_NaN();
+  return of_fields->at(field).get<double>();
+}
+
 /// Of ties that give each side the flux at the points of its own faces: what one side gets and the other one
 /// does not give.
 double imbalance(const ordered_json &numbers, const std::string &field)
@@ -105,17 +116,15 @@ void explain_fluxes(const Interface<dim> &interface, const double area, const or
                     ordered_json &numbers, std::vector<std::string> &sentences)
 {
   for (const TiedField &field : interface.fields) {
-    const ordered_json of_tie = numbers.at("numerical flux L2").at(field.name),
-                       gap = numbers.at("flux gap L2").at(field.name);
-    if (!of_tie.is_number() || !gap.is_number() || !has_flux(interface, field, domains))
+    const double gap = number(numbers, "flux gap L2", field.name),
+                 flux = number(numbers, "numerical flux L2", field.name);
+    if (!(flux > 0) || !has_flux(interface, field, domains))
       continue;
-    const double flux = of_tie.get<double>();
-    if (!(flux > 0))
-      continue;
-    const double relative = gap.get<double>() / flux;
-    numbers["relative flux gap"][field.name] = relative;
-    if (relative > flux_worth_a_note)
-      sentences.push_back(words_for_flux_gap(interface.name, field.name, relative));
+    if (std::isfinite(gap))
+      numbers["relative flux gap"][field.name] = gap / flux;
+    if (gap > flux_worth_a_note * flux &&
+        gap > least_in_bodies * number(numbers, "flux in bodies L2", field.name))
+      sentences.push_back(words_for_flux_gap(interface.name, field.name, gap / flux));
     if (interface.tie().is_balanced())
       continue;
     const double share = imbalance(numbers, field.name) / (flux * std::sqrt(area));

@@ -251,7 +251,8 @@ struct FluxIntegrals
   double jump = 0, flux_jump = 0, flux_error = 0, flux_norm = 0; // squares
   double largest_flux = 0, largest_flux_error = 0;               // squares
   std::array<double, 2> flux_gap = {{0, 0}}; // of the numerical flux from that of each side
-  double numerical_flux = 0;                 // likewise squares
+  std::array<double, 2> flux_size = {{0, 0}};
+  double numerical_flux = 0; // likewise squares
   std::array<std::vector<double>, 2> trace;
 
   template <int dim>
@@ -267,6 +268,8 @@ struct FluxIntegrals
       flux_gap[destination] += std::pow(flux + at_point.flux[destination][c], 2) * weight;
       numerical_flux += flux * flux * weight;
     }
+    for (const unsigned int side : {source, destination})
+      flux_size[side] += std::pow(at_point.flux_size[side], 2) * weight;
   }
 
   /// @return the error of the numerical flux
@@ -311,6 +314,7 @@ struct FluxIntegrals
     result["flux jump L2"][field] = norm(flux_jump);
     result["numerical flux L2"][field] = norm(numerical_flux);
     result["flux gap L2"][field] = std::min(norm(flux_gap[source]), norm(flux_gap[destination]));
+    result["flux in bodies L2"][field] = std::min(norm(flux_size[source]), norm(flux_size[destination]));
     if (!knows_exact)
       return;
     result["flux error L2"][field] = norm(flux_error);

@@ -34,16 +34,17 @@ class Axis:
     """values: what is varied; benign: the value the others are compared with; entries(value): entries of the scene;
     small: values of the small map; measure: the error of the bodies that counts; with_flux: whether the flux is judged; interfaces: those
     that the tie is given to; reference(value): where no solution is known in closed form, (probe, component, its value), of which the
-    error may be 1 %; rounding(value): relative errors below it count as none."""
+    error may be 1 %; rounding(value): relative errors below it count as none; cancellation(value): how much larger the flux in the
+    bodies is than that through the seam, against the benign end."""
 
     def __init__(self, name, title, scene, values, benign, entries, small=(), ties=None, label="", log=True,
                  measure="energy", spectrum=True, field="temperature", with_flux=True, interfaces=("seam",), reference=None,
-                 rounding=lambda value: 1e-6):
+                 rounding=lambda value: 1e-6, cancellation=lambda value: 1.0):
         self.name, self.title, self.scene, self.values, self.benign = name, title, scene, values, benign
         self.entries, self.small, self.ties, self.label, self.log = entries, small, ties or list(ALL), label, log
         self.measure, self.spectrum, self.field = measure, spectrum, field
         self.with_flux, self.interfaces, self.reference = with_flux, interfaces, reference
-        self.rounding = rounding
+        self.rounding, self.cancellation = rounding, cancellation
 
 
 def box(nx, ny, x0, y0, x1, y1):
@@ -292,7 +293,7 @@ AXES += [
 TEMPERATURES = [-7.0, -1.0, 0.0, 0.5, 1.0, 7.0]
 AXES += [
     Axis("skew", "Skew part of the conductivity, of opposite sign on the two sides", "heat", [0.0, 0.1, 1.0, 3.0, 10.0], 0.0, skewed,
-         small=(3.0,), label="s / k", log=False),
+         small=(3.0,), label="s / k", log=False, cancellation=lambda s: math.sqrt(1 + s * s)),
     Axis("first_guess", "First guess of the temperature, k(T) over three decades", "conductivity", TEMPERATURES, 0.5,
          lambda T: {f"Domain {domain}/Initial/temperature": repr(T) for domain in ("left", "right")}, small=(7.0,),
          label="first guess; the solution lies between 0 and 1", log=False, ties=FEW, spectrum=False),

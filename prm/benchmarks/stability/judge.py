@@ -3,7 +3,7 @@
 """What became of each case of the stability map.
 
 right         error in energy at most twice, error of the flux at most ten times that of the same tie at the axis's benign
-              end and at most a half, or both below 1e-6 (or the rounding that the axis states); where there is only a reference
+              end and at most a half, or both below 1e-6 (or the rounding that the axis or the condition number states); where there is only a reference
               value: within 1 %
 warned        the answer is off, and a note of the report says so
 flux lost     the bodies are right, but the flux through the seam is not, and nobody says so
@@ -15,6 +15,7 @@ import collections
 import math
 
 ENERGY, FLUX, REFERENCE = 2.0, 10.0, 0.01
+EPSILON = 2.2e-16
 LARGEST_FLUX = 0.5  # whatever it is at the benign end
 BAD = ("WRONG", "flux lost", "CRASH")
 # of notes that say that the answer may be off
@@ -40,10 +41,12 @@ def verdict(axis, case, benign):
     if benign is None or benign["status"] != "converged":
         return "right"
 
-    def holds(name, factor):
-        return case[name] <= max(factor * benign[name], axis.rounding(case["value"]) if axis.reference is None else REFERENCE)
+    rounding = max(axis.rounding(case["value"]), EPSILON * (case.get("scaled condition") or 0)) if axis.reference is None else REFERENCE
 
-    flux_holds = holds("flux", FLUX) and (axis.reference is not None or case["flux"] <= LARGEST_FLUX)
+    def holds(name, factor):
+        return case[name] <= max(factor * benign[name], rounding)
+
+    flux_holds = holds("flux", FLUX * axis.cancellation(case["value"])) and (axis.reference is not None or case["flux"] <= LARGEST_FLUX * axis.cancellation(case["value"]))
     if holds("error", ENERGY) and (not axis.with_flux or flux_holds):
         return "right"
     if (case["margin"] or 0) < 0 or any(word in note for word in WORDS for note in case["notes"]):

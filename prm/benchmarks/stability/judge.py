@@ -41,9 +41,11 @@ def verdict(axis, case, benign):
     if benign is None or benign["status"] != "converged":
         return "right"
 
-    rounding = max(axis.rounding(case["value"]), EPSILON * (case.get("scaled condition") or 0)) if axis.reference is None else REFERENCE
+    rounding = max(axis.rounding(case["value"]), EPSILON * (case.get("scaled condition") or 0))
 
     def holds(name, factor):
+        if axis.reference is not None:
+            return case[name] <= REFERENCE
         return case[name] <= max(factor * benign[name], rounding)
 
     flux_holds = holds("flux", FLUX * axis.cancellation(case["value"])) and (axis.reference is not None or case["flux"] <= LARGEST_FLUX * axis.cancellation(case["value"]))

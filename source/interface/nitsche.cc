@@ -314,7 +314,7 @@ void Nitsche<dim>::note_bound(const unsigned int field_index, const typename Pai
       chosen.bound[side] =
           (1 + theta) * (1 + theta) / 4 * w * w * lambda[field_index].of_tangent[side][group.cells[side]];
   chosen.stiffness = {{0, 0}};
-  chosen.is_skew = chosen.is_skew_in_trial = chosen.gamma < chosen.bound[source] + chosen.bound[destination];
+  chosen.is_skew = chosen.gamma < chosen.bound[source] + chosen.bound[destination];
 }
 
 /// The least penalty grows with the stiffness at the point.
@@ -331,8 +331,8 @@ double Nitsche<dim>::theta_at(const Interface<dim> &interface, const TiedField &
       p.stiffness[side] = now;
     least += p.bound[side] * now / p.stiffness[side];
   }
-  p.is_skew_in_trial = p.is_skew || p.gamma < least;
-  return p.is_skew_in_trial ? -1 : theta;
+  p.is_skew = p.is_skew || p.gamma < least;
+  return p.is_skew ? -1 : theta;
 }
 
 /// gamma > (1+theta)^2/4 (w_src^2 L_src + w_dst^2 L_dst) makes the form coercive, with a joint, too; with the
@@ -452,6 +452,7 @@ bool Nitsche<dim>::adapt(const Interface<dim> &interface, const double t,
   }
   may_predict = false;
   is_predicting = update > large_update;
+  before_prediction = parameters;
   for (unsigned int f = 0; is_predicting && f < interface.fields.size(); ++f)
     if (has_large_strain(interface, interface.fields[f]))
       for (unsigned int q = 0; q < interface.pairing().n_points(); ++q)
@@ -464,6 +465,7 @@ void Nitsche<dim>::end_prediction(const Interface<dim> &interface, const double 
                                   const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
 {
   is_predicting = false;
+  parameters = before_prediction; // which stay where no better ones are found
   freeze(interface, t, values_of, communicator);
 }
 
@@ -663,14 +665,6 @@ bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const typenam
       sides.evaluate_state(interface, side, q, t, unknowns);
   }
   return true;
-}
-
-template <int dim>
-void Nitsche<dim>::accept_state()
-{
-  sides.accept();
-  for (Parameters &of_point : parameters)
-    of_point.is_skew = of_point.is_skew_in_trial;
 }
 
 template <int dim>

@@ -64,8 +64,6 @@ private:
   };
   static std::vector<Node> nodes_of(const InterfaceSide<dim> &side);
   static bool crosses_edges(const Pairing<dim> &pairing, const MPI_Comm &communicator);
-  static bool crosses_edges(const InterfaceSide<dim> &side, const std::vector<Node> &nodes,
-                            const std::vector<typename FaceLocator<dim>::Match> &matches);
   /// From the source to a node: the gap, for each field the share of it that the node's side bridges, and the
   /// source's unknowns and shapes there.
   struct Bridge
@@ -166,7 +164,7 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
 template <int dim>
 bool Pointwise<dim>::crosses_edges(const Pairing<dim> &pairing, const MPI_Comm &communicator)
 {
-  const double sliver = 1e-6;
+  const double sliver = 1e-3; // coordinates of files have six or seven digits
   std::vector<unsigned int> n_partners(pairing.cells[destination].size(), 0);
   for (const auto &group : pairing.groups) {
     double area = 0;

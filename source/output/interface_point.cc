@@ -8,6 +8,10 @@
 
 namespace dovetail {
 
+namespace {
+constexpr double rounding = 1e-10; ///< of a flux, in units of the terms that cancel in it
+}
+
 template <int dim>
 InterfacePoint<dim>::InterfacePoint(const Interface<dim> &interface, const double t)
     : fields(interface.fields.size()), interface(interface),
@@ -41,11 +45,19 @@ void InterfacePoint<dim>::evaluate(const unsigned int q, const std::vector<doubl
     interface.evaluate(side, q, unknowns, state[side]);
     for (unsigned int f = 0; f < fields.size(); ++f) {
       const TiedField &field = interface.fields[f];
-      fields[f].flux[side] = normal_flux(field, side, q);
-      double square = 0;
-      for (unsigned int c = 0; c < field.n_components; ++c)
-        square += response.flux[field.first_component[side] + c].norm_square();
-      fields[f].flux_size[side] = std::sqrt(square);
+      fields[f].flux[side] = normal_flux(field, side, q, true);
+      double square = 0, of_gradient = 0, of_value = 0;
+      for (unsigned int c = field.first_component[side]; c < field.first_component[side] + field.n_components;
+           ++c) {
+        square += response.flux[c].norm_square();
+        of_gradient += state[side].gradient[c].norm_square();
+        of_value += state[side].value[c] * state[side].value[c];
+      }
+      const double size = std::sqrt(square),
+                   terms = modulus(field, side) *
+                           (std::sqrt(of_gradient) +
+                            std::sqrt(of_value) / interface.sides[side].domain->typical_length());
+      fields[f].flux_size[side] = size > rounding * terms ? size : 0; // as of a rigid motion
       const auto first = state[side].value.begin() + field.first_component[side];
       fields[f].trace[side].assign(first, first + field.n_components);
     }

@@ -17,9 +17,8 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr double worth_a_note = 0.01;
-constexpr double flux_worth_a_note = 0.5, least_in_bodies = 0.05;
-constexpr double rounding = 1e-10;        ///< range of a constant field, relative to its size
-constexpr double smallest_strain = 1e-13; ///< of a body that is at rest but for rounding
+constexpr double flux_worth_a_note = 0.9, least_in_bodies = 0.05;
+constexpr double rounding = 1e-10; ///< range of a constant field, relative to its size
 
 /// NaN if the field is constant.
 template <int dim>
@@ -53,15 +52,6 @@ std::string explain(const Interface<dim> &interface, const std::vector<std::pair
     sentence << ", or take a larger Multiplier, which costs accuracy of the flux, or a mortar";
   sentence << '.';
   return sentence.str();
-}
-
-/// Whether the field varies enough for its fluxes to be more than rounding.
-template <int dim>
-bool has_flux(const Interface<dim> &interface, const TiedField &field, const ordered_json &domains)
-{
-  const double width = range(interface, field.name, domains);
-  return field.n_components == 1 ? std::isfinite(width)
-                                 : width > smallest_strain * interface.sides[source].domain->typical_length();
 }
 
 /// Where the flux that is transmitted is far from those of both bodies, as when a penalty or multipliers
@@ -111,19 +101,20 @@ double imbalance(const ordered_json &numbers, const std::string &field)
   return std::sqrt(square);
 }
 
+/// Where the flux through the interface is small beside that along it, or rounding, there is nothing to tell.
 template <int dim>
-void explain_fluxes(const Interface<dim> &interface, const double area, const ordered_json &domains,
-                    ordered_json &numbers, std::vector<std::string> &sentences)
+void explain_fluxes(const Interface<dim> &interface, const double area, ordered_json &numbers,
+                    std::vector<std::string> &sentences)
 {
   for (const TiedField &field : interface.fields) {
     const double gap = number(numbers, "flux gap L2", field.name),
-                 flux = number(numbers, "numerical flux L2", field.name);
-    if (!(flux > 0) || !has_flux(interface, field, domains))
+                 flux = number(numbers, "numerical flux L2", field.name),
+                 in_bodies = number(numbers, "flux in bodies L2", field.name);
+    if (!(flux > least_in_bodies * in_bodies) || !(in_bodies > 0))
       continue;
     if (std::isfinite(gap))
       numbers["relative flux gap"][field.name] = gap / flux;
-    if (gap > flux_worth_a_note * flux &&
-        gap > least_in_bodies * number(numbers, "flux in bodies L2", field.name))
+    if (gap > flux_worth_a_note * flux)
       sentences.push_back(words_for_flux_gap(interface.name, field.name, gap / flux));
     if (interface.tie().is_balanced())
       continue;
@@ -158,7 +149,7 @@ std::vector<std::string> explain_jumps(const Model<dim> &model, const double t, 
     }
     if (!large.empty())
       sentences.push_back(explain(*interface, large, model.communicator));
-    explain_fluxes(*interface, area, domains, numbers, sentences);
+    explain_fluxes(*interface, area, numbers, sentences);
   }
   return sentences;
 }

@@ -313,8 +313,8 @@ struct FluxIntegrals
     result["jump L2"][field] = norm(jump);
     result["flux jump L2"][field] = norm(flux_jump);
     result["numerical flux L2"][field] = norm(numerical_flux);
-    result["flux gap L2"][field] = std::min(norm(flux_gap[source]), norm(flux_gap[destination]));
-    result["flux in bodies L2"][field] = std::min(norm(flux_size[source]), norm(flux_size[destination]));
+    result["flux gap L2"][field] = std::fmin(norm(flux_gap[source]), norm(flux_gap[destination]));
+    result["flux in bodies L2"][field] = std::fmin(norm(flux_size[source]), norm(flux_size[destination]));
     if (!knows_exact)
       return;
     result["flux error L2"][field] = norm(flux_error);

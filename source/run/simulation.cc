@@ -13,6 +13,7 @@
 #include <dovetail/output/spectrum.h>
 #include <dovetail/run/counters.h>
 #include <dovetail/run/first_guess.h>
+#include <dovetail/scene/plugins.h>
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/scene/study_options.h>
 #include <dovetail/system/place.h>
@@ -70,6 +71,7 @@ unsigned int read_dimension(const Section &scene)
   const auto dimension =
       scene.require<std::string>("Dimension", "The dimension of space [-]", Patterns::Selection("2|3"));
   scene.choose("Geometry", {"plane strain"}, 0, "What a scene in 2D means [-]");
+  load_plugins(scene);
   return dimension == "2" ? 2 : 3;
 }
 
@@ -545,8 +547,7 @@ void Simulation<dim>::explain_failure(const double t)
 template <int dim>
 void Simulation<dim>::go_back(const double t)
 {
-  if (lacks_multipliers)
-    begin_step(t);
+  begin_step(t);
 }
 
 /// Steps up to the end or until one fails. @p t: the time of the last good one; @p n_done: the number of good

@@ -58,7 +58,7 @@ public:
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent) override;
-  void accept_state() override;
+  void accept_state() override { sides.accept(); }
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
                       const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
                       const std::vector<double> &jump, std::vector<double> &result) const override;
@@ -97,8 +97,7 @@ private:
     /// The sides' shares in the least penalty at the beginning of a step, and |N.dA/dgrad B| then; 0: not
     /// known.
     std::array<double, 2> bound = {{0, 0}}, stiffness = {{0, 0}};
-    /// -1 takes the place of theta until the end of the step: for the solution so far, and for the trial.
-    bool is_skew = false, is_skew_in_trial = false;
+    bool is_skew = false; ///< -1 takes the place of theta until the end of the step
   };
 
   /// The tensors a and b: one value along N, another one across it.
@@ -188,6 +187,7 @@ private:
   GradientChange<dim> change;         ///< since the last update
   /// Whether the next update may be found to be large, and since when the penalty joins the sides alone.
   bool may_predict = false, is_predicting = false;
+  std::vector<Parameters> before_prediction;
   static constexpr double large_update = 0.2, small_update = 0.1; ///< change of strain, mean
   /// s where a side takes the gradient of the centre, in the last assembly; likewise.
   std::map<std::size_t, std::vector<double>> central_flux;

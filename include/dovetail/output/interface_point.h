@@ -26,8 +26,8 @@ public:
     std::vector<double> jump;                 ///< [B]
     std::array<std::vector<double>, 2> trace; ///< B of each side at its own point
     std::array<std::vector<double>, 2>
-        flux;                           ///< A.N of each side through its own normal; NaN: law not defined
-    std::array<double, 2> flux_size;    ///< |A| of each side, along the interface too
+        flux;                        ///< A.N of each side through its own normal; NaN: law not defined
+    std::array<double, 2> flux_size; ///< |A| of each side, along the interface too; 0 if it is but rounding
     std::vector<double> numerical_flux; ///< the tie's, into the source; zero while the interface is inactive
   };
   std::vector<OfField> fields; ///< as in Interface::fields, at the point visited last

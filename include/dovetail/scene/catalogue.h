@@ -13,8 +13,12 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace dovetail {
+
+/// What has been registered under a name that was taken, by a plugin from outside: the first one stays.
+std::vector<std::string> &names_registered_twice();
 
 /// The members of the family @p Base, each constructed from its Section and further @p Arguments.
 ///
@@ -37,10 +41,13 @@ public:
   template <class Derived>
   static bool add(const std::string &name, const std::string &help)
   {
-    members()[name] = {help, [](const Section &section, Arguments... arguments) -> std::unique_ptr<Base> {
-                         return std::make_unique<Derived>(section, arguments...);
-                       }};
-    return true;
+    const Creator create = [](const Section &section, Arguments... arguments) -> std::unique_ptr<Base> {
+      return std::make_unique<Derived>(section, arguments...);
+    };
+    const bool is_new = members().emplace(name, Member{help, create}).second;
+    if (!is_new)
+      names_registered_twice().push_back(name);
+    return is_new;
   }
 
   /// Read `Type` and create the member of that name from @p section. If @p default_type is empty the entry is

@@ -9,8 +9,9 @@
 //   check EXPRESSION < NUMBER   yes, or no and the value; also >
 //   rate EXPRESSION             log2 of the ratio of successive reports, for runs that halve the mesh size
 //
-// EXPRESSION is operands joined by ` + `, ` - `, ` * `, ` / ` from left to right; an operand is a number or
-// the path of a value in the report, like interfaces/seam/jump L2/temperature or steps/-1/newton iterations
+// EXPRESSION is operands joined by ` + `, ` - `, ` * `, ` / ` with the usual precedence, or in parentheses
+// with blanks inside, `( a + b ) / c`; an operand is a number or the path of a value in the report, like
+// interfaces/seam/jump L2/temperature or steps/-1/newton iterations
 // (-1: the last). Arrays are taken component by component. A field of a domain that is not in balance adds a
 // line.
 
@@ -82,38 +83,46 @@ std::size_t next_operator(const std::string &text, const std::string &operators,
   return std::string::npos;
 }
 
+Values combine(const Values &left, const char operation, Values right)
+{
+  if (right.size() == 1)
+    right.resize(left.size(), right[0]);
+  if (right.size() != left.size())
+    throw std::runtime_error("different numbers of components");
+  for (std::size_t i = 0; i < left.size(); ++i)
+    right[i] = operation == '+'   ? left[i] + right[i]
+               : operation == '-' ? left[i] - right[i]
+               : operation == '*' ? left[i] * right[i]
+                                  : left[i] / right[i];
+  return right;
+}
+
+/// Where the last operator out of @p operators stands that is in no parentheses.
+std::size_t last_operator(const std::string &text, const std::string &operators)
+{
+  int depth = 0;
+  for (std::size_t i = text.size(); i-- > 0;) {
+    const bool ends_word = i + 1 == text.size() || text[i + 1] == ' ',
+               begins_word = i == 0 || text[i - 1] == ' ';
+    if (!ends_word || !begins_word)
+      continue;
+    depth += text[i] == ')' ? 1 : text[i] == '(' ? -1 : 0;
+    if (depth == 0 && i > 1 && i + 2 < text.size() && operators.find(text[i]) != std::string::npos)
+      return i;
+  }
+  return std::string::npos;
+}
+
 Values evaluate(const nlohmann::json &report, const std::string &expression)
 {
-  Values result;
-  char operation = '=';
-  for (std::size_t begin = 0; begin != std::string::npos;) {
-    const std::size_t end = next_operator(expression, "+-*/", begin);
-    Values right = operand(report, expression.substr(begin, end - begin));
-    if (operation == '=')
-      result = right;
-    if (right.size() == 1)
-      right.resize(result.size(), right[0]);
-    if (right.size() != result.size())
-      throw std::runtime_error("different numbers of components in '" + expression + "'");
-    for (std::size_t i = 0; i < result.size(); ++i)
-      switch (operation) {
-      case '+':
-        result[i] += right[i];
-        break;
-      case '-':
-        result[i] -= right[i];
-        break;
-      case '*':
-        result[i] *= right[i];
-        break;
-      case '/':
-        result[i] /= right[i];
-        break;
-      }
-    operation = end == std::string::npos ? ' ' : expression[end + 1];
-    begin = end == std::string::npos ? end : end + 3;
-  }
-  return result;
+  for (const char *const operators : {"+-", "*/"})
+    if (const std::size_t at = last_operator(expression, operators); at != std::string::npos)
+      return combine(evaluate(report, expression.substr(0, at - 1)), expression[at],
+                     evaluate(report, expression.substr(at + 2)));
+  if (expression.size() > 4 && expression.substr(0, 2) == "( " &&
+      expression.substr(expression.size() - 2) == " )")
+    return evaluate(report, expression.substr(2, expression.size() - 4));
+  return operand(report, expression);
 }
 
 void check(const std::vector<nlohmann::json> &reports, const std::string &expression)

@@ -59,9 +59,9 @@ std::string explain(const Interface<dim> &interface, const std::vector<std::pair
 std::string words_for_flux_gap(const std::string &interface, const std::string &field, const double gap)
 {
   std::ostringstream sentence;
-  sentence.precision(2);
   sentence
-      << interface << ": the flux of the " << field << " between its sides differs by " << 100 * gap
+      << interface << ": the flux of the " << field << " between its sides differs by "
+      << std::round(100 * gap)
       << " % from that in either body (root mean square): it oscillates, and only its resultant is to be "
          "trusted. Refine the bodies at it, or compare with another tie.";
   return sentence.str();

@@ -18,7 +18,7 @@ namespace dovetail {
 /// mean square) over the range of the field in the two bodies (largest minus smallest value; of vectors, of
 /// the magnitude), from what measure_domains() and measure_interfaces() have found. @return one sentence for
 /// each interface at which one is above a hundredth: how large it is, and what to do. Likewise "relative flux
-/// gap": the flux of the tie against that in the nearer of the two bodies, worth a sentence above a half; and
+/// gap": the flux of the tie against that in the nearer of the two bodies, worth a sentence above 0.9; and
 /// the resultants of ties that do not balance, worth one above a hundredth.
 template <int dim>
 std::vector<std::string> explain_jumps(const Model<dim> &model, double t,

@@ -160,8 +160,8 @@ void Log::summary(const Model<dim> &model)
 void Log::plan(const Plan &plan)
 {
   line();
-  for (const auto &[heading, sentences] :
-       {std::make_pair("plan", &plan.needed), std::make_pair("left out", &plan.left_out)})
+  using Part = std::pair<const char *, const std::vector<std::string> *>;
+  for (const auto &[heading, sentences] : {Part("plan", &plan.needed), Part("left out", &plan.left_out)})
     for (std::size_t i = 0; i < sentences->size(); ++i) {
       char text[16];
       std::snprintf(text, sizeof(text), "  %-10s", i == 0 ? heading : "");

@@ -84,7 +84,8 @@ void Paraview<dim>::show_uncovered_points(const unsigned int interface)
   const auto &pairing = model.interfaces[interface]->pairing();
   const std::string file = directory + "/uncovered_" + blocks[model.domains.size() + interface].stem + ".vtu";
   if (pairing.coverage().n_uncovered > 0)
-    write_picture(file, {}, [&]() { return UncoveredPoints<dim>(pairing).piece({}); });
+    write_picture(file, dealii::DataOutBase::VtkFlags(),
+                  [&]() { return UncoveredPoints<dim>(pairing).piece({}); });
   else if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
     remove_file(file, beginning_of_vtu); // of an earlier run
 }

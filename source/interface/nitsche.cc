@@ -452,12 +452,14 @@ bool Nitsche<dim>::adapt(const Interface<dim> &interface, const double t,
   }
   may_predict = false;
   is_predicting = update > large_update;
+  if (!is_predicting)
+    return false;
   before_prediction = parameters;
-  for (unsigned int f = 0; is_predicting && f < interface.fields.size(); ++f)
+  for (unsigned int f = 0; f < interface.fields.size(); ++f)
     if (has_large_strain(interface, interface.fields[f]))
       for (unsigned int q = 0; q < interface.pairing().n_points(); ++q)
         parameters[f * interface.pairing().n_points() + q].weight = {{0, 0}};
-  return is_predicting;
+  return true;
 }
 
 template <int dim>

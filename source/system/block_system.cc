@@ -330,6 +330,21 @@ void BlockSystem<dim>::hold_back_from(const Vector &x)
     held_moves[line.index] = line.inhomogeneity;
 }
 
+namespace {
+
+/// Whether @p change returns true for any; it is called for all, being collective.
+template <int dim, typename Change>
+bool change_active_ties(const Model<dim> &model, const double t, const Change &change)
+{
+  bool has_changed = false;
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t) && change(*interface))
+      has_changed = true;
+  return has_changed;
+}
+
+} // namespace
+
 template <int dim>
 bool BlockSystem<dim>::refreeze(const double t, const Vector &x)
 {
@@ -337,11 +352,9 @@ bool BlockSystem<dim>::refreeze(const double t, const Vector &x)
     return false;
   dealii::Timer timer;
   ghosted_scratch = x;
-  bool is_any_outdated = false;
-  for (const auto &interface : model.interfaces)
-    if (interface->is_active(t) &&
-        interface->tie().refreeze(*interface, t, ghosted_values(), model.communicator))
-      is_any_outdated = true;
+  const bool is_any_outdated = change_active_ties(model, t, [&](const auto &interface) {
+    return interface.tie().refreeze(interface, t, ghosted_values(), model.communicator);
+  });
   tie_seconds += timer.wall_time();
   return is_any_outdated;
 }
@@ -353,11 +366,9 @@ bool BlockSystem<dim>::adapt_ties(const double t, const Vector &x)
     return false;
   dealii::Timer timer;
   ghosted_scratch = x;
-  bool is_any_adapted = false;
-  for (const auto &interface : model.interfaces)
-    if (interface->is_active(t) &&
-        interface->tie().adapt(*interface, t, ghosted_values(), model.communicator))
-      is_any_adapted = true;
+  const bool is_any_adapted = change_active_ties(model, t, [&](const auto &interface) {
+    return interface.tie().adapt(interface, t, ghosted_values(), model.communicator);
+  });
   tie_seconds += timer.wall_time();
   return is_any_adapted;
 }

@@ -7,26 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace dovetail {
-
-template <int dim>
-void evaluate_state(const unsigned int n_components, const unsigned int n_nodes, const double *shape_values,
-                    const dealii::Tensor<1, dim> *shape_gradients, const double *unknowns, State<dim> &state)
-{
-  for (unsigned int c = 0; c < n_components; ++c, unknowns += n_nodes) {
-    double value = 0;
-    dealii::Tensor<1, dim> gradient;
-    for (unsigned int a = 0; a < n_nodes; ++a) {
-      value += shape_values[a] * unknowns[a];
-      for (unsigned int d = 0; d < dim; ++d)
-        gradient[d] += shape_gradients[a][d] * unknowns[a];
-    }
-    state.value[c] = value;
-    state.gradient[c] = gradient;
-  }
-}
 
 template <int dim>
 CellTerms<dim>::CellTerms(const Domain<dim> &domain)
@@ -35,19 +19,17 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                   gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
-      open_boundary(domain), state(n), response(n), responses(cell_values.n_quadrature_points, response),
-      uniform_response(n), couples(n * n, false), by_value(n * n, false), shape(n_nodes), gradient(n_nodes),
-      source_of_component(n)
+      open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
+      uniform_response(n), shape(n_nodes), gradient(n_nodes), source_of_component(n)
 {
   const auto &fields = domain.fields();
+  for (unsigned int c = 0; c < n; ++c)
+    for (unsigned int d = 0; d < n; ++d)
+      if (const Coupling &coupling = domain.material.coupling(c, d); coupling.any())
+        pairs.push_back({c, d, c * n + d, coupling});
   for (unsigned int f = 0; f < fields.size(); ++f)
-    for (unsigned int g = 0; g < fields.size(); ++g)
-      for (unsigned int c = 0; c < fields[f].n_components; ++c)
-        for (unsigned int d = 0; d < fields[g].n_components; ++d) {
-          const unsigned int pair = (fields[f].first_component + c) * n + fields[g].first_component + d;
-          couples[pair] = domain.material.depends(f, g);
-          by_value[pair] = couples[pair] && (f != g || !domain.material.is_linear(f));
-        }
+    for (unsigned int c = 0; domain.material.has_source(f) && c < fields[f].n_components; ++c)
+      with_source.push_back(fields[f].first_component + c);
   for (const Field &field : fields)
     for (unsigned int c = 0; c < field.n_components; ++c)
       source_of_component[field.first_component + c] = {domain.source().find(field.name), c};
@@ -67,21 +49,18 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   force_sizes.assign(n * n_nodes, 0.);
   if (tangent)
     *tangent = 0;
-  state.t = t;
+  point.state.t = t;
   cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
-    state.X = cell_values.quadrature_point(q);
-    load_point(cell_values, q);
-    evaluate_state<dim>(n, n_nodes, shape.data(), gradient.data(), unknowns.data(), state);
-    if (!domain.material.evaluate(state, tangent != nullptr, response)) {
+    point.reinit(cell_values, q, unknowns);
+    if (!point.evaluate(tangent != nullptr)) {
       has_uniform_tangent = false; // what comes next is compared with this cell
       return false;
     }
-    for (unsigned int c = 0; c < n; ++c)
-      for (unsigned int a = 0; a < n_nodes; ++a)
-        add(c * n_nodes + a, (response.flux[c] * gradient[a]) * cell_values.JxW(q), residual);
+    add_flux(cell_values.JxW(q), residual);
+    add_source_of_laws(cell_values.JxW(q), residual);
     if (tangent)
-      responses[q] = response;
+      responses[q] = point.response;
   }
   if (tangent)
     add_tangent(*tangent);
@@ -92,11 +71,29 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
 }
 
 template <int dim>
+void CellTerms<dim>::add_flux(const double JxW, std::vector<double> &residual)
+{
+  const auto &gradients = point.shape_gradients();
+  for (unsigned int c = 0; c < n; ++c)
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      add(c * n_nodes + a, (point.response.flux[c] * gradients[a]) * JxW, residual);
+}
+
+template <int dim>
+void CellTerms<dim>::add_source_of_laws(const double JxW, std::vector<double> &residual)
+{
+  for (const unsigned int c : with_source)
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      add(c * n_nodes + a, point.response.source[c] * point.shape_values()[a] * JxW, residual);
+}
+
+template <int dim>
 bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &cell, const double t,
                                     const std::vector<double> &unknowns, std::vector<double> &residual)
 {
-  const bool has_source = std::any_of(source_of_component.begin(), source_of_component.end(),
-                                      [](const auto &source) { return source.first != nullptr; });
+  const bool has_source =
+      !with_source.empty() || std::any_of(source_of_component.begin(), source_of_component.end(),
+                                          [](const auto &source) { return source.first != nullptr; });
   const bool has_boundary = !flux_conditions.empty() && cell->at_boundary();
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(n * n_nodes, 0.);
@@ -104,6 +101,13 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
     cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
     has_uniform_tangent = false; // what comes next is not compared with the cell before
     add_source(t, residual);
+    point.state.t = t;
+    for (unsigned int q = 0; !with_source.empty() && q < cell_values.n_quadrature_points; ++q) {
+      point.reinit(cell_values, q, unknowns);
+      const double JxW =
+          point.evaluate(false) ? cell_values.JxW(q) : std::numeric_limits<double>::quiet_NaN();
+      add_source_of_laws(JxW, residual);
+    }
   }
   if (has_boundary)
     add_boundary_terms(cell, t, unknowns, residual, nullptr);
@@ -111,11 +115,11 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
 }
 
 template <int dim>
-void CellTerms<dim>::load_point(const dealii::FEValuesBase<dim> &values, const unsigned int q)
+void CellTerms<dim>::load_directions(const unsigned int q)
 {
   for (unsigned int a = 0; a < n_nodes; ++a) {
-    shape[a] = values.shape_value(a, q);
-    gradient[a] = values.shape_grad(a, q);
+    shape[a] = cell_values.shape_value(a, q);
+    gradient[a] = cell_values.shape_grad(a, q);
     for (unsigned int d = 0; d < dim; ++d)
       gradient_of_direction[d][a] = gradient[a][d];
   }
@@ -124,9 +128,12 @@ void CellTerms<dim>::load_point(const dealii::FEValuesBase<dim> &values, const u
 template <int dim>
 bool CellTerms<dim>::has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const
 {
-  for (unsigned int pair = 0; pair < n * n; ++pair)
-    if (couples[pair] && (a.by_gradient[pair] != b.by_gradient[pair] ||
-                          (by_value[pair] && a.by_value[pair] != b.by_value[pair])))
+  for (const Pair &pair : pairs)
+    if ((pair.coupling.flux_by_gradient && a.by_gradient[pair.index] != b.by_gradient[pair.index]) ||
+        (pair.coupling.flux_by_value && a.by_value[pair.index] != b.by_value[pair.index]) ||
+        (pair.coupling.source_by_gradient &&
+         a.source_by_gradient[pair.index] != b.source_by_gradient[pair.index]) ||
+        (pair.coupling.source_by_value && a.source_by_value[pair.index] != b.source_by_value[pair.index]))
       return false;
   return true;
 }
@@ -144,7 +151,7 @@ void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
     return;
   }
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
-    load_point(cell_values, q);
+    load_directions(q);
     add_tangent_at_point(responses[q], cell_values.JxW(q), tangent);
   }
   has_uniform_tangent = is_uniform;
@@ -155,32 +162,36 @@ void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
 }
 
 /// K_(c,a)(d,b) = grad phi_a . ( dA_c/dgrad B_d . grad phi_b + dA_c/dB_d phi_b )
+///              + phi_a ( dS_c/dgrad B_d . grad phi_b + dS_c/dB_d phi_b )
 template <int dim>
-void CellTerms<dim>::add_tangent_at_point(const Response<dim> &at_point, const double JxW,
+void CellTerms<dim>::add_tangent_at_point(const Response<dim> &response, const double JxW,
                                           dealii::FullMatrix<double> &tangent) const
 {
-  for (unsigned int c = 0; c < n; ++c)
-    for (unsigned int d = 0; d < n; ++d)
-      if (couples[c * n + d]) {
-        const dealii::Tensor<2, dim> &D = at_point.by_gradient[c * n + d];
-        const dealii::Tensor<1, dim> &v = at_point.by_value[c * n + d];
-        for (unsigned int a = 0; a < n_nodes; ++a) {
-          const dealii::Tensor<1, dim> g = JxW * (gradient[a] * D);
-          double *row = &tangent(c * n_nodes + a, d * n_nodes);
-          const double *x = gradient_of_direction[0].data(), *y = gradient_of_direction[1].data(),
-                       *z = gradient_of_direction[dim - 1].data();
-          for (unsigned int b = 0; b < n_nodes; ++b)
-            if constexpr (dim == 3)
-              row[b] += g[0] * x[b] + g[1] * y[b] + g[2] * z[b];
-            else
-              row[b] += g[0] * x[b] + g[1] * y[b];
-          if (by_value[c * n + d]) {
-            const double of_value = JxW * (gradient[a] * v);
-            for (unsigned int b = 0; b < n_nodes; ++b)
-              row[b] += of_value * shape[b];
-          }
-        }
-      }
+  const double *x = gradient_of_direction[0].data(), *y = gradient_of_direction[1].data(),
+               *z = gradient_of_direction[dim - 1].data();
+  for (const auto &[c, d, index, coupling] : pairs)
+    for (unsigned int a = 0; a < n_nodes; ++a) {
+      dealii::Tensor<1, dim> g; // of grad phi_b, and v of phi_b
+      double v = 0;
+      if (coupling.flux_by_gradient)
+        g = JxW * (gradient[a] * response.by_gradient[index]);
+      if (coupling.flux_by_value)
+        v = JxW * (gradient[a] * response.by_value[index]);
+      if (coupling.source_by_gradient)
+        g += JxW * shape[a] * response.source_by_gradient[index];
+      if (coupling.source_by_value)
+        v += JxW * shape[a] * response.source_by_value[index];
+      double *row = &tangent(c * n_nodes + a, d * n_nodes);
+      if (coupling.flux_by_gradient || coupling.source_by_gradient)
+        for (unsigned int b = 0; b < n_nodes; ++b)
+          if constexpr (dim == 3)
+            row[b] += g[0] * x[b] + g[1] * y[b] + g[2] * z[b];
+          else
+            row[b] += g[0] * x[b] + g[1] * y[b];
+      if (coupling.flux_by_value || coupling.source_by_value)
+        for (unsigned int b = 0; b < n_nodes; ++b)
+          row[b] += v * shape[b];
+    }
 }
 
 namespace {
@@ -255,10 +266,6 @@ void CellTerms<dim>::add_influx(const Condition<dim> &condition, const dealii::P
     }
 }
 
-template void evaluate_state<2>(unsigned int, unsigned int, const double *, const dealii::Tensor<1, 2> *,
-                                const double *, State<2> &);
-template void evaluate_state<3>(unsigned int, unsigned int, const double *, const dealii::Tensor<1, 3> *,
-                                const double *, State<3> &);
 template class CellTerms<2>;
 template class CellTerms<3>;
 

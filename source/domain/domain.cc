@@ -154,7 +154,7 @@ void Domain<dim>::read_given(const Section &section)
         std::make_tuple("Initial", &given_initial, "First guess of a static scene [m or K]"),
         std::make_tuple("Exact", &given_exact, "Exact solution: its errors are reported [m or K]")}) {
     const Section part = section.subsection(kind);
-    for (const Field &field : section.documenting() ? every_field() : fields()) {
+    for (const Field &field : fields()) {
       const Expression expression = part.read_expression(field.name, "", {field.n_components}, text);
       if (part.is_set(field.name))
         given->of_field.emplace(field.name, expression);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/locking.h>
 
 #include <deal.II/base/mpi.h>
@@ -17,15 +18,14 @@ template <int dim>
 double poisson_ratio(const Domain<dim> &domain, const Field &displacement)
 {
   const unsigned int n = domain.n_components(), u = displacement.first_component;
-  State<dim> state(n);
-  Response<dim> response(n);
+  CellPoints<dim> point(domain, 0);
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
-      state.X = cell->center();
-      if (!domain.material.evaluate(state, true, response))
+      point.state.X = cell->center();
+      if (!point.evaluate(true))
         return 0;
-      const double along = response.by_gradient[u * n + u][0][0],
-                   across = response.by_gradient[u * n + u + 1][0][1];
+      const double along = point.response.by_gradient[u * n + u][0][0],
+                   across = point.response.by_gradient[u * n + u + 1][0][1];
       return along + across > 0 ? across / (along + across) : 0;
     }
   return 0;

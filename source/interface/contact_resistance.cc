@@ -42,7 +42,7 @@ public:
             "Conductance", "", {1},
             "Flux per jump of a scalar field such as the temperature, also a formula of T, the mean of both "
             "sides'; from 0 (no contact) to inf (tied); required where such a field is tied [W/(m^2 K)]",
-            true)),
+            {"T"})),
         stiffness(section.read_expression(
             "Joint stiffness", "", {1, 2},
             "Force per area and jump of the displacement, one for all directions or two, normal; tangential; "
@@ -53,9 +53,9 @@ public:
   void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
   bool is_symmetric() const override
   {
-    return Nitsche<dim>::is_symmetric() && !conductance.depends_on_temperature();
+    return Nitsche<dim>::is_symmetric() && !conductance.depends_on_scalars();
   }
-  bool is_linear() const override { return !conductance.depends_on_temperature(); }
+  bool is_linear() const override { return !conductance.depends_on_scalars(); }
   bool has_constant_tangent(const Interface<dim> &interface) const override
   {
     return Nitsche<dim>::has_constant_tangent(interface) && !conductance.depends_on_time() &&
@@ -122,7 +122,7 @@ void ContactResistance<dim>::set_fields(const Section &section, const std::vecto
   }
   for (const TiedField &field : fields) {
     const Expression &law = law_of(field);
-    if (!law.depends_on_position() && !law.depends_on_time() && !law.depends_on_temperature())
+    if (!law.depends_on_position() && !law.depends_on_time() && !law.depends_on_scalars())
       for (unsigned int c = 0; c < law.n_components(); ++c)
         check_not_negative(law.value(dealii::Point<dim>(), 0, c), section, field);
   }
@@ -133,7 +133,7 @@ template <int dim>
 bool ContactResistance<dim>::surely_holds(const TiedField &field, const double t) const
 {
   const Expression &law = law_of(field);
-  if (law.depends_on_position() || law.depends_on_temperature())
+  if (law.depends_on_position() || law.depends_on_scalars())
     return false;
   for (unsigned int c = 0; c < law.n_components(); ++c)
     if (!(law.value(dealii::Point<dim>(), t, c) > 0))
@@ -154,8 +154,8 @@ bool ContactResistance<dim>::find_joint(const TiedField &field, const std::array
     mean = (state[source].value[field.first_component[source]] +
             state[destination].value[field.first_component[destination]]) /
            2;
-    joint.along_normal = joint.along_tangents = conductance.value(X, t, 0, mean);
-    joint.derivative_by_mean = conductance.temperature_derivatives(X, t, 0, mean)[0];
+    joint.along_normal = joint.along_tangents = conductance.value(X, t, 0, {&mean, 1});
+    joint.derivative_by_mean = conductance.derivative(X, t, 0, {&mean, 1}, 0);
   } else {
     joint.along_normal = stiffness.value(X, t, 0);
     joint.along_tangents = stiffness.n_components() == 1 ? joint.along_normal : stiffness.value(X, t, 1);
@@ -163,7 +163,7 @@ bool ContactResistance<dim>::find_joint(const TiedField &field, const std::array
   if (joint.along_normal >= 0 && joint.along_tangents >= 0)
     return true;
   return explain(field, X, t, joint.along_normal >= 0 ? joint.along_tangents : joint.along_normal,
-                 law_of(field).depends_on_temperature() ? std::optional(mean) : std::nullopt);
+                 law_of(field).depends_on_scalars() ? std::optional(mean) : std::nullopt);
 }
 
 /// Leave the reason why h is no conductance, at the temperature T if it depends on that. @return false
@@ -186,7 +186,7 @@ void ContactResistance<dim>::begin_step(const Interface<dim> &interface, const d
 {
   for (const TiedField &field : interface.fields) {
     const Expression &law = law_of(field);
-    if (law.depends_on_temperature())
+    if (law.depends_on_scalars())
       continue;
     double smallest = 0;
     Undefined not_a_number;

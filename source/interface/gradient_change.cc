@@ -17,22 +17,17 @@ GradientChange<dim>::gradients_at(const Interface<dim> &interface,
                                   const typename Tie<dim>::Unknowns &values_of) const
 {
   Gradients result;
-  std::array<State<dim>, 2> state = {{State<dim>(interface.sides[source].domain->n_components()),
-                                      State<dim>(interface.sides[destination].domain->n_components())}};
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns;
-  for (const auto &group : interface.pairing().groups) {
-    interface.group_dofs(group, dofs);
-    values_of(dofs, unknowns);
+  SidePoints<dim> points(interface, 0);
+  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
     for (unsigned int q = group.begin; q < group.end; ++q)
       for (const unsigned int side : {source, destination}) {
-        interface.evaluate(side, q, unknowns, state[side]);
+        points.reinit(side, q, unknowns);
         for (const TiedField &field : interface.fields)
           if (has_large_strain(interface, field))
             for (unsigned int c = 0; c < field.n_components; ++c)
-              result[side].push_back(state[side].gradient[field.first_component[side] + c]);
+              result[side].push_back(points.state[side].gradient[field.first_component[side] + c]);
       }
-  }
+  });
   return result;
 }
 

@@ -207,7 +207,7 @@ void Interface<dim>::find_components()
       const Field &field = sides[side].domain->fields()[g];
       bool is_needed = false;
       for (const TiedField &tied : fields)
-        is_needed = is_needed || sides[side].domain->material.depends(tied.field[side], g);
+        is_needed = is_needed || sides[side].domain->material.flux_depends(tied.field[side], g);
       for (unsigned int c = 0; is_needed && c < field.n_components; ++c)
         components[side].push_back(field.first_component + c);
     }
@@ -329,25 +329,6 @@ void Interface<dim>::group_dofs(const typename Pairing<dim>::Group &group,
 }
 
 template <int dim>
-void Interface<dim>::evaluate(const unsigned int side, const unsigned int q,
-                              const dealii::Tensor<1, dim> *gradients, const std::vector<double> &unknowns,
-                              State<dim> &state) const
-{
-  const unsigned int n = sides[side].domain->n_nodes();
-  const double *values = pairing().values(side, q);
-  const double *unknown = unknowns.data() + (side == source ? 0 : n_local(source));
-  std::fill(state.value.begin(), state.value.end(), std::numeric_limits<double>::quiet_NaN());
-  for (const unsigned int c : components[side]) {
-    state.value[c] = 0;
-    state.gradient[c] = 0;
-    for (unsigned int a = 0; a < n; ++a, ++unknown) {
-      state.value[c] += values[a] * *unknown;
-      state.gradient[c] += *unknown * gradients[a];
-    }
-  }
-}
-
-template <int dim>
 void Interface<dim>::jump(const TiedField &field, const unsigned int q, const std::vector<double> &unknowns,
                           std::vector<double> &result) const
 {
@@ -408,7 +389,7 @@ bool Interface<dim>::couples(const unsigned int row, const unsigned int column) 
       const auto &of_side = sides[side].domain->fields();
       for (unsigned int g = 0; g < of_side.size(); ++g)
         if (contains(of_side[g].first_component, of_side[g].n_components, component))
-          return g == tied.field[side] || sides[side].domain->material.depends(tied.field[side], g);
+          return sides[side].domain->material.flux_depends(tied.field[side], g);
     }
   return false;
 }
@@ -418,7 +399,7 @@ bool Interface<dim>::is_linear() const
 {
   for (const TiedField &tied : fields)
     for (const unsigned int side : {source, destination})
-      if (!sides[side].domain->material.is_linear(tied.field[side]))
+      if (!sides[side].domain->material.has_linear_flux(tied.field[side]))
         return false;
   return true;
 }

@@ -663,8 +663,10 @@ bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const typenam
     if (is_weighted) {
       if (!sides.evaluate(interface, group, side, q, t, unknowns, with_derivatives))
         return false;
-    } else if (has_joint())
-      sides.evaluate_state(interface, side, q, t, unknowns);
+    } else if (has_joint()) {
+      sides.state[side].t = t;
+      sides.reinit(side, q, unknowns);
+    }
   }
   return true;
 }
@@ -784,7 +786,7 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
       i += interface.n_local(side);
       continue;
     }
-    const dealii::Tensor<1, dim> *gradients = sides.gradients[side];
+    const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side];
     const double *values = pairing.values(side, q);
     for (const unsigned int d : interface.components[side]) {
       for (unsigned int c = 0; c < n_c; ++c) {
@@ -937,7 +939,7 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
     const Domain<dim> &domain = *interface.sides[side].domain;
     const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
     const auto &components = interface.components[side];
-    if (p.weight[side] != 0 && !domain.material.is_linear(field.field[side])) {
+    if (p.weight[side] != 0 && !domain.material.has_linear_flux(field.field[side])) {
       ++variations.second;
       contraction.assign(n, dealii::Tensor<1, dim>());
       for (unsigned int c = 0; c < field.n_components; ++c)
@@ -948,7 +950,7 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
       domain.material.curvature(sides.state[side], contraction, H);
 
       const double *values = pairing.values(side, q);
-      const dealii::Tensor<1, dim> *gradients = sides.gradients[side];
+      const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side];
       for (unsigned int k = 0; k < components.size(); ++k) {
         // delta{A} varies the gradient of the tied field only
         if (components[k] - field.first_component[side] >= field.n_components)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/interface/side_ratios.h>
 
 #include <deal.II/base/mpi.h>
@@ -29,19 +30,18 @@ double stiffness(const Domain<dim> &domain, const unsigned int first_component,
                  const unsigned int n_components, const dealii::Point<dim> &X)
 {
   const unsigned int n = domain.n_components();
-  State<dim> state(n);
-  state.X = X;
+  CellPoints<dim> point(domain, 0);
+  point.state.X = X;
   for (const Field &field : domain.fields()) // a displacement that is given first does not stiffen the body
     if (const Expression *initial = domain.initial().find(field.name);
         initial != nullptr && field.n_components == 1)
-      state.value[field.first_component] = initial->value(X, 0., 0);
-  Response<dim> response(n);
-  if (!domain.material.evaluate(state, true, response))
+      point.state.value[field.first_component] = initial->value(X, 0., 0);
+  if (!point.evaluate(true))
     return 0;
   double square = 0;
   for (unsigned int c = first_component; c < first_component + n_components; ++c)
     for (unsigned int d = first_component; d < first_component + n_components; ++d)
-      square += response.by_gradient[c * n + d].norm_square();
+      square += point.response.by_gradient[c * n + d].norm_square();
   return std::sqrt(square);
 }
 

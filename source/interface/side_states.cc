@@ -14,7 +14,7 @@ bool has_large_strain(const Interface<dim> &interface, const TiedField &field)
 {
   bool is_linear = true;
   for (const unsigned int side : {source, destination})
-    is_linear = is_linear && interface.sides[side].domain->material.is_linear(field.field[side]);
+    is_linear = is_linear && interface.sides[side].domain->material.has_linear_flux(field.field[side]);
   return field.n_components > 1 && !is_linear;
 }
 
@@ -29,26 +29,17 @@ template <int dim>
 void SideStates<dim>::begin_step(const Interface<dim> &interface, const double t,
                                  const typename Tie<dim>::Unknowns &values_of)
 {
-  for (const unsigned int side : {source, destination}) {
-    const unsigned int n_components = interface.sides[side].domain->n_components();
-    state[side] = State<dim>(n_components);
-    response[side] = Response<dim>(n_components);
-    state[side].t = t;
-  }
+  this->reinit(interface, t);
   choices.assign(interface.pairing().n_points(), {});
   if (!has_large_strain(interface))
     return;
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns;
-  for (const auto &group : interface.pairing().groups) {
-    interface.group_dofs(group, dofs);
-    values_of(dofs, unknowns);
+  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
     for (unsigned int q = group.begin; q < group.end; ++q)
       for (const unsigned int side : {source, destination}) {
         const bool is_central = stiffens(interface, group, side, q, unknowns);
         choices[q][side] = {is_central, is_central};
       }
-  }
+  });
 }
 
 template <int dim>
@@ -58,16 +49,17 @@ bool SideStates<dim>::stiffens(const Interface<dim> &interface, const typename P
 {
   if (!interface.sides[side].domain->material.has_large_strain())
     return false;
-  state[side].X = interface.pairing().X(side, q);
   const auto &at_centre = interface.pairing().cells[side][group.cells[side]].central_gradients;
-  if (!evaluate_with(interface.pairing().gradients(side, q), interface, side, q, unknowns, true))
+  this->reinit(side, q, unknowns);
+  if (!this->evaluate(side, true))
     return true;
   const std::vector<TiedField> &fields = interface.fields;
   std::vector<double> here(fields.size(), 0.);
   for (unsigned int f = 0; f < fields.size(); ++f)
     if (has_large_strain(interface, fields[f]))
       here[f] = normal_stiffness(interface, fields[f], side, q);
-  if (!evaluate_with(at_centre.data(), interface, side, q, unknowns, true))
+  this->reinit(side, q, at_centre.data(), unknowns);
+  if (!this->evaluate(side, true))
     return false;
   bool does = false;
   for (unsigned int f = 0; f < fields.size(); ++f)
@@ -81,39 +73,20 @@ bool SideStates<dim>::evaluate(const Interface<dim> &interface, const typename P
                                const unsigned int side, const unsigned int q, const double t,
                                const std::vector<double> &unknowns, const bool with_derivatives)
 {
-  state[side].X = interface.pairing().X(side, q);
-  state[side].t = t;
+  this->state[side].t = t;
   Choice &choice = choices[q][side];
   choice.is_of_trial = choice.is_accepted;
-  if (!choice.is_accepted &&
-      evaluate_with(interface.pairing().gradients(side, q), interface, side, q, unknowns, with_derivatives))
-    return true;
+  if (!choice.is_accepted) {
+    this->reinit(side, q, unknowns);
+    if (this->evaluate(side, with_derivatives))
+      return true;
+  }
   if (!interface.sides[side].domain->material.has_large_strain())
     return false;
   choice.is_of_trial = true;
   const auto &at_centre = interface.pairing().cells[side][group.cells[side]].central_gradients;
-  return evaluate_with(at_centre.data(), interface, side, q, unknowns, with_derivatives);
-}
-
-template <int dim>
-bool SideStates<dim>::evaluate_with(const dealii::Tensor<1, dim> *shape_gradients,
-                                    const Interface<dim> &interface, const unsigned int side,
-                                    const unsigned int q, const std::vector<double> &unknowns,
-                                    const bool with_derivatives)
-{
-  gradients[side] = shape_gradients;
-  interface.evaluate(side, q, shape_gradients, unknowns, state[side]);
-  return interface.sides[side].domain->material.evaluate(state[side], with_derivatives, response[side]);
-}
-
-template <int dim>
-void SideStates<dim>::evaluate_state(const Interface<dim> &interface, const unsigned int side,
-                                     const unsigned int q, const double t,
-                                     const std::vector<double> &unknowns)
-{
-  state[side].X = interface.pairing().X(side, q);
-  state[side].t = t;
-  interface.evaluate(side, q, interface.pairing().gradients(side, q), unknowns, state[side]);
+  this->reinit(side, q, at_centre.data(), unknowns);
+  return this->evaluate(side, with_derivatives);
 }
 
 template <int dim>
@@ -141,7 +114,7 @@ double SideStates<dim>::normal_stiffness(const Interface<dim> &interface, const 
   double square = 0;
   for (unsigned int c = first; c < first + field.n_components; ++c)
     for (unsigned int d = first; d < first + field.n_components; ++d)
-      square += (interface.pairing().N(side, q) * response[side].by_gradient[c * n + d]).norm_square();
+      square += (interface.pairing().N(side, q) * this->response[side].by_gradient[c * n + d]).norm_square();
   return std::sqrt(square);
 }
 

@@ -12,7 +12,7 @@
 // without the negative part of D, weights and penalty follow the latter, which is bounded by the law's
 // stiffness.
 
-#include <dovetail/domain/cell_terms.h>
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/interface/factored_eigenvalue.h>
 #include <dovetail/interface/trace_eigenvalue.h>
@@ -155,7 +155,7 @@ public:
 private:
   bool add_energy(const std::vector<double> &unknowns);
   bool add_flux(const FacePoint<dim> &point, const std::vector<double> &unknowns);
-  bool find_tangent(const std::vector<double> &unknowns);
+  bool find_tangent();
   void add_flux_rows(const std::vector<double> &D, const FacePoint<dim> &point,
                      std::vector<double> &rows) const;
   void find_rotations(const std::vector<double> &unknowns);
@@ -165,11 +165,9 @@ private:
   const std::vector<unsigned int> &components;
   const unsigned int n_nodes;
   dealii::FEValues<dim> values, at_nodes;
-  State<dim> state;
-  Response<dim> response;
+  CellPoints<dim> point;
   TangentParts<dim> tangent;
-  std::vector<double> shape;
-  std::vector<Tensor<1, dim>> gradient;
+  std::vector<Tensor<1, dim>> gradient; ///< of the shape functions at a point of the interface
 };
 
 template <int dim>
@@ -182,11 +180,9 @@ CellProblem<dim>::CellProblem(const Domain<dim> &domain, const Field &field,
                  dealii::update_JxW_values),
       at_nodes(domain.mapping(), domain.scalar_element(), domain.scalar_element().get_unit_support_points(),
                dealii::update_quadrature_points),
-      state(domain.n_components()), response(domain.n_components()), tangent(field.n_components),
-      shape(n_nodes), gradient(n_nodes)
+      point(domain, t), tangent(field.n_components), gradient(n_nodes)
 {
   problem.n = field.n_components * n_nodes;
-  state.t = t;
 }
 
 template <int dim>
@@ -214,28 +210,22 @@ bool CellProblem<dim>::reinit(const cell_iterator &cell, const std::vector<FaceP
   return true;
 }
 
-/// Of the law at the current shape functions and X.
+/// Of the law at the current point.
 template <int dim>
-bool CellProblem<dim>::find_tangent(const std::vector<double> &unknowns)
+bool CellProblem<dim>::find_tangent()
 {
-  evaluate_state<dim>(domain.n_components(), n_nodes, shape.data(), gradient.data(), unknowns.data(), state);
   for (unsigned int c = 0; c < domain.n_components(); ++c)
     if (std::find(components.begin(), components.end(), c) == components.end())
-      state.value[c] = undefined;
-  return domain.material.evaluate(state, true, response) &&
-         tangent.reinit(response, field.first_component, domain.n_components());
+      point.state.value[c] = undefined;
+  return point.evaluate(true) && tangent.reinit(point.response, field.first_component, domain.n_components());
 }
 
 template <int dim>
 bool CellProblem<dim>::add_energy(const std::vector<double> &unknowns)
 {
   for (const unsigned int q : values.quadrature_point_indices()) {
-    for (unsigned int a = 0; a < n_nodes; ++a) {
-      shape[a] = values.shape_value(a, q);
-      gradient[a] = values.shape_grad(a, q);
-    }
-    state.X = values.quadrature_point(q);
-    if (!find_tangent(unknowns))
+    point.reinit(values, q, unknowns);
+    if (!find_tangent())
       return false;
     for (unsigned int e = 0; e < tangent.n; ++e) {
       if (tangent.values[e] == 0)
@@ -247,7 +237,7 @@ bool CellProblem<dim>::add_energy(const std::vector<double> &unknowns)
         for (unsigned int L = 0; L < dim; ++L)
           direction[L] = factor * tangent.vectors[e * tangent.n + d * dim + L];
         for (unsigned int a = 0; a < n_nodes; ++a)
-          rows.push_back(direction * gradient[a]);
+          rows.push_back(direction * point.shape_gradients()[a]);
       }
     }
   }
@@ -255,18 +245,16 @@ bool CellProblem<dim>::add_energy(const std::vector<double> &unknowns)
 }
 
 template <int dim>
-bool CellProblem<dim>::add_flux(const FacePoint<dim> &point, const std::vector<double> &unknowns)
+bool CellProblem<dim>::add_flux(const FacePoint<dim> &of_face, const std::vector<double> &unknowns)
 {
-  for (unsigned int a = 0; a < n_nodes; ++a) {
-    shape[a] = point.values[a];
+  for (unsigned int a = 0; a < n_nodes; ++a)
     for (unsigned int d = 0; d < dim; ++d)
-      gradient[a][d] = point.gradients[a * dim + d];
-  }
-  state.X = point.X;
-  if (!find_tangent(unknowns))
+      gradient[a][d] = of_face.gradients[a * dim + d];
+  point.reinit(of_face.X, of_face.values, gradient.data(), unknowns);
+  if (!find_tangent())
     return false;
-  add_flux_rows(tangent.D, point, problem.S);
-  add_flux_rows(tangent.positive.empty() ? tangent.D : tangent.positive, point, positive_S);
+  add_flux_rows(tangent.D, of_face, problem.S);
+  add_flux_rows(tangent.positive.empty() ? tangent.D : tangent.positive, of_face, positive_S);
   return true;
 }
 

@@ -31,20 +31,21 @@ struct Flows
   }
 };
 
-/// Sources and given influxes, cell by cell.
+/// Sources, those of the laws too, and given influxes, cell by cell.
 template <int dim>
 void add_loads(const Domain<dim> &domain, const Vector &solution, const double t, std::vector<Flows> &flows)
 {
   const bool has_flux = std::any_of(domain.conditions().begin(), domain.conditions().end(),
                                     [](const auto &condition) { return condition->adds_flux(); });
-  if (!has_flux && domain.source().of_field.empty())
+  const bool has_source = !domain.source().of_field.empty() || domain.material.has_source();
+  if (!has_flux && !has_source)
     return;
   CellTerms<dim> terms(domain);
   const unsigned int n = domain.n_nodes();
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns(domain.dofs_per_cell()), residual(unknowns.size());
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned() && (!domain.source().of_field.empty() || cell->at_boundary())) {
+    if (cell->is_locally_owned() && (has_source || cell->at_boundary())) {
       domain.cell_dofs(cell, dofs);
       solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
       if (!terms.assemble_loads(cell, t, unknowns, residual))

@@ -14,38 +14,31 @@ constexpr double rounding = 1e-10; ///< of a flux, in units of the terms that ca
 
 template <int dim>
 InterfacePoint<dim>::InterfacePoint(const Interface<dim> &interface, const double t)
-    : fields(interface.fields.size()), interface(interface),
-      t(t), state{{State<dim>(interface.sides[source].domain->n_components()),
-                   State<dim>(interface.sides[destination].domain->n_components())}},
-      response(1)
+    : fields(interface.fields.size()), interface(interface), t(t), points(interface, t)
 {
 }
 
 template <int dim>
 void InterfacePoint<dim>::for_each(const Vector &solution, const Visitor &visit)
 {
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns;
-  for (const auto &group : interface.pairing().groups) {
-    interface.group_dofs(group, dofs);
-    unknowns.resize(dofs.size());
-    for (unsigned int i = 0; i < dofs.size(); ++i)
-      unknowns[i] = solution(dofs[i]);
+  for_each_group(interface, values_in(solution), [&](const auto &group, const std::vector<double> &unknowns) {
     for (unsigned int q = group.begin; q < group.end; ++q) {
       evaluate(q, unknowns);
       visit(q, group.side);
     }
-  }
+  });
 }
 
 template <int dim>
 void InterfacePoint<dim>::evaluate(const unsigned int q, const std::vector<double> &unknowns)
 {
+  auto &state = points.state;
   for (const unsigned int side : {source, destination}) {
-    interface.evaluate(side, q, unknowns, state[side]);
+    const Response<dim> &response = points.response[side];
+    points.reinit(side, q, unknowns);
     for (unsigned int f = 0; f < fields.size(); ++f) {
       const TiedField &field = interface.fields[f];
-      fields[f].flux[side] = normal_flux(field, side, q, true);
+      fields[f].flux[side] = normal_flux(field, side, q);
       double square = 0, of_gradient = 0, of_value = 0;
       for (unsigned int c = field.first_component[side]; c < field.first_component[side] + field.n_components;
            ++c) {
@@ -73,16 +66,12 @@ void InterfacePoint<dim>::evaluate(const unsigned int q, const std::vector<doubl
 
 template <int dim>
 std::vector<double> InterfacePoint<dim>::normal_flux(const TiedField &field, const unsigned int side,
-                                                     const unsigned int q, const bool with_derivatives)
+                                                     const unsigned int q)
 {
-  state[side].X = interface.pairing().X(side, q);
-  state[side].t = t;
-  response = Response<dim>(state[side].value.size());
-  const bool is_defined =
-      interface.sides[side].domain->material.evaluate(state[side], with_derivatives, response);
+  const bool is_defined = points.evaluate(side, true);
   std::vector<double> result(field.n_components, std::numeric_limits<double>::quiet_NaN());
   for (unsigned int c = 0; is_defined && c < field.n_components; ++c)
-    result[c] = response.flux[field.first_component[side] + c] * interface.pairing().N(side, q);
+    result[c] = points.response[side].flux[field.first_component[side] + c] * interface.pairing().N(side, q);
   return result;
 }
 
@@ -91,7 +80,7 @@ bool InterfacePoint<dim>::has_exact_flux(const unsigned int field, const unsigne
 {
   const Domain<dim> &domain = *interface.sides[side].domain;
   for (unsigned int g = 0; g < domain.fields().size(); ++g)
-    if (domain.material.depends(interface.fields[field].field[side], g) &&
+    if (domain.material.flux_depends(interface.fields[field].field[side], g) &&
         domain.exact().find(domain.fields()[g].name) == nullptr)
       return false;
   return true;
@@ -106,21 +95,21 @@ std::vector<double> InterfacePoint<dim>::exact_flux(const unsigned int field, co
   for (const Field &of_domain : domain.fields())
     if (const Expression *exact = domain.exact().find(of_domain.name))
       for (unsigned int c = 0; c < of_domain.n_components; ++c) {
-        state[side].value[of_domain.first_component + c] = exact->value(X, t, c);
-        state[side].gradient[of_domain.first_component + c] =
+        points.state[side].value[of_domain.first_component + c] = exact->value(X, t, c);
+        points.state[side].gradient[of_domain.first_component + c] =
             exact->gradient(X, t, c, domain.typical_length());
       }
-  return normal_flux(interface.fields[field], side, q, true);
+  return normal_flux(interface.fields[field], side, q);
 }
 
 template <int dim>
 double InterfacePoint<dim>::modulus(const TiedField &field, const unsigned int side) const
 {
-  const unsigned int n = state[side].value.size(), first = field.first_component[side];
+  const unsigned int n = points.state[side].value.size(), first = field.first_component[side];
   double square = 0;
   for (unsigned int c = first; c < first + field.n_components; ++c)
     for (unsigned int d = first; d < first + field.n_components; ++d)
-      square += response.by_gradient[c * n + d].norm_square();
+      square += points.response[side].by_gradient[c * n + d].norm_square();
   return std::sqrt(square);
 }
 

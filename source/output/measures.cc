@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/domain/cell_terms.h>
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/output/flux_oscillation.h>
 #include <dovetail/output/gaps.h>
@@ -97,17 +97,13 @@ template <int dim>
 class EnergySquares
 {
 public:
-  EnergySquares(const Domain<dim> &domain, const double t)
-      : domain(domain), of_solution(domain.n_components()), of_exact(of_solution),
-        response(domain.n_components()), exact_response(response), shape(domain.n_nodes()),
-        gradient(domain.n_nodes())
+  EnergySquares(const Domain<dim> &domain, const double t) : of_solution(domain, t), of_exact(domain, t)
   {
-    of_solution.t = of_exact.t = t;
     const auto &fields = domain.fields();
     for (unsigned int f = 0; f < fields.size(); ++f) {
       bool is_known = true;
       for (unsigned int g = 0; g < fields.size(); ++g)
-        if ((f == g || domain.material.depends(f, g)) && domain.exact().find(fields[g].name) == nullptr)
+        if (domain.material.flux_depends(f, g) && domain.exact().find(fields[g].name) == nullptr)
           is_known = false;
       if (is_known)
         known.push_back(&fields[f]);
@@ -125,16 +121,11 @@ public:
                 const std::vector<double> &unknowns)
   {
     for (const unsigned int q : values.quadrature_point_indices()) {
-      for (unsigned int a = 0; a < shape.size(); ++a) {
-        shape[a] = values.shape_value(a, q);
-        gradient[a] = values.shape_grad(a, q);
-      }
-      evaluate_state<dim>(domain.n_components(), shape.size(), shape.data(), gradient.data(), unknowns.data(),
-                          of_solution);
-      of_solution.X = of_exact.X = values.quadrature_point(q);
+      of_solution.reinit(values, q, unknowns);
+      of_exact.state.X = of_solution.state.X;
       set_exact_state(exact, q);
-      bool is_defined = domain.material.evaluate(of_solution, false, response);
-      is_defined = domain.material.evaluate(of_exact, false, exact_response) && is_defined;
+      bool is_defined = of_solution.evaluate(false);
+      is_defined = of_exact.evaluate(false) && is_defined;
       for (const Field *field : known)
         add_point(*field, is_defined ? values.JxW(q) : std::numeric_limits<double>::quiet_NaN());
     }
@@ -145,8 +136,8 @@ private:
   {
     for (unsigned int i = 0; i < exact.value.size(); ++i)
       if (!exact.value[i].empty()) {
-        of_exact.value[i] = exact.value[i][q];
-        of_exact.gradient[i] = exact.gradient[i][q];
+        of_exact.state.value[i] = exact.value[i][q];
+        of_exact.state.gradient[i] = exact.gradient[i][q];
       }
   }
 
@@ -154,17 +145,14 @@ private:
   {
     Squares &of_field = squares[field.name];
     for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
-      of_field.error += (response.flux[c] - exact_response.flux[c]) *
-                        (of_solution.gradient[c] - of_exact.gradient[c]) * JxW;
-      of_field.norm += exact_response.flux[c] * of_exact.gradient[c] * JxW;
+      const auto &exact_flux = of_exact.response.flux[c], &exact_gradient = of_exact.state.gradient[c];
+      of_field.error += (of_solution.response.flux[c] - exact_flux) *
+                        (of_solution.state.gradient[c] - exact_gradient) * JxW;
+      of_field.norm += exact_flux * exact_gradient * JxW;
     }
   }
 
-  const Domain<dim> &domain;
-  State<dim> of_solution, of_exact;
-  Response<dim> response, exact_response;
-  std::vector<double> shape;
-  std::vector<dealii::Tensor<1, dim>> gradient;
+  CellPoints<dim> of_solution, of_exact;
 };
 
 /// Adds "errors" and "norms" if the domain has an exact solution.

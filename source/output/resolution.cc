@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/domain/cell_terms.h>
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/output/resolution.h>
 #include <dovetail/scene/undefined.h>
@@ -24,16 +24,13 @@ template <int dim>
 Variation<dim> variation_on_this_rank(const Domain<dim> &domain, const Field &field, const Vector &solution,
                                       const double t)
 {
-  const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
+  const unsigned int n = domain.n_components();
   dealii::FEValues<dim> values(
       domain.mapping(), domain.scalar_element(), gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
       dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points);
-  State<dim> state(n);
-  Response<dim> response(n);
-  state.t = t;
+  CellPoints<dim> point(domain, t);
   std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns(domain.dofs_per_cell()), shape(n_nodes);
-  std::vector<dealii::Tensor<1, dim>> gradients(n_nodes);
+  std::vector<double> unknowns(domain.dofs_per_cell());
   Variation<dim> worst(1., dealii::Point<dim>());
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
@@ -42,15 +39,10 @@ Variation<dim> variation_on_this_rank(const Domain<dim> &domain, const Field &fi
       solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
       double smallest = std::numeric_limits<double>::infinity(), largest = 0;
       for (const unsigned int q : values.quadrature_point_indices()) {
-        for (unsigned int a = 0; a < n_nodes; ++a) {
-          shape[a] = values.shape_value(a, q);
-          gradients[a] = values.shape_grad(a, q);
-        }
-        state.X = values.quadrature_point(q);
-        evaluate_state<dim>(n, n_nodes, shape.data(), gradients.data(), unknowns.data(), state);
-        if (!domain.material.evaluate(state, true, response))
+        point.reinit(values, q, unknowns);
+        if (!point.evaluate(true))
           continue;
-        const double k = response.by_gradient[field.first_component * (n + 1)].norm();
+        const double k = point.response.by_gradient[field.first_component * (n + 1)].norm();
         smallest = std::min(smallest, k);
         largest = std::max(largest, k);
       }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/output/trace_shares.h>
 
@@ -12,10 +11,8 @@ namespace dovetail {
 
 template <int dim>
 FluxOnFace<dim>::FluxOnFace(const Domain<dim> &domain, const double t)
-    : domain(domain), state(domain.n_components()), response(domain.n_components()), shape(domain.n_nodes()),
-      result(domain.n_components()), gradient(domain.n_nodes())
+    : point(domain, t), result(domain.n_components())
 {
-  state.t = t;
 }
 
 template <int dim>
@@ -23,16 +20,10 @@ const std::vector<double> &FluxOnFace<dim>::evaluate(const dealii::FEFaceValues<
                                                      const unsigned int q,
                                                      const std::vector<double> &unknowns)
 {
-  for (unsigned int a = 0; a < shape.size(); ++a) {
-    shape[a] = values.shape_value(a, q);
-    gradient[a] = values.shape_grad(a, q);
-  }
-  evaluate_state<dim>(domain.n_components(), shape.size(), shape.data(), gradient.data(), unknowns.data(),
-                      state);
-  state.X = values.quadrature_point(q);
-  const bool is_defined = domain.material.evaluate(state, false, response);
+  point.reinit(values, q, unknowns);
+  const bool is_defined = point.evaluate(false);
   for (unsigned int c = 0; c < result.size(); ++c)
-    result[c] = is_defined ? response.flux[c] * values.normal_vector(q) : 0.;
+    result[c] = is_defined ? point.response.flux[c] * values.normal_vector(q) : 0.;
   return result;
 }
 

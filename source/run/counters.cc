@@ -12,11 +12,12 @@ nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem
   const auto sum = [&](const unsigned long of_rank) {
     return dealii::Utilities::MPI::sum(of_rank, model.communicator);
   };
-  typename Material<dim>::Evaluations evaluations;
-  for (const auto &material : model.materials) {
-    evaluations.solid += material->evaluations().solid;
-    evaluations.heat += material->evaluations().heat;
-  }
+  const auto evaluations = [&](const std::string &law) {
+    unsigned long n = 0;
+    for (const auto &material : model.materials)
+      n += material->evaluations(law);
+    return sum(n);
+  };
   typename Tie<dim>::FluxVariations variations;
   InterfaceWork work;
   for (const auto &interface : model.interfaces) {
@@ -29,8 +30,8 @@ nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem
                                      {"linear solves", solver.counts().solves},
                                      {"factorisations", solver.counts().factorisations},
                                      {"multigrids", solver.counts().multigrids},
-                                     {"solid law evaluations", sum(evaluations.solid)},
-                                     {"heat law evaluations", sum(evaluations.heat)},
+                                     {"solid law evaluations", evaluations("solid")},
+                                     {"heat law evaluations", evaluations("heat")},
                                      {"first flux variations", sum(variations.first)},
                                      {"second flux variations", sum(variations.second)},
                                      {"trace eigenvalue problems", sum(work.eigenvalue_problems)},

@@ -115,6 +115,9 @@ std::optional<std::array<double, 2>> given_range(const Model<dim> &model, const 
   double smallest = infinity, largest = -infinity;
   bool has_others = false; // that may lead out of any range
   for (const auto &domain : model.domains) {
+    const auto &fields = domain->fields();
+    for (unsigned int f = 0; f < fields.size(); ++f)
+      has_others = has_others || (fields[f].name == field && domain->material.has_source(f));
     has_others = has_others || domain->source().find(field) != nullptr;
     for_each_value(*domain, field, t,
                    [&](const Condition<dim> &condition, const dealii::Point<dim> &X, double) {

@@ -11,6 +11,8 @@
 
 #include <muParser.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -23,39 +25,41 @@ struct Expression::Implementation
 {
   struct Component
   {
-    std::unique_ptr<mu::Parser> parser; ///< empty if the component is constant
-    double constant = 0.;
-    std::optional<unsigned int> on_tape; ///< if the tape knows all of the formula, its number there
+    std::optional<double> constant; ///< if it uses no variable
+    unsigned int number = 0;        ///< on the tape
   };
 
-  Implementation(const std::string &text, Variables variables);
+  Implementation(const std::string &text, const Variables &variables);
 
   Component compile(const std::string &formula);
   void define_names(mu::Parser &parser);
   void note_used_variables(const mu::Parser &parser);
-  std::optional<unsigned int> put_on_tape(const mu::Parser &parser, const std::string &formula);
-  const std::vector<double> &variables(); ///< for the tape
+  unsigned int add_to_tape(const std::string &formula, const mu::Parser &parser);
+  template <int dim>
+  void set_point(const Point<dim> &X, double t, Scalars scalars);
   template <int dim>
   void set_points(const std::vector<Point<dim>> &X, double t);
-  std::string known_variables() const;
+  double derivative(unsigned int component, unsigned int variable);
 
-  std::string text;
+  unsigned int n_components() const { return components.size(); }
+  static std::vector<std::string> names(const Variables &variables);
+  /// Of a scalar, on the tape.
+  static unsigned int variable(const unsigned int scalar) { return first_scalar + scalar; }
+  static constexpr unsigned int time = 3, first_scalar = 4;
+
   Variables known;
   std::vector<Component> components;
-  bool uses_position = false, uses_time = false, uses_temperature = false;
-
-  // The variables the parsers point at; hence copies compile their own parsers.
-  std::array<double, 3> position{};
-  double time = 0., temperature = 0.;
-
-  Tape tape{{"x", "y", "z", "t", "T"}};
-  std::vector<double> for_tape = std::vector<double>(5);
+  bool uses_position = false, uses_time = false;
+  std::vector<bool> uses_scalar;
+  Tape tape;
+  std::vector<double> for_tape; ///< the values of its variables
 };
 
 namespace {
 
 const std::array<const char *, 3> coordinate_names = {{"x", "y", "z"}};
 
+// What muParser has under no name, for it to check formulas: their values come from the tape.
 double if_then_else(double condition, double then, double otherwise)
 {
   return condition != 0. ? then : otherwise;
@@ -75,6 +79,10 @@ double round_down(double x)
 double round_up(double x)
 {
   return std::ceil(x);
+}
+double table(const double *, int)
+{
+  return 1;
 }
 
 [[noreturn]] void fail(const std::string &formula, const std::string &message)
@@ -114,8 +122,16 @@ std::string explain(const mu::Parser &parser, const mu::Parser::exception_type &
 
 } // namespace
 
-Expression::Implementation::Implementation(const std::string &text, const Variables variables)
-    : text(text), known(variables)
+std::vector<std::string> Expression::Implementation::names(const Variables &variables)
+{
+  std::vector<std::string> all(coordinate_names.begin(), coordinate_names.end());
+  all.push_back("t");
+  all.insert(all.end(), variables.scalars.begin(), variables.scalars.end());
+  return all;
+}
+
+Expression::Implementation::Implementation(const std::string &text, const Variables &variables)
+    : known(variables), uses_scalar(variables.scalars.size(), false), tape(names(variables))
 {
   std::size_t begin = 0, end;
   do {
@@ -132,31 +148,35 @@ Expression::Implementation::Component Expression::Implementation::compile(const 
   check_no_assignment(formula);
 
   Component component;
-  component.parser = std::make_unique<mu::Parser>();
-  define_names(*component.parser);
+  mu::Parser parser;
+  define_names(parser);
   try {
-    component.parser->SetExpr(formula);
-    component.constant = component.parser->Eval();
-    if (component.parser->GetNumResults() > 1)
+    parser.SetExpr(formula);
+    parser.Eval();
+    if (parser.GetNumResults() > 1)
       fail(formula, "a formula is one number; components are separated by ';', decimals by '.'.");
-    note_used_variables(*component.parser);
-    if (component.parser->GetUsedVar().empty())
-      component.parser.reset();
-    else
-      component.on_tape = put_on_tape(*component.parser, formula);
+    note_used_variables(parser);
+    component.number = add_to_tape(formula, parser);
+    if (parser.GetUsedVar().empty()) {
+      for_tape.assign(first_scalar + known.scalars.size(), 0.);
+      component.constant = *tape.values(component.number, for_tape, 1);
+    }
   } catch (const mu::Parser::exception_type &error) {
-    fail(formula, explain(*component.parser, error, known_variables(), known.dim > 2));
+    std::vector<std::string> variables = names(known);
+    variables.erase(variables.begin() + known.dim, variables.begin() + time);
+    fail(formula, explain(parser, error, comma_separated(variables), known.dim > 2));
   }
   return component;
 }
 
 void Expression::Implementation::define_names(mu::Parser &parser)
 {
+  for_tape.assign(first_scalar + known.scalars.size(), 0.);
   for (unsigned int d = 0; d < known.dim; ++d)
-    parser.DefineVar(coordinate_names[d], &position[d]);
-  parser.DefineVar("t", &time);
-  if (known.with_temperature)
-    parser.DefineVar("T", &temperature);
+    parser.DefineVar(coordinate_names[d], &for_tape[d]);
+  parser.DefineVar("t", &for_tape[time]);
+  for (unsigned int i = 0; i < known.scalars.size(); ++i)
+    parser.DefineVar(known.scalars[i], &for_tape[variable(i)]);
 
   parser.DefineConst("pi", dealii::numbers::PI);
   parser.DefineConst("inf", std::numeric_limits<double>::infinity());
@@ -166,73 +186,62 @@ void Expression::Implementation::define_names(mu::Parser &parser)
   parser.DefineFun("pow", power);
   parser.DefineFun("floor", round_down);
   parser.DefineFun("ceil", round_up);
+  parser.DefineFun("table", table);
 }
 
 void Expression::Implementation::note_used_variables(const mu::Parser &parser)
 {
-  for (const auto &variable : parser.GetUsedVar())
-    if (variable.first == "t")
-      uses_time = true;
-    else if (variable.first == "T")
-      uses_temperature = true;
-    else
-      uses_position = true;
+  for (const auto &[name, address] : parser.GetUsedVar()) {
+    const unsigned int number = address - for_tape.data();
+    uses_position = uses_position || number < time;
+    uses_time = uses_time || number == time;
+    if (number >= first_scalar)
+      uses_scalar[number - first_scalar] = true;
+  }
 }
 
-const std::vector<double> &Expression::Implementation::variables()
+/// muParser says what a formula means: the tape must agree.
+unsigned int Expression::Implementation::add_to_tape(const std::string &formula, const mu::Parser &parser)
 {
-  for_tape.resize(5);
-  std::copy(position.begin(), position.end(), for_tape.begin());
-  for_tape[3] = time;
-  for_tape[4] = temperature;
-  return for_tape;
-}
-
-/// muParser says what a formula means: the tape takes part only if the two agree.
-std::optional<unsigned int> Expression::Implementation::put_on_tape(const mu::Parser &parser,
-                                                                    const std::string &formula)
-{
-  auto on_tape = tape.add(formula);
-  for (const double sample : {0.37, 1.9, -0.43})
-    if (on_tape) {
-      position = {{sample, 0.7 - sample, 1.1 * sample}};
-      time = 1.7 * sample;
-      temperature = 0.9 + sample;
-      const double expected = parser.Eval(), value = *tape.values(*on_tape, variables(), 1);
-      const bool agrees = std::isfinite(expected)
-                              ? std::abs(value - expected) <= 1e-10 * std::abs(expected) + 1e-14
-                              : !std::isfinite(value);
-      if (!agrees)
-        on_tape.reset();
-    }
-  return on_tape;
-}
-
-std::string Expression::Implementation::known_variables() const
-{
-  std::vector<std::string> names(coordinate_names.begin(), coordinate_names.begin() + known.dim);
-  names.push_back("t");
-  if (known.with_temperature)
-    names.push_back("T");
-  return comma_separated(names);
+  const auto number = tape.add(formula);
+  if (!number && formula.find("table") != std::string::npos)
+    fail(formula,
+         "a table needs an argument and pairs of numbers, the first of which grow from pair to pair, as in "
+         "table(T, 300, 11, 900, 19).");
+  if (!number)
+    fail(formula, "this formula cannot be evaluated.");
+  for (const double sample : {0.37, 1.9, -0.43}) {
+    if (formula.find("table") != std::string::npos)
+      break;
+    for (unsigned int i = 0; i < for_tape.size(); ++i)
+      for_tape[i] = i == 1      ? 0.7 - sample
+                    : i == 2    ? 1.1 * sample
+                    : i == time ? 1.7 * sample
+                                : 0.9 * (i > time) + sample;
+    const double expected = parser.Eval(), value = *tape.values(*number, for_tape, 1);
+    const bool agrees = std::isfinite(expected)
+                            ? std::abs(value - expected) <= 1e-10 * std::abs(expected) + 1e-14
+                            : !std::isfinite(value);
+    if (!agrees)
+      fail(formula, "two evaluators disagree about its meaning; please add parentheses.");
+  }
+  return *number;
 }
 
 Expression::Expression() : Expression(1) {}
 
 Expression::Expression(const unsigned int n_components) : Expression("0", Variables())
 {
-  implementation->components.resize(n_components);
-  for (unsigned int c = 1; c < n_components; ++c)
-    implementation->text += "; 0";
+  implementation->components.resize(n_components, implementation->components[0]);
 }
 
-Expression::Expression(const std::string &text, const Variables variables)
+Expression::Expression(const std::string &text, const Variables &variables)
     : implementation(std::make_unique<Implementation>(text, variables))
 {
 }
 
 Expression::Expression(const Expression &other)
-    : Expression(other.implementation->text, other.implementation->known)
+    : implementation(std::make_unique<Implementation>(*other.implementation))
 {
 }
 
@@ -257,60 +266,116 @@ bool Expression::depends_on_time() const
 {
   return implementation->uses_time;
 }
-bool Expression::depends_on_temperature() const
+bool Expression::depends_on_scalars() const
 {
-  return implementation->uses_temperature;
+  const auto &uses = implementation->uses_scalar;
+  return std::find(uses.begin(), uses.end(), true) != uses.end();
+}
+bool Expression::depends_on_scalar(const unsigned int scalar) const
+{
+  return implementation->uses_scalar[scalar];
+}
+
+bool Expression::is_affine_in_scalars() const
+{
+  Tape &tape = implementation->tape;
+  for (const auto &component : implementation->components)
+    for (unsigned int i = 0; i < implementation->known.scalars.size(); ++i)
+      for (unsigned int j = 0; j < implementation->known.scalars.size(); ++j)
+        if (tape.depends(tape.differentiate(component.number, Implementation::variable(i)),
+                         Implementation::variable(j)))
+          return false;
+  return true;
 }
 
 bool Expression::is_zero() const
 {
   for (const auto &component : implementation->components)
-    if (component.parser || component.constant != 0.)
+    if (component.constant != 0.)
       return false;
   return true;
 }
 
 template <int dim>
+void Expression::Implementation::set_point(const Point<dim> &X, const double t, const Scalars scalars)
+{
+  for_tape.resize(first_scalar + known.scalars.size());
+  for (unsigned int d = 0; d < 3; ++d)
+    for_tape[d] = d < dim ? X[d] : 0;
+  for_tape[time] = t;
+  AssertThrow(scalars.size() == 0 || scalars.size() >= known.scalars.size(), dealii::ExcInternalError());
+  for (unsigned int i = 0; i < known.scalars.size(); ++i)
+    for_tape[variable(i)] = scalars.size() == 0 ? 0 : scalars[i];
+}
+
+template <int dim>
 double Expression::value(const Point<dim> &X, const double t, const unsigned int component,
-                         const double T) const
+                         const Scalars scalars) const
 {
   AssertIndexRange(component, n_components());
   const auto &formula = implementation->components[component];
-  if (!formula.parser)
-    return formula.constant;
+  if (formula.constant)
+    return *formula.constant;
+  implementation->set_point(X, t, scalars);
+  return *implementation->tape.values(formula.number, implementation->for_tape, 1);
+}
 
-  for (unsigned int d = 0; d < dim; ++d)
-    implementation->position[d] = X[d];
-  implementation->time = t;
-  implementation->temperature = T;
-  return formula.on_tape ? *implementation->tape.values(*formula.on_tape, implementation->variables(), 1)
-                         : formula.parser->Eval();
+/// At the points that are set.
+double Expression::Implementation::derivative(const unsigned int component, const unsigned int variable)
+{
+  return *tape.values(tape.differentiate(components[component].number, variable), for_tape, 1);
+}
+
+template <int dim>
+double Expression::derivative(const Point<dim> &X, const double t, const unsigned int component,
+                              const Scalars scalars, const unsigned int scalar) const
+{
+  if (!depends_on_scalar(scalar))
+    return 0;
+  implementation->set_point(X, t, scalars);
+  return implementation->derivative(component, Implementation::variable(scalar));
+}
+
+template <int dim>
+double Expression::second_derivative(const Point<dim> &X, const double t, const unsigned int component,
+                                     const Scalars scalars, const unsigned int first,
+                                     const unsigned int second) const
+{
+  if (!depends_on_scalar(first) || !depends_on_scalar(second))
+    return 0;
+  implementation->set_point(X, t, scalars);
+  Tape &tape = implementation->tape;
+  const unsigned int slope =
+      tape.differentiate(implementation->components[component].number, Implementation::variable(first));
+  return *tape.values(tape.differentiate(slope, Implementation::variable(second)), implementation->for_tape,
+                      1);
 }
 
 template <int dim>
 void Expression::Implementation::set_points(const std::vector<Point<dim>> &X, const double t)
 {
   const unsigned int n = X.size();
-  for_tape.resize(5 * n);
+  for_tape.resize((first_scalar + known.scalars.size()) * n);
   for (unsigned int d = 0; d < 3; ++d)
     for (unsigned int i = 0; i < n; ++i)
       for_tape[d * n + i] = d < dim ? X[i][d] : 0;
-  std::fill_n(for_tape.begin() + 3 * n, n, t);
-  std::fill_n(for_tape.begin() + 4 * n, n, 0.);
+  std::fill_n(for_tape.begin() + time * n, n, t);
+  std::fill(for_tape.begin() + first_scalar * n, for_tape.end(), 0.);
 }
 
 template <int dim>
 void Expression::values(const std::vector<Point<dim>> &X, const double t, const unsigned int component,
                         std::vector<double> &result) const
 {
+  const auto &formula = implementation->components[component];
+  if (formula.constant) {
+    result.assign(X.size(), *formula.constant);
+    return;
+  }
   result.resize(X.size());
-  if (const auto on_tape = implementation->components[component].on_tape) {
-    implementation->set_points(X, t);
-    std::copy_n(implementation->tape.values(*on_tape, implementation->for_tape, X.size()), X.size(),
-                result.begin());
-  } else
-    for (unsigned int i = 0; i < X.size(); ++i)
-      result[i] = value(X[i], t, component);
+  implementation->set_points(X, t);
+  std::copy_n(implementation->tape.values(formula.number, implementation->for_tape, X.size()), X.size(),
+              result.begin());
 }
 
 template <int dim>
@@ -318,17 +383,18 @@ void Expression::gradients(const std::vector<Point<dim>> &X, const double t, con
                            const double length, std::vector<Tensor<1, dim>> &result) const
 {
   result.assign(X.size(), Tensor<1, dim>());
-  const auto on_tape = implementation->components[component].on_tape;
-  if (on_tape) {
-    implementation->set_points(X, t);
-    for (unsigned int d = 0; d < dim; ++d)
-      if (const double *derivative =
-              implementation->tape.derivatives(*on_tape, d, implementation->for_tape, X.size()))
-        for (unsigned int i = 0; i < X.size(); ++i)
-          result[i][d] = derivative[i];
+  if (implementation->components[component].constant)
+    return;
+  Tape &tape = implementation->tape;
+  implementation->set_points(X, t);
+  for (unsigned int d = 0; d < dim; ++d) {
+    const unsigned int slope = tape.differentiate(implementation->components[component].number, d);
+    const double *values = tape.values(slope, implementation->for_tape, X.size());
+    for (unsigned int i = 0; i < X.size(); ++i)
+      result[i][d] = values[i];
   }
   for (unsigned int i = 0; i < X.size(); ++i)
-    if (!on_tape || !std::isfinite(result[i].norm_square()))
+    if (!std::isfinite(result[i].norm_square()))
       result[i] = gradient(X[i], t, component, length);
 }
 
@@ -337,19 +403,14 @@ Tensor<1, dim> Expression::gradient(const Point<dim> &X, const double t, const u
                                     const double length) const
 {
   Tensor<1, dim> gradient;
-  if (!depends_on_position() || !implementation->components[component].parser)
+  if (!depends_on_position() || implementation->components[component].constant)
     return gradient;
 
-  if (const auto on_tape = implementation->components[component].on_tape) {
-    value(X, t, component);
-    for (unsigned int d = 0; d < dim; ++d) {
-      const double *derivative =
-          implementation->tape.derivatives(*on_tape, d, implementation->variables(), 1);
-      gradient[d] = derivative == nullptr ? 0 : *derivative;
-    }
-    if (std::isfinite(gradient.norm_square()))
-      return gradient;
-  }
+  implementation->set_point(X, t, {});
+  for (unsigned int d = 0; d < dim; ++d)
+    gradient[d] = implementation->derivative(component, d);
+  if (std::isfinite(gradient.norm_square()))
+    return gradient;
 
   const double h = 1e-3 * length;
   for (unsigned int d = 0; d < dim; ++d) {
@@ -361,24 +422,9 @@ Tensor<1, dim> Expression::gradient(const Point<dim> &X, const double t, const u
   return gradient;
 }
 
-template <int dim>
-std::array<double, 2> Expression::temperature_derivatives(const Point<dim> &X, const double t,
-                                                          const unsigned int component, const double T) const
-{
-  if (!depends_on_temperature())
-    return {{0., 0.}};
-
-  const double h = 1e-3 * std::abs(T) + 1e-4;
-  const auto shifted = [&](const double steps) { return value(X, t, component, T + steps * h); };
-  const double near_difference = shifted(1) - shifted(-1), far_difference = shifted(2) - shifted(-2);
-  const double near_sum = shifted(1) + shifted(-1), far_sum = shifted(2) + shifted(-2);
-  return {{(8. * near_difference - far_difference) / (12. * h),
-           (16. * near_sum - far_sum - 30. * shifted(0)) / (12. * h * h)}};
-}
-
-template double Expression::value(const Point<1> &, double, unsigned int, double) const;
-template double Expression::value(const Point<2> &, double, unsigned int, double) const;
-template double Expression::value(const Point<3> &, double, unsigned int, double) const;
+template double Expression::value(const Point<1> &, double, unsigned int, Scalars) const;
+template double Expression::value(const Point<2> &, double, unsigned int, Scalars) const;
+template double Expression::value(const Point<3> &, double, unsigned int, Scalars) const;
 template Tensor<1, 1> Expression::gradient(const Point<1> &, double, unsigned int, double) const;
 template Tensor<1, 2> Expression::gradient(const Point<2> &, double, unsigned int, double) const;
 template Tensor<1, 3> Expression::gradient(const Point<3> &, double, unsigned int, double) const;
@@ -394,11 +440,14 @@ template void Expression::values(const std::vector<Point<3>> &, double, unsigned
                                  std::vector<double> &) const;
 template void Expression::gradients(const std::vector<Point<3>> &, double, unsigned int, double,
                                     std::vector<Tensor<1, 3>> &) const;
-template std::array<double, 2> Expression::temperature_derivatives(const Point<1> &, double, unsigned int,
-                                                                   double) const;
-template std::array<double, 2> Expression::temperature_derivatives(const Point<2> &, double, unsigned int,
-                                                                   double) const;
-template std::array<double, 2> Expression::temperature_derivatives(const Point<3> &, double, unsigned int,
-                                                                   double) const;
+template double Expression::derivative(const Point<1> &, double, unsigned int, Scalars, unsigned int) const;
+template double Expression::derivative(const Point<2> &, double, unsigned int, Scalars, unsigned int) const;
+template double Expression::derivative(const Point<3> &, double, unsigned int, Scalars, unsigned int) const;
+template double Expression::second_derivative(const Point<1> &, double, unsigned int, Scalars, unsigned int,
+                                              unsigned int) const;
+template double Expression::second_derivative(const Point<2> &, double, unsigned int, Scalars, unsigned int,
+                                              unsigned int) const;
+template double Expression::second_derivative(const Point<3> &, double, unsigned int, Scalars, unsigned int,
+                                              unsigned int) const;
 
 } // namespace dovetail

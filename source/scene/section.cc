@@ -96,20 +96,22 @@ std::string alternatives(const std::vector<unsigned int> &numbers)
   return text;
 }
 
-std::string formula_range(const bool is_scalar, const unsigned int dim, const bool with_temperature)
+std::string formula_range(const bool is_scalar, const unsigned int dim,
+                          const std::vector<std::string> &scalars)
 {
   return std::string(is_scalar ? "a formula in " : "formulas separated by ';' in ") +
-         (dim == 2 ? "x, y, t" : "x, y, z, t") + (with_temperature ? ", T" : "");
+         (dim == 2 ? "x, y, t" : "x, y, z, t") + (scalars.empty() ? "" : ", " + comma_separated(scalars));
 }
 
 Expression parse_expression(const Section &section, const std::string &name, const std::string &text,
-                            const std::vector<unsigned int> &n_components, const bool with_temperature)
+                            const std::vector<unsigned int> &n_components,
+                            const std::vector<std::string> &scalars)
 {
   if (text.empty())
     return Expression(n_components.front());
   Expression expression;
   try {
-    expression = Expression(text, {section.dimension(), with_temperature});
+    expression = Expression(text, {section.dimension(), scalars});
   } catch (const UserError &error) {
     section.fail(name, error.what());
   }
@@ -270,19 +272,21 @@ unsigned int Section::choose(const std::string &name, const std::vector<std::str
 
 Expression Section::read_expression(const std::string &name, const std::string &default_text,
                                     const std::vector<unsigned int> &n_components,
-                                    const std::string &description, const bool with_temperature) const
+                                    const std::string &description,
+                                    const std::vector<std::string> &scalars) const
 {
-  const std::string range = formula_range(n_components.back() == 1, dimension(), with_temperature);
+  const std::string range = formula_range(n_components.back() == 1, dimension(), scalars);
   const std::string value = declare(name, default_text, description, range);
-  return parse_expression(*this, name, value, n_components, with_temperature);
+  return parse_expression(*this, name, value, n_components, scalars);
 }
 
 Expression Section::require_expression(const std::string &name, const std::vector<unsigned int> &n_components,
-                                       const std::string &description, const bool with_temperature) const
+                                       const std::string &description,
+                                       const std::vector<std::string> &scalars) const
 {
-  const std::string range = formula_range(n_components.back() == 1, dimension(), with_temperature);
+  const std::string range = formula_range(n_components.back() == 1, dimension(), scalars);
   const std::string value = declare(name, {}, description, range);
-  return parse_expression(*this, name, value, n_components, with_temperature);
+  return parse_expression(*this, name, value, n_components, scalars);
 }
 
 Point<3> Section::read_point(const std::string &name, const Point<3> &default_value,

@@ -3,169 +3,117 @@
 
 #include "tape.h"
 
-#include <deal.II/base/numbers.h>
-
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstdlib>
 
 namespace dovetail {
 
-/// Recursive descent with muParser's precedences: signs bind less than powers, powers associate to the right.
-class TapeParser
+const std::vector<Tape::Function> &Tape::functions()
 {
-public:
-  TapeParser(Tape &tape, const std::string &text) : tape(tape), next(text.c_str()) {}
-
-  /// The node of the whole formula.
-  std::optional<unsigned int> parse()
-  {
-    const unsigned int node = sum();
-    skip_spaces();
-    return is_known && *next == 0 ? std::optional<unsigned int>(node) : std::nullopt;
-  }
-
-private:
-  using Operation = Tape::Operation;
-  using Function = Tape::Function;
-
-  void skip_spaces()
-  {
-    while (std::isspace(static_cast<unsigned char>(*next)))
-      ++next;
-  }
-
-  bool take(const char character)
-  {
-    skip_spaces();
-    if (*next != character)
-      return false;
-    ++next;
-    return true;
-  }
-
-  unsigned int fail()
-  {
-    is_known = false;
-    return 0;
-  }
-
-  unsigned int constant(const double value) { return tape.find_or_add(Operation::constant, 0, 0, value); }
-
-  unsigned int binary(const Operation operation, const unsigned int first, const unsigned int second)
-  {
-    return is_known ? tape.find_or_add(operation, first, second) : 0;
-  }
-
-  unsigned int sum()
-  {
-    unsigned int left = product();
-    while (is_known)
-      if (take('+'))
-        left = binary(Operation::sum, left, product());
-      else if (take('-'))
-        left = binary(Operation::difference, left, product());
-      else
-        break;
-    return left;
-  }
-
-  unsigned int product()
-  {
-    unsigned int left = with_sign();
-    while (is_known)
-      if (take('*'))
-        left = binary(Operation::product, left, with_sign());
-      else if (take('/'))
-        left = binary(Operation::quotient, left, with_sign());
-      else
-        break;
-    return left;
-  }
-
-  unsigned int with_sign()
-  {
-    if (take('-'))
-      return binary(Operation::product, constant(-1), with_sign());
-    if (take('+'))
-      return with_sign();
-    const unsigned int base = primary();
-    return is_known && take('^') ? binary(Operation::power, base, with_sign()) : base;
-  }
-
-  unsigned int primary()
-  {
-    skip_spaces();
-    if (take('(')) {
-      const unsigned int inside = sum();
-      return take(')') ? inside : fail();
-    }
-    if (std::isdigit(static_cast<unsigned char>(*next)) || *next == '.') {
-      char *end = nullptr;
-      const double value = std::strtod(next, &end);
-      if (end == next)
-        return fail();
-      next = end;
-      return constant(value);
-    }
-    std::string name;
-    while (std::isalnum(static_cast<unsigned char>(*next)) || *next == '_')
-      name += *next++;
-    return take('(') ? function(name) : variable(name);
-  }
-
-  unsigned int variable(const std::string &name)
-  {
-    if (name == "pi")
-      return constant(dealii::numbers::PI);
-    const auto position = std::find(tape.names.begin(), tape.names.end(), name);
-    return position == tape.names.end()
-               ? fail()
-               : tape.find_or_add(Operation::variable, position - tape.names.begin());
-  }
-
-  unsigned int function(const std::string &name)
-  {
-    const unsigned int argument = sum();
-    if (name == "pow" && is_known && take(',')) {
-      const unsigned int exponent = sum();
-      return take(')') ? binary(Operation::power, argument, exponent) : fail();
-    }
-    static const std::vector<std::pair<const char *, Function>> functions = {
-        {"sin", Function::sine},      {"tan", Function::tangent},  {"exp", Function::exponential},
-        {"log", Function::logarithm}, {"ln", Function::logarithm}, {"sqrt", Function::root},
-        {"sinh", Function::sinh},     {"cosh", Function::cosh},    {"tanh", Function::tanh}};
-    if (!is_known || !take(')'))
-      return fail();
-    if (name == "cos")
-      return tape.find_or_add(Operation::slope,
-                              tape.find_or_add(Operation::function, argument, 0, 0, Function::sine));
-    for (const auto &[known, which] : functions)
-      if (name == known)
-        return tape.find_or_add(Operation::function, argument, 0, 0, which);
-    return fail();
-  }
-
-  Tape &tape;
-  const char *next;
-  bool is_known = true;
-};
-
-std::optional<unsigned int> Tape::add(const std::string &formula)
-{
-  const unsigned int n_before = nodes.size();
-  const auto node = TapeParser(*this, formula).parse();
-  present.clear();
-  if (!node) {
-    nodes.resize(n_before);
-    return {};
-  }
-  results.push_back(*node);
-  return results.size() - 1;
+  using T = Tape;
+  const auto zero = [](T &tape, Number) { return tape.add_constant(0); };
+  static const std::vector<Function> all = {
+      {"sin", [](double a) { return std::sin(a); }, [](T &t, Number a) { return t.apply("cos", a); }},
+      {"cos", [](double a) { return std::cos(a); },
+       [](T &t, Number a) { return t.times(t.add_constant(-1), t.apply("sin", a)); }},
+      {"tan", [](double a) { return std::tan(a); },
+       [](T &t, Number a) {
+         const Number tangent = t.apply("tan", a);
+         return t.plus(t.add_constant(1), t.times(tangent, tangent));
+       }},
+      {"asin", [](double a) { return std::asin(a); },
+       [](T &t, Number a) {
+         const Number root = t.apply("sqrt", t.minus(t.add_constant(1), t.times(a, a)));
+         return t.combine(Operation::quotient, t.add_constant(1), root);
+       }},
+      {"acos", [](double a) { return std::acos(a); },
+       [](T &t, Number a) {
+         const Number root = t.apply("sqrt", t.minus(t.add_constant(1), t.times(a, a)));
+         return t.combine(Operation::quotient, t.add_constant(-1), root);
+       }},
+      {"atan", [](double a) { return std::atan(a); },
+       [](T &t, Number a) {
+         return t.combine(Operation::quotient, t.add_constant(1), t.plus(t.add_constant(1), t.times(a, a)));
+       }},
+      {"sinh", [](double a) { return std::sinh(a); }, [](T &t, Number a) { return t.apply("cosh", a); }},
+      {"cosh", [](double a) { return std::cosh(a); }, [](T &t, Number a) { return t.apply("sinh", a); }},
+      {"tanh", [](double a) { return std::tanh(a); },
+       [](T &t, Number a) {
+         const Number tangent = t.apply("tanh", a);
+         return t.minus(t.add_constant(1), t.times(tangent, tangent));
+       }},
+      {"asinh", [](double a) { return std::asinh(a); },
+       [](T &t, Number a) {
+         const Number root = t.apply("sqrt", t.plus(t.times(a, a), t.add_constant(1)));
+         return t.combine(Operation::quotient, t.add_constant(1), root);
+       }},
+      {"acosh", [](double a) { return std::acosh(a); },
+       [](T &t, Number a) {
+         const Number root = t.apply("sqrt", t.minus(t.times(a, a), t.add_constant(1)));
+         return t.combine(Operation::quotient, t.add_constant(1), root);
+       }},
+      {"atanh", [](double a) { return std::atanh(a); },
+       [](T &t, Number a) {
+         return t.combine(Operation::quotient, t.add_constant(1), t.minus(t.add_constant(1), t.times(a, a)));
+       }},
+      {"exp", [](double a) { return std::exp(a); }, [](T &t, Number a) { return t.apply("exp", a); }},
+      {"ln", [](double a) { return std::log(a); },
+       [](T &t, Number a) { return t.combine(Operation::quotient, t.add_constant(1), a); }},
+      {"log", [](double a) { return std::log(a); },
+       [](T &t, Number a) { return t.combine(Operation::quotient, t.add_constant(1), a); }},
+      {"log10", [](double a) { return std::log10(a); },
+       [](T &t, Number a) { return t.combine(Operation::quotient, t.add_constant(1 / std::log(10.)), a); }},
+      {"log2", [](double a) { return std::log2(a); },
+       [](T &t, Number a) { return t.combine(Operation::quotient, t.add_constant(1 / std::log(2.)), a); }},
+      {"sqrt", [](double a) { return std::sqrt(a); },
+       [](T &t, Number a) {
+         return t.combine(Operation::quotient, t.add_constant(0.5), t.apply("sqrt", a));
+       }},
+      {"abs", [](double a) { return std::abs(a); }, [](T &t, Number a) { return t.apply("sign", a); }},
+      {"sign", [](double a) { return a < 0   ? -1.
+                                     : a > 0 ? 1.
+                                             : 0.; }, zero},
+      {"rint", [](double a) { return std::floor(a + 0.5); }, zero},
+      {"floor", [](double a) { return std::floor(a); }, zero},
+      {"ceil", [](double a) { return std::ceil(a); }, zero},
+      // the logarithm where a power with a varying exponent has a derivative
+      {"ln or 0", [](double a) { return a > 0 ? std::log(a) : 0.; },
+       [](T &t, Number a) { return t.combine(Operation::quotient, t.add_constant(1), a); }}};
+  return all;
 }
 
-double Tape::combine(const Operation operation, const double first, const double second)
+std::optional<double> Tape::constant(const unsigned int formula) const
+{
+  const Node &node = nodes[formulas[formula].node];
+  return node.operation == Operation::constant ? std::optional(node.constant) : std::nullopt;
+}
+
+unsigned int Tape::add_formula(const Number node)
+{
+  Formula formula;
+  formula.node = node;
+  formula.derivatives.resize(names.size());
+  std::vector<bool> is_needed(node + 1, false);
+  is_needed[node] = true;
+  for (Number i = node + 1; i-- > 0;)
+    if (is_needed[i] && nodes[i].operation > Operation::variable)
+      for (const Number operand : {nodes[i].first, nodes[i].second, nodes[i].third})
+        is_needed[operand] = true;
+  for (Number i = 0; i <= node; ++i)
+    if (is_needed[i])
+      formula.needed.push_back(i);
+  formulas.push_back(formula);
+  return formulas.size() - 1;
+}
+
+// ---- operations ----
+
+bool Tape::is_constant(const Number node, const double value) const
+{
+  return nodes[node].operation == Operation::constant && nodes[node].constant == value;
+}
+
+double Tape::value_of(const Operation operation, const double first, const double second)
 {
   switch (operation) {
   case Operation::sum:
@@ -176,84 +124,236 @@ double Tape::combine(const Operation operation, const double first, const double
     return first * second;
   case Operation::quotient:
     return first / second;
-  default:
+  case Operation::power:
     return second == 2 ? first * first : std::pow(first, second);
+  case Operation::angle:
+    return std::atan2(first, second);
+  case Operation::less:
+    return first < second ? 1 : 0;
+  case Operation::not_greater:
+    return first <= second ? 1 : 0;
+  case Operation::equal:
+    return first == second ? 1 : 0;
+  case Operation::both:
+    return first != 0 && second != 0 ? 1 : 0;
+  default:
+    return first != 0 || second != 0 ? 1 : 0;
   }
 }
 
-unsigned int Tape::find_or_add(const Operation operation, const unsigned int first, const unsigned int second,
-                               const double constant, const Function function)
+/// The node that stands there already, if there is one.
+Tape::Number Tape::add_node(Node node)
 {
-  const bool is_leaf = operation == Operation::constant || operation == Operation::variable;
-  const bool is_binary = !is_leaf && operation != Operation::function && operation != Operation::slope;
-  if (is_binary && nodes[first].operation == Operation::constant &&
-      nodes[second].operation == Operation::constant) // 2*pi
-    return find_or_add(Operation::constant, 0, 0,
-                       combine(operation, nodes[first].constant, nodes[second].constant));
-  for (unsigned int i = 0; i < nodes.size(); ++i)
-    if (nodes[i].operation == operation && nodes[i].function == function && nodes[i].first == first &&
-        nodes[i].second == second && nodes[i].constant == constant)
-      return i;
+  const auto same = std::find_if(nodes.begin(), nodes.end(), [&](const Node &other) {
+    return other.operation == node.operation && other.first == node.first && other.second == node.second &&
+           other.third == node.third && other.constant == node.constant && other.function == node.function &&
+           other.table == node.table;
+  });
+  if (same != nodes.end())
+    return same - nodes.begin();
 
-  Node node;
-  node.operation = operation;
-  node.function = function;
-  node.first = first;
-  node.second = second;
-  node.constant = constant;
+  node.depends.assign(names.size(), false);
+  if (node.operation == Operation::variable)
+    node.depends[node.first] = true;
+  else if (node.operation != Operation::constant)
+    for (const Number operand : {node.first, node.second, node.third})
+      for (unsigned int v = 0; v < names.size(); ++v)
+        node.depends[v] = node.depends[v] || nodes[operand].depends[v];
   node.last_argument = std::nan("");
-  for (unsigned int d = 0; d < 3; ++d)
-    node.depends[d] = is_leaf ? operation == Operation::variable && first == d
-                              : nodes[first].depends[d] || (is_binary && nodes[second].depends[d]);
   nodes.push_back(node);
   return nodes.size() - 1;
 }
 
-const double *Tape::values(const unsigned int result, const std::vector<double> &variables,
+Tape::Number Tape::add_constant(const double value)
+{
+  Node node;
+  node.constant = value;
+  return add_node(node);
+}
+
+Tape::Number Tape::combine(const Operation operation, const Number first, const Number second)
+{
+  if (nodes[first].operation == Operation::constant && nodes[second].operation == Operation::constant) // 2*pi
+    return add_constant(value_of(operation, nodes[first].constant, nodes[second].constant));
+  Node node;
+  node.operation = operation;
+  node.first = node.third = first;
+  node.second = second;
+  return add_node(node);
+}
+
+Tape::Number Tape::apply(const Function &function, const Number argument)
+{
+  if (nodes[argument].operation == Operation::constant)
+    return add_constant(function.value(nodes[argument].constant));
+  Node node;
+  node.operation = Operation::function;
+  node.first = node.second = node.third = argument;
+  node.function = &function;
+  return add_node(node);
+}
+
+Tape::Number Tape::apply(const std::string &name, const Number argument)
+{
+  return apply(*std::find_if(functions().begin(), functions().end(),
+                             [&](const Function &function) { return function.name == name; }),
+               argument);
+}
+
+Tape::Number Tape::choose(const Number condition, const Number then, const Number otherwise)
+{
+  if (nodes[condition].operation == Operation::constant)
+    return nodes[condition].constant != 0 ? then : otherwise;
+  if (then == otherwise)
+    return then;
+  Node node;
+  node.operation = Operation::choice;
+  node.first = condition;
+  node.second = then;
+  node.third = otherwise;
+  return add_node(node);
+}
+
+Tape::Number Tape::interpolate(const std::shared_ptr<const MonotoneCubic> &table, const unsigned int order,
+                               const Number argument)
+{
+  Node node;
+  node.operation = Operation::function;
+  node.first = node.second = node.third = argument;
+  node.table = table;
+  node.constant = order;
+  return add_node(node);
+}
+
+// Sums and products of derivatives, most of which are 0 or 1.
+Tape::Number Tape::plus(const Number first, const Number second)
+{
+  return is_constant(first, 0)    ? second
+         : is_constant(second, 0) ? first
+                                  : combine(Operation::sum, first, second);
+}
+
+Tape::Number Tape::minus(const Number first, const Number second)
+{
+  return is_constant(second, 0)  ? first
+         : is_constant(first, 0) ? times(add_constant(-1), second)
+                                 : combine(Operation::difference, first, second);
+}
+
+Tape::Number Tape::times(const Number first, const Number second)
+{
+  return is_constant(first, 0) || is_constant(second, 0) ? add_constant(0)
+         : is_constant(first, 1)                         ? second
+         : is_constant(second, 1)                        ? first
+                                                         : combine(Operation::product, first, second);
+}
+
+// ---- derivatives ----
+
+unsigned int Tape::differentiate(const unsigned int formula, const unsigned int variable)
+{
+  if (!formulas[formula].derivatives[variable]) {
+    std::vector<std::optional<Number>> known(nodes.size());
+    const unsigned int result = add_formula(derivative(formulas[formula].node, variable, known));
+    formulas[formula].derivatives[variable] = result;
+  }
+  return *formulas[formula].derivatives[variable];
+}
+
+/// @p known holds the derivatives that have been found already.
+Tape::Number Tape::derivative(const Number number, const unsigned int variable,
+                              std::vector<std::optional<Number>> &known)
+{
+  if (known[number])
+    return *known[number];
+  const Node node = nodes[number]; // a copy: nodes are appended below
+  const auto of = [&](const Number operand) { return derivative(operand, variable, known); };
+  Number result = add_constant(0);
+  if (node.depends[variable])
+    switch (node.operation) {
+    case Operation::variable:
+      result = add_constant(1);
+      break;
+    case Operation::sum:
+      result = plus(of(node.first), of(node.second));
+      break;
+    case Operation::difference:
+      result = minus(of(node.first), of(node.second));
+      break;
+    case Operation::product:
+      result = plus(times(of(node.first), node.second), times(node.first, of(node.second)));
+      break;
+    case Operation::quotient: // (a' - q b')/b
+      result =
+          combine(Operation::quotient, minus(of(node.first), times(number, of(node.second))), node.second);
+      break;
+    case Operation::power:
+      result = derivative_of_power(number, variable, known);
+      break;
+    case Operation::function:
+      result = times(node.table ? interpolate(node.table, std::lround(node.constant) + 1, node.first)
+                                : node.function->slope(*this, node.first),
+                     of(node.first));
+      break;
+    case Operation::choice:
+      result = choose(node.first, of(node.second), of(node.third));
+      break;
+    case Operation::angle: { // (x y' - y x')/(x² + y²)
+      const Number y = node.first, x = node.second;
+      const Number change = minus(times(x, of(y)), times(y, of(x)));
+      result = combine(Operation::quotient, change, plus(times(x, x), times(y, y)));
+      break;
+    }
+    default: // conditions are constant beside their jumps
+      break;
+    }
+  known[number] = result;
+  return result;
+}
+
+/// a^b: b a^(b-1) a' + a^b ln(a) b'
+Tape::Number Tape::derivative_of_power(const Number number, const unsigned int variable,
+                                       std::vector<std::optional<Number>> &known)
+{
+  const Number a = nodes[number].first, b = nodes[number].second;
+  const Number reduced = is_constant(b, 2)   ? a
+                         : is_constant(b, 1) ? add_constant(1)
+                                             : combine(Operation::power, a, minus(b, add_constant(1)));
+  const Number by_base = times(times(b, reduced), derivative(a, variable, known));
+  return plus(by_base, times(times(number, apply("ln or 0", a)), derivative(b, variable, known)));
+}
+
+// ---- values ----
+
+const double *Tape::values(const unsigned int formula, const std::vector<double> &variables,
                            const unsigned int n_points)
 {
   if (n != n_points || variables != present) {
     present = variables;
     n = n_points;
-    n_values = n_gradients = 0;
+    ++evaluation;
   }
-  for (; n_values <= results[result]; ++n_values)
-    evaluate(nodes[n_values]);
-  return nodes[results[result]].values.data();
-}
-
-const double *Tape::derivatives(const unsigned int result, const unsigned int variable,
-                                const std::vector<double> &variables, const unsigned int n_points)
-{
-  values(result, variables, n_points);
-  for (; n_gradients <= results[result]; ++n_gradients)
-    differentiate(nodes[n_gradients]);
-  const Node &node = nodes[results[result]];
-  return node.depends[variable] ? node.gradient[variable].data() : nullptr;
+  for (const Number i : formulas[formula].needed)
+    if (nodes[i].evaluation != evaluation) {
+      evaluate(nodes[i]);
+      nodes[i].evaluation = evaluation;
+    }
+  return nodes[formulas[formula].node].values.data();
 }
 
 void Tape::evaluate(Node &node)
 {
   node.values.resize(n);
   double *const value = node.values.data();
-  if (node.operation == Operation::constant) {
-    std::fill(value, value + n, node.constant);
-    return;
-  }
-  if (node.operation == Operation::variable) {
-    std::copy_n(present.begin() + node.first * n, n, value);
-    return;
-  }
-  if (node.operation == Operation::slope) {
-    node.values = nodes[node.first].slopes;
-    return;
-  }
-  if (node.operation == Operation::function) {
-    evaluate_function(node, nodes[node.first].values);
-    return;
-  }
-  const double *const a = nodes[node.first].values.data(), *const b = nodes[node.second].values.data();
+  const double *const a = nodes[node.operation > Operation::variable ? node.first : 0].values.data(),
+                      *const b = nodes[node.operation > Operation::variable ? node.second : 0].values.data();
   switch (node.operation) { // loops that the compiler vectorises
+  case Operation::constant:
+    std::fill(value, value + n, node.constant);
+    break;
+  case Operation::variable:
+    std::copy_n(present.begin() + node.first * n, n, value);
+    break;
   case Operation::sum:
     for (unsigned int i = 0; i < n; ++i)
       value[i] = a[i] + b[i];
@@ -266,114 +366,28 @@ void Tape::evaluate(Node &node)
     for (unsigned int i = 0; i < n; ++i)
       value[i] = a[i] * b[i];
     break;
+  case Operation::function:
+    evaluate_function(node, nodes[node.first].values);
+    break;
+  case Operation::choice:
+    for (unsigned int i = 0; i < n; ++i)
+      value[i] = a[i] != 0 ? b[i] : nodes[node.third].values[i];
+    break;
   default:
     for (unsigned int i = 0; i < n; ++i)
-      value[i] = combine(node.operation, a[i], b[i]);
+      value[i] = value_of(node.operation, a[i], b[i]);
   }
 }
 
 void Tape::evaluate_function(Node &node, const std::vector<double> &arguments)
 {
-  node.slopes.resize(n);
-  double &value = node.last_value, &slope = node.last_slope;
   for (unsigned int i = 0; i < n; ++i) {
-    const double a = arguments[i];
-    if (a != node.last_argument) {
-      node.last_argument = a;
-      switch (node.function) {
-      case Function::none:
-        break;
-      case Function::sine:
-        value = std::sin(a); // the compiler makes one call of both
-        slope = std::cos(a);
-        break;
-      case Function::tangent:
-        value = std::tan(a);
-        slope = 1 + value * value;
-        break;
-      case Function::exponential:
-        value = slope = std::exp(a);
-        break;
-      case Function::logarithm:
-        value = std::log(a);
-        slope = 1 / a;
-        break;
-      case Function::root:
-        value = std::sqrt(a);
-        slope = 0.5 / value;
-        break;
-      case Function::sinh:
-        value = std::sinh(a);
-        slope = std::cosh(a);
-        break;
-      case Function::cosh:
-        value = std::cosh(a);
-        slope = std::sinh(a);
-        break;
-      case Function::tanh:
-        value = std::tanh(a);
-        slope = 1 - value * value;
-        break;
-      }
+    if (arguments[i] != node.last_argument) {
+      node.last_argument = arguments[i];
+      node.last_value = node.table ? node.table->derivative(std::lround(node.constant), arguments[i])
+                                   : node.function->value(arguments[i]);
     }
-    node.values[i] = value;
-    node.slopes[i] = slope;
-  }
-}
-
-/// The derivatives by the operands, then the chain rule.
-void Tape::differentiate(Node &node)
-{
-  if (!node.depends[0] && !node.depends[1] && !node.depends[2])
-    return;
-  if (node.operation == Operation::variable) {
-    node.gradient[node.first].assign(n, 1.);
-    return;
-  }
-  const bool is_slope = node.operation == Operation::slope; // of a sine: the argument is the sine's
-  const bool is_unary = is_slope || node.operation == Operation::function;
-  const Node &first = nodes[is_slope ? nodes[node.first].first : node.first],
-             &second = nodes[is_unary ? 0 : node.second];
-  by_first.resize(n);
-  by_second.resize(n);
-  for (unsigned int i = 0; i < n; ++i) {
-    const double a = first.values[i], b = is_unary ? 0 : second.values[i], value = node.values[i];
-    switch (node.operation) {
-    case Operation::sum:
-    case Operation::difference:
-      by_first[i] = 1;
-      by_second[i] = node.operation == Operation::sum ? 1 : -1;
-      break;
-    case Operation::product:
-      by_first[i] = b;
-      by_second[i] = a;
-      break;
-    case Operation::quotient:
-      by_first[i] = 1 / b;
-      by_second[i] = -value / b;
-      break;
-    case Operation::power:
-      by_first[i] = b == 2 ? 2 * a : b == 0 ? 0 : b * std::pow(a, b - 1);
-      by_second[i] = a > 0 && second.operation != Operation::constant ? value * std::log(a) : 0;
-      break;
-    case Operation::function:
-      by_first[i] = node.slopes[i];
-      break;
-    default:
-      by_first[i] = -nodes[node.first].values[i];
-    }
-  }
-  for (unsigned int d = 0; d < 3; ++d) {
-    if (!node.depends[d])
-      continue;
-    node.gradient[d].assign(n, 0.);
-    double *const result = node.gradient[d].data();
-    if (first.depends[d])
-      for (unsigned int i = 0; i < n; ++i)
-        result[i] += by_first[i] * first.gradient[d][i];
-    if (!is_unary && second.depends[d])
-      for (unsigned int i = 0; i < n; ++i)
-        result[i] += by_second[i] * second.gradient[d][i];
+    node.values[i] = node.last_value;
   }
 }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Formulas as a list of operations, for speed.
+// The evaluator of formulas: values at many points, and exact derivatives of any order.
 
 #pragma once
 
-#include <array>
+#include <dovetail/scene/monotone_cubic.h>
+
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,55 +17,109 @@ namespace dovetail {
 /// Several formulas in common variables as one list of operations, each of which stands there once: what
 /// formulas share (sin(pi*x) in all components of a force) is computed once per point, and a function whose
 /// argument is that of the point before (points of a tensor product share coordinates) is not computed again.
-/// Gradients are exact, by forward differentiation.
 ///
-/// It knows numbers, variables, pi, + - * / ^, unary signs, parentheses, and functions smooth where they are
-/// defined: sin, cos, tan, exp, ln, log, sqrt, sinh, cosh, tanh, pow. Everything else is muParser's.
+/// A derivative is a formula as well: differentiate() appends its operations to the list, so derivatives of
+/// any order are exact. Functions with jumps (sign, floor, comparisons) have the derivative 0 beside them.
+///
+/// It knows muParser's grammar, operators and functions, and `table(argument, x_1, y_1, x_2, y_2, …)`: the
+/// monotone cubic through the pairs (Fritsch and Carlson 1980), constant outside.
 class Tape
 {
 public:
   /// @param names of the variables, in the order of their values
   explicit Tape(std::vector<std::string> names) : names(std::move(names)) {}
 
-  /// @return the number of the formula's result, or nothing if it holds something the tape does not know.
+  /// @return the number of the formula, or nothing if it does not parse.
   std::optional<unsigned int> add(const std::string &formula);
+  /// The number of d(formula)/d(variable), the same whenever it is asked for.
+  unsigned int differentiate(unsigned int formula, unsigned int variable);
+
+  bool depends(const unsigned int formula, const unsigned int variable) const
+  {
+    return nodes[formulas[formula].node].depends[variable];
+  }
+  /// Its value if it is a number, whatever the variables.
+  std::optional<double> constant(unsigned int formula) const;
 
   /// At @p n_points points, whose variables stand one variable after another: [variable][point]. They are
   /// compared with those of the call before. @return [point]
-  const double *values(unsigned int result, const std::vector<double> &variables, unsigned int n_points);
-  /// By one of the first three variables. @return [point], or nullptr if the result does not depend on it.
-  const double *derivatives(unsigned int result, unsigned int variable, const std::vector<double> &variables,
-                            unsigned int n_points);
+  const double *values(unsigned int formula, const std::vector<double> &variables, unsigned int n_points);
 
 private:
   friend class TapeParser;
-  /// slope: the derivative of function(@p of), which stands there already: cos for sin
-  enum class Operation { constant, variable, sum, difference, product, quotient, power, function, slope };
-  enum class Function { none, sine, tangent, exponential, logarithm, root, sinh, cosh, tanh };
-  struct Node
+  enum class Operation {
+    constant,
+    variable,
+    sum,
+    difference,
+    product,
+    quotient,
+    power,
+    angle, ///< atan2
+    less,  ///< this and the next four are 1 where they hold, else 0
+    not_greater,
+    equal,
+    both,
+    either,
+    function,
+    choice ///< first ? second : third
+  };
+  using Number = unsigned int; ///< of a node; operands come before their operation
+
+  /// A function of one argument a: its value, and its derivative f'(a) as a node.
+  struct Function
   {
-    Operation operation;
-    Function function;
-    unsigned int first, second; ///< numbers of nodes before this one, or of a variable
-    double constant;
-    bool depends[3] = {false, false, false};         ///< on the first three variables
-    double last_argument, last_value, last_slope;    ///< of a function, where it was evaluated last
-    std::vector<double> values, slopes, gradient[3]; ///< [point]
+    const char *name;
+    double (*value)(double);
+    Number (*slope)(Tape &tape, Number a);
   };
 
-  unsigned int find_or_add(Operation operation, unsigned int first, unsigned int second = 0,
-                           double constant = 0, Function function = Function::none);
-  static double combine(Operation operation, double first, double second);
+  struct Node
+  {
+    Operation operation = Operation::constant;
+    Number first = 0, second = 0, third = 0; ///< operands; of a variable its number
+    double constant = 0;                     ///< of a table: the order of the derivative
+    const Function *function = nullptr;
+    std::shared_ptr<const MonotoneCubic> table; ///< that the function interpolates in
+    std::vector<bool> depends;                  ///< on each variable
+    double last_argument = 0, last_value = 0;   ///< of a function, where it was evaluated last
+    unsigned long evaluation = 0;               ///< the last one that it took part in
+    std::vector<double> values;                 ///< [point]
+  };
+
+  struct Formula
+  {
+    Number node;
+    std::vector<Number> needed;                           ///< nodes in the order of their evaluation
+    std::vector<std::optional<unsigned int>> derivatives; ///< numbers of formulas, by variable
+  };
+
+  unsigned int add_formula(Number node);
+  Number add_node(Node node);
+  Number add_constant(double value);
+  Number combine(Operation operation, Number first, Number second);
+  Number apply(const Function &function, Number argument);
+  Number apply(const std::string &function, Number argument);
+  Number choose(Number condition, Number then, Number otherwise);
+  Number interpolate(const std::shared_ptr<const MonotoneCubic> &table, unsigned int order, Number argument);
+  Number plus(Number first, Number second);
+  Number minus(Number first, Number second);
+  Number times(Number first, Number second);
+  Number derivative(Number node, unsigned int variable, std::vector<std::optional<Number>> &known);
+  Number derivative_of_power(Number node, unsigned int variable, std::vector<std::optional<Number>> &known);
+  bool is_constant(Number node, double value) const;
+  static double value_of(Operation operation, double first, double second);
   void evaluate(Node &node);
   void evaluate_function(Node &node, const std::vector<double> &arguments);
-  void differentiate(Node &node);
+
+  static const std::vector<Function> &functions();
 
   std::vector<std::string> names;
   std::vector<Node> nodes;
-  std::vector<unsigned int> results;
-  std::vector<double> present, by_first, by_second;
-  unsigned int n = 0;                         ///< points
-  unsigned int n_values = 0, n_gradients = 0; ///< so many nodes are up to date
+  std::vector<Formula> formulas;
+  std::vector<double> present;  ///< variables
+  unsigned int n = 0;           ///< points
+  unsigned long evaluation = 0; ///< number of different sets of points so far
 };
 
 } // namespace dovetail

@@ -3,7 +3,9 @@
 
 #include <dovetail/system/error_estimate.h>
 
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/quadrature.h>
+#include <dovetail/interface/side_points.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/fe/fe_values.h>
@@ -43,7 +45,7 @@ template <int dim>
 ScalesOfDomain scales_of(const Domain<dim> &domain, const Vector &ghosted, const double t,
                          const MPI_Comm &communicator)
 {
-  const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
+  const unsigned int n = domain.n_components();
   const auto &element = domain.scalar_element();
   dealii::FEValues<dim> values(domain.mapping(), element,
                                gauss_rule<dim>(element.reference_cell(), domain.degree + 1),
@@ -53,34 +55,28 @@ ScalesOfDomain scales_of(const Domain<dim> &domain, const Vector &ghosted, const
   // per field the integral of its stiffness there: laws are asked at points of the body only
   const unsigned int n_fields = domain.fields().size(), of_law = 1 + 2 * n;
   std::vector<double> integrals(of_law + 1 + n_fields, 0.);
-  State<dim> state(n);
-  Response<dim> response(n);
-  state.t = t;
+  CellPoints<dim> point(domain, t);
   std::vector<Index> dofs;
+  std::vector<double> unknowns(domain.dofs_per_cell());
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
       domain.cell_dofs(cell, dofs);
+      ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
       for (const unsigned int q : values.quadrature_point_indices()) {
+        point.reinit(values, q, unknowns);
         integrals[0] += values.JxW(q);
         for (unsigned int c = 0; c < n; ++c) {
-          double value = 0;
-          dealii::Tensor<1, dim> gradient;
-          for (unsigned int a = 0; a < n_nodes; ++a) {
-            const double unknown = ghosted(dofs[c * n_nodes + a]);
-            value += values.shape_value(a, q) * unknown;
-            gradient += values.shape_grad(a, q) * unknown;
-          }
-          state.value[c] = value;
+          const double value = point.state.value[c];
           integrals[1 + c] += value * value * values.JxW(q);
-          integrals[1 + n + c] += gradient.norm_square() * values.JxW(q);
+          integrals[1 + n + c] += point.state.gradient[c].norm_square() * values.JxW(q);
+          point.state.gradient[c] = 0; // at rest
         }
-        state.X = values.quadrature_point(q);
-        if (!domain.material.evaluate(state, true, response))
+        if (!point.evaluate(true))
           continue;
         integrals[of_law] += values.JxW(q);
         for (unsigned int f = 0; f < n_fields; ++f)
-          integrals[of_law + 1 + f] += stiffness(response, domain.fields()[f]) * values.JxW(q);
+          integrals[of_law + 1 + f] += stiffness(point.response, domain.fields()[f]) * values.JxW(q);
       }
     }
   dealii::Utilities::MPI::sum(integrals, communicator, integrals);
@@ -129,36 +125,27 @@ public:
   InterfaceShares(const Interface<dim> &interface, const double t,
                   const std::array<const ScalesOfDomain *, 2> &scales,
                   const std::map<std::string, double> &energies)
-      : interface(interface), scales(scales),
-        energies(energies), state{{State<dim>(interface.sides[source].domain->n_components()),
-                                   State<dim>(interface.sides[destination].domain->n_components())}},
-        response{{Response<dim>(state[source].value.size()), Response<dim>(state[destination].value.size())}}
+      : interface(interface), scales(scales), energies(energies), points(interface, t)
   {
-    for (const unsigned int side : {source, destination})
-      state[side].t = t;
   }
 
   void add(const Vector &ghosted, Shares &shares)
   {
-    std::vector<Index> dofs;
-    std::vector<double> unknowns;
-    for (const auto &group : interface.pairing().groups) {
-      interface.group_dofs(group, dofs);
-      unknowns.resize(dofs.size());
-      ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      std::array<double, 2> share = {{0, 0}}, size;
-      for (const unsigned int side : {source, destination}) {
-        const CellBehind<dim> &cell = interface.pairing().cells[side][group.cells[side]];
-        size[side] = cell.cell_measure / cell.face_measure;
-      }
-      for (unsigned int q = group.begin; q < group.end; ++q)
-        add_point(q, unknowns, size, share);
-      for (const unsigned int side : {source, destination}) {
-        const auto &of_cell = interface.pairing().cells[side][group.cells[side]].dofs;
-        shares[Key(of_cell.begin(), of_cell.begin() + interface.sides[side].domain->n_nodes())] +=
-            share[side];
-      }
-    }
+    for_each_group(
+        interface, values_in(ghosted), [&](const auto &group, const std::vector<double> &unknowns) {
+          std::array<double, 2> share = {{0, 0}}, size;
+          for (const unsigned int side : {source, destination}) {
+            const CellBehind<dim> &cell = interface.pairing().cells[side][group.cells[side]];
+            size[side] = cell.cell_measure / cell.face_measure;
+          }
+          for (unsigned int q = group.begin; q < group.end; ++q)
+            add_point(q, unknowns, size, share);
+          for (const unsigned int side : {source, destination}) {
+            const auto &of_cell = interface.pairing().cells[side][group.cells[side]].dofs;
+            shares[Key(of_cell.begin(), of_cell.begin() + interface.sides[side].domain->n_nodes())] +=
+                share[side];
+          }
+        });
   }
 
 private:
@@ -166,9 +153,8 @@ private:
                  std::array<double, 2> &share)
   {
     for (const unsigned int side : {source, destination}) {
-      interface.evaluate(side, q, unknowns, state[side]);
-      state[side].X = interface.pairing().X(side, q);
-      if (!interface.sides[side].domain->material.evaluate(state[side], false, response[side]))
+      points.reinit(side, q, unknowns);
+      if (!points.evaluate(side, false))
         return;
     }
     for (const TiedField &field : interface.fields) {
@@ -177,12 +163,12 @@ private:
       for (const unsigned int side : {source, destination}) {
         stiffness[side] = (*scales[side])[field.field[side]].stiffness;
         for (unsigned int c = 0; c < field.n_components; ++c)
-          flux[side].push_back(response[side].flux[field.first_component[side] + c] *
+          flux[side].push_back(points.response[side].flux[field.first_component[side] + c] *
                                interface.pairing().N(side, q));
       }
       interface.jump(field, q, unknowns, jump);
       numerical_flux.assign(field.n_components, 0.);
-      interface.tie().numerical_flux(interface, field, q, state, flux, jump, numerical_flux);
+      interface.tie().numerical_flux(interface, field, q, points.state, flux, jump, numerical_flux);
 
       const double weight = interface.pairing().weight(q) / energies.at(field.name);
       const double mean_stiffness =
@@ -200,8 +186,7 @@ private:
   const Interface<dim> &interface;
   const std::array<const ScalesOfDomain *, 2> scales;
   const std::map<std::string, double> &energies;
-  std::array<State<dim>, 2> state;
-  std::array<Response<dim>, 2> response;
+  SidePoints<dim> points;
   std::vector<double> jump, numerical_flux;
 };
 

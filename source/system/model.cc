@@ -276,6 +276,12 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
     for (const auto &condition : domains[d]->conditions())
       if (holds(*condition))
         is_held[first[d]] = true;
+  for (unsigned int d = 0; d < domains.size(); ++d) // a reaction
+    if (const Field *of_domain = domains[d]->material.find_field(field)) {
+      const unsigned int c = of_domain->first_component + component;
+      if (domains[d]->material.coupling(c, c).source_by_value)
+        is_held[first[d]] = true;
+    }
   std::set<const Domain<dim> *> held;
   for (unsigned int d = 0; d < domains.size(); ++d)
     if (is_held[first[d]])

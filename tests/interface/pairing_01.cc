@@ -62,7 +62,7 @@ void check(const Case &of)
   bool groups_follow = true;
   unsigned int next = 0;
   double opposite = 0, partition = 0, affine = 0, extension = 0, area = 0;
-  State<dim> state(dim);
+  SidePoints<dim> points(interface, 0);
   std::vector<double> jump;
   for (const auto &group : pairing.groups) {
     groups_follow = groups_follow && group.begin == next && group.end > group.begin;
@@ -80,7 +80,8 @@ void check(const Case &of)
         extension = std::max(extension, std::abs(jump[c] - expected_jump[c]));
 
       for (const unsigned int side : {source, destination}) {
-        interface.evaluate(side, q, unknowns, state);
+        points.reinit(side, q, unknowns);
+        const State<dim> &state = points.state[side];
         const auto expected = u(pairing.X(side, q));
         for (unsigned int c = 0; c < dim; ++c)
           affine =

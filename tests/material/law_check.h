@@ -283,13 +283,15 @@ inline Tensor<2, 3> stress(const Material<3> &material, const Tensor<2, 3> &F, d
   return P;
 }
 
+/// Of the linear limit of all solids that are checked.
+const std::string moduli = "\nset Shear modulus = 1.3\nset Bulk modulus = 2.7";
+
 /// All that a solid law must fulfil; W(F, e) is the energy of the law @p type with the shear modulus 1.3 and
 /// the bulk modulus 2.7.
 template <typename Energy>
-void check_solid(const std::string &type, const Energy &W)
+void check_solid(const std::string &type, const Energy &W, const std::string &parameters = moduli)
 {
-  const std::string moduli = "\nset Shear modulus = 1.3\nset Bulk modulus = 2.7",
-                    law = "set Type = " + type + moduli;
+  const std::string law = "set Type = " + type + "\n" + parameters;
   check_differences("alone", make_material<2>(law, ""));
   check_differences("alone", make_material<3>(law, ""));
   check_differences("expanding", make_material<2>(law + expansion, conducts));

@@ -75,6 +75,32 @@ struct NeoHookean
   }
 };
 
+struct MooneyRivlin
+{
+  static constexpr bool is_hyperelastic = true;
+  const char *type = "Mooney-Rivlin";
+  ExactMatrix operator()(const ExactMatrix &F) const
+  {
+    const ExactMatrix C = right_cauchy_green(F), Q = inverse_transpose(F);
+    const Exact J = determinant_of(F), C10 = 0.45, C01 = 0.2, tr_C = C[0][0] + C[1][1] + C[2][2];
+    Exact tr_C2 = 0;
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j)
+        tr_C2 += C[i][j] * C[i][j];
+    const Exact a = 2 * C10 / cbrt(J * J), b = 2 * C01 / cbrt(J * J * J * J), I_2 = (tr_C * tr_C - tr_C2) / 2;
+    ExactMatrix P;
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j) {
+        Exact F_C = 0;
+        for (unsigned int k = 0; k < 3; ++k)
+          F_C += F[i][k] * C[k][j];
+        P[i][j] = a * (F[i][j] - tr_C / 3 * Q[i][j]) + b * (tr_C * F[i][j] - F_C - 2 * I_2 / 3 * Q[i][j]) +
+                  kappa / 2 * (J * J - 1) * Q[i][j];
+      }
+    return P;
+  }
+};
+
 /// s² P_e(F/s) with s = 1 + e; the linear law has no such split but -3 kappa e I.
 template <typename Law>
 ExactMatrix exact_stress(const Law &law, const ExactMatrix &H, const Exact &e)
@@ -94,8 +120,10 @@ ExactMatrix exact_stress(const Law &law, const ExactMatrix &H, const Exact &e)
 template <typename Law>
 void check(const Law &law)
 {
-  const Material<3> material = make_material<3>(std::string("set Type = ") + law.type +
-                                                    "\nset Shear modulus = 1.3\nset Bulk modulus = 2.7"
+  const std::string type = law.type,
+                    shear = type == "Mooney-Rivlin" ? "C10 = 0.45\nset C01 = 0.2" : "Shear modulus = 1.3";
+  const Material<3> material = make_material<3>("set Type = " + type + "\nset " + shear +
+                                                    "\nset Bulk modulus = 2.7"
                                                     "\nset Expansion coefficient = 1",
                                                 "set Type = Fourier\nset Conductivity = 1");
   const Tensor<2, 3> direction({{0.7, -0.3, 0.2}, {0.4, -0.9, 0.5}, {-0.1, 0.6, 0.3}});
@@ -156,4 +184,5 @@ int main()
   check(LinearElastic());
   check(SaintVenantKirchhoff());
   check(NeoHookean());
+  check(MooneyRivlin());
 }

@@ -64,6 +64,7 @@ void print_interface(const Interface<2> &interface, const std::vector<double> &a
   std::array<std::vector<double>, 2> flux;
   std::vector<double> area(1, 0.), squares, resultants(3, 0.), jump, transmitted;
   squares.resize(interface.fields.size());
+  SidePoints<2> points(interface, 0);
   for (const auto &group : interface.pairing().groups) {
     const std::vector<double> unknowns = of_group(interface, group, all);
     for (unsigned int q = group.begin; q < group.end; ++q) {
@@ -75,20 +76,16 @@ void print_interface(const Interface<2> &interface, const std::vector<double> &a
         interface.jump(field, q, unknowns, jump);
         for (const double component : jump)
           squares[f] += 1e6 * w * component * component;
-        std::array<State<2>, 2> states = {{State<2>(0), State<2>(0)}};
         for (const unsigned int side : {source, destination}) {
-          const Material<2> &material = interface.sides[side].domain->material;
-          State<2> &state = states[side] = State<2>(material.n_components());
-          Response<2> response(material.n_components());
-          interface.evaluate(side, q, unknowns, state);
-          material.evaluate(state, false, response);
+          points.reinit(side, q, unknowns);
+          points.evaluate(side, false);
           flux[side].clear();
           for (unsigned int c = 0; c < field.n_components; ++c)
-            flux[side].push_back(response.flux[field.first_component[side] + c] *
+            flux[side].push_back(points.response[side].flux[field.first_component[side] + c] *
                                  interface.pairing().N(side, q));
         }
         transmitted.resize(field.n_components);
-        interface.tie().numerical_flux(interface, field, q, states, flux, jump, transmitted);
+        interface.tie().numerical_flux(interface, field, q, points.state, flux, jump, transmitted);
         for (const double component : transmitted)
           resultants[position++] += w * component;
       }

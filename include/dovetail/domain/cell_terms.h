@@ -5,28 +5,25 @@
 
 #pragma once
 
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/open_boundary.h>
 
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/full_matrix.h>
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <vector>
 
 namespace dovetail {
 
-/// Fill the traces and gradients of a state from a point's shape values (n_nodes) and gradients (n_nodes) and
-/// the local unknowns in the order component, node.
-template <int dim>
-void evaluate_state(unsigned int n_components, unsigned int n_nodes, const double *shape_values,
-                    const dealii::Tensor<1, dim> *shape_gradients, const double *unknowns, State<dim> &state);
-
 /// Residual and tangent of
-/// @f[ R(\delta) = \int_K A(\nabla B):\nabla\delta B - f\cdot\delta B \,dV
+/// @f[ R(\delta) = \int_K A\cdot\nabla\delta B + S\cdot\delta B - f\cdot\delta B \,dV
 ///                 - \int_{\partial K} h(B)\cdot\delta B \,dA @f]
-/// with the fluxes A of the domain's material, the sources f and the boundary influxes h of its conditions.
-/// Gauss quadrature with degree + 1 points per direction. One object per thread; reuse it for all cells.
+/// with the fluxes A and sources S of the domain's material, the given sources f and the boundary influxes h
+/// of its conditions. Gauss quadrature with degree + 1 points per direction. One object per thread; reuse it
+/// for all cells.
 template <int dim>
 class CellTerms
 {
@@ -39,8 +36,8 @@ public:
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent);
 
-  /// The part of the residual that asks no law: minus the sources and the boundary influxes. Overwrites
-  /// @p residual. @return false if the cell has neither; it is zero then.
+  /// The part of the residual without the fluxes: the sources of the laws minus the given ones and the
+  /// boundary influxes. Overwrites @p residual. @return false if the cell has none of them; it is zero then.
   bool assemble_loads(const typename Domain<dim>::cell_iterator &cell, double t,
                       const std::vector<double> &unknowns, std::vector<double> &residual);
 
@@ -58,9 +55,12 @@ private:
   }
 
   void add_source(double t, std::vector<double> &residual);
+  /// The response of the laws at the current point.
+  void add_flux(double JxW, std::vector<double> &residual);
+  void add_source_of_laws(double JxW, std::vector<double> &residual);
   /// The terms of the fluxes' derivatives, or those of the cell before if nothing can have changed.
   void add_tangent(dealii::FullMatrix<double> &tangent);
-  void add_tangent_at_point(const Response<dim> &at_point, double JxW,
+  void add_tangent_at_point(const Response<dim> &response, double JxW,
                             dealii::FullMatrix<double> &tangent) const;
   bool has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const;
   void add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, double t,
@@ -69,22 +69,26 @@ private:
   void add_influx(const Condition<dim> &condition, const dealii::Point<dim> &X, double t,
                   const std::vector<double> &shape_values, double JxW, const std::vector<double> &unknowns,
                   std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
-  void load_point(const dealii::FEValuesBase<dim> &values, unsigned int q);
+  void load_directions(unsigned int q);
 
   const Domain<dim> &domain;
   const unsigned int n, n_nodes;
   dealii::FEValues<dim> cell_values;
   OpenBoundary<dim> open_boundary;
-  State<dim> state;
-  Response<dim> response;
+  CellPoints<dim> point;
   std::vector<Response<dim>> responses; ///< at the points of a cell whose tangent is asked for
   /// Of the last cell whose points all had one and the same tangent of the laws.
   dealii::FullMatrix<double> uniform_tangent;
   Response<dim> uniform_response;
   bool has_uniform_tangent = false;
-  std::vector<bool> couples; ///< whether the flux of component c depends on component d, at c * n + d
-  std::vector<bool> by_value;
-  std::vector<double> shape;
+  struct Pair ///< of components of which the first depends on the second
+  {
+    unsigned int c, d, index;
+    Coupling coupling;
+  };
+  std::vector<Pair> pairs;
+  std::vector<unsigned int> with_source; ///< components for which the laws have one
+  std::vector<double> shape;             ///< at the current point, as the next two
   std::vector<dealii::Tensor<1, dim>> gradient;
   std::array<std::vector<double>, dim> gradient_of_direction; ///< the same by direction, for the inner loop
   std::vector<const Condition<dim> *> flux_conditions;

@@ -61,15 +61,6 @@ public:
   /// Global unknowns of a group: source then destination, each in the order component, node.
   void group_dofs(const typename Pairing<dim>::Group &group,
                   std::vector<dealii::types::global_dof_index> &dofs) const;
-  /// Fill a side's state at a point (traces and gradients of components[side]; the others stay as they are).
-  void evaluate(unsigned int side, unsigned int q, const std::vector<double> &unknowns,
-                State<dim> &state) const
-  {
-    evaluate(side, q, pairing().gradients(side, q), unknowns, state);
-  }
-  /// With gradients of the shape functions elsewhere in the cell behind the point.
-  void evaluate(unsigned int side, unsigned int q, const dealii::Tensor<1, dim> *gradients,
-                const std::vector<double> &unknowns, State<dim> &state) const;
   /// The jump of a field at a point, all components.
   void jump(const TiedField &field, unsigned int q, const std::vector<double> &unknowns,
             std::vector<double> &result) const;

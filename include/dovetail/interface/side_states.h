@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include <dovetail/interface/interface.h>
+#include <dovetail/interface/side_points.h>
 
 #include <array>
 #include <vector>
@@ -20,11 +20,9 @@ namespace dovetail {
 /// that at the point (the values stay those at the point). A constant gradient is the same at both: patch
 /// tests stay exact.
 template <int dim>
-class SideStates
+class SideStates : public SidePoints<dim>
 {
 public:
-  SideStates() : state{{State<dim>(0), State<dim>(0)}}, response{{Response<dim>(0), Response<dim>(0)}} {}
-
   /// Choose the points that take the gradient of the centre: those at which a law of a nonlinear vector field
   /// is not defined, or |N.dA/dgrad B| is more than largest_stiffening times that at the centre.
   void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns);
@@ -32,11 +30,9 @@ public:
   /// State and response of a side at a point of a group, whose unknowns are given. Where the law is not
   /// defined, the point takes the gradient of the centre from now on, if the state is accepted. @return
   /// whether the law is defined.
+  using SidePoints<dim>::evaluate;
   bool evaluate(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, unsigned int side,
                 unsigned int q, double t, const std::vector<double> &unknowns, bool with_derivatives);
-  /// The state alone, at the point.
-  void evaluate_state(const Interface<dim> &interface, unsigned int side, unsigned int q, double t,
-                      const std::vector<double> &unknowns);
   /// The state that was evaluated last becomes the solution so far.
   void accept();
 
@@ -51,11 +47,6 @@ public:
   double normal_stiffness(const Interface<dim> &interface, const TiedField &field, unsigned int side,
                           unsigned int q) const;
 
-  std::array<State<dim>, 2> state;
-  std::array<Response<dim>, 2> response;
-  /// Of the shape functions, for state.gradient; of the side that was evaluated last.
-  std::array<const dealii::Tensor<1, dim> *, 2> gradients{};
-
 private:
   struct Choice ///< of the gradient of the centre: for the solution so far, and for the trial
   {
@@ -63,9 +54,6 @@ private:
   };
   static constexpr double largest_stiffening = 4;
 
-  bool evaluate_with(const dealii::Tensor<1, dim> *gradients, const Interface<dim> &interface,
-                     unsigned int side, unsigned int q, const std::vector<double> &unknowns,
-                     bool with_derivatives);
   bool stiffens(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, unsigned int side,
                 unsigned int q, const std::vector<double> &unknowns);
 

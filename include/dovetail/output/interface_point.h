@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include <dovetail/interface/interface.h>
+#include <dovetail/interface/side_points.h>
 #include <dovetail/system/vector.h>
 
 #include <array>
@@ -46,8 +46,8 @@ public:
 
 private:
   void evaluate(unsigned int q, const std::vector<double> &unknowns);
-  std::vector<double> normal_flux(const TiedField &field, unsigned int side, unsigned int q,
-                                  bool with_derivatives = false);
+  /// Of the response at the state of a side, which is evaluated.
+  std::vector<double> normal_flux(const TiedField &field, unsigned int side, unsigned int q);
   bool has_exact_flux(unsigned int field, unsigned int side) const;
   std::vector<double> exact_flux(unsigned int field, unsigned int side, unsigned int q);
   /// Size of dA/dgrad B of a field in the last response.
@@ -55,8 +55,7 @@ private:
 
   const Interface<dim> &interface;
   const double t;
-  std::array<State<dim>, 2> state;
-  Response<dim> response;
+  SidePoints<dim> points;
 };
 
 } // namespace dovetail

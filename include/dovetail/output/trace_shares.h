@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
@@ -27,11 +28,8 @@ public:
                                       const std::vector<double> &unknowns);
 
 private:
-  const Domain<dim> &domain;
-  State<dim> state;
-  Response<dim> response;
-  std::vector<double> shape, result;
-  std::vector<dealii::Tensor<1, dim>> gradient;
+  CellPoints<dim> point;
+  std::vector<double> result;
 };
 
 /// Of a force r_i that acts on node i by two parts of the boundary, part b has the share

@@ -1,35 +1,39 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Formulas typed by the user: muParser strings in x, y, z, t and, where a law depends on it, the temperature
-// T.
+// Formulas typed by the user: strings in muParser's syntax in x, y, z, t and, where a law depends on them,
+// scalars such as the temperature T.
 
 #pragma once
 
+#include <deal.II/base/array_view.h>
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace dovetail {
 
-/// A list of formulas, one per component ("sin(pi*x); t"), of position, time and temperature.
+/// A list of formulas, one per component ("sin(pi*x); t"), of position, time and scalars.
 ///
 /// Known besides muParser's own: pi, inf, ln and log (natural), log10, if(a,b,c), min, max, abs, sign, floor,
 /// ceil,
-/// &&, ||, a ? b : c. A component that uses no variable is evaluated once. Copies share nothing that changes.
+/// &&, ||, a ? b : c, and table(argument, x_1, y_1, x_2, y_2, …), the monotone cubic through the pairs,
+/// constant outside. Derivatives are exact. A component that uses no variable is evaluated once. Copies share
+/// nothing that changes.
 class Expression
 {
 public:
-  /// Which variables a formula may use: the first @p dim of x, y, z, always t, and T if @p with_temperature.
+  /// Which variables a formula may use: the first @p dim of x, y, z, always t, and the scalars by these
+  /// names.
   struct Variables
   {
     unsigned int dim = 3;
-    bool with_temperature = false;
+    std::vector<std::string> scalars;
   };
+  using Scalars = dealii::ArrayView<const double>; ///< their values, in this order
 
   /// The constant zero with one component.
   Expression();
@@ -37,7 +41,7 @@ public:
   explicit Expression(unsigned int n_components);
   /// @throw UserError if a component does not parse or uses an unknown name (the text says which and what is
   /// known). The message does not say where; Section adds that.
-  Expression(const std::string &text, Variables variables);
+  Expression(const std::string &text, const Variables &variables);
 
   Expression(const Expression &);
   Expression &operator=(const Expression &);
@@ -48,15 +52,17 @@ public:
   unsigned int n_components() const;
   bool depends_on_position() const;
   bool depends_on_time() const;
-  bool depends_on_temperature() const;
-  bool is_zero() const; ///< every component is the constant 0
+  bool depends_on_scalars() const;
+  bool depends_on_scalar(unsigned int scalar) const;
+  bool is_affine_in_scalars() const; ///< whether its derivatives by the scalars depend on none of them
+  bool is_zero() const;              ///< every component is the constant 0
 
+  /// @p scalars may be missing if it does not depend on them.
   template <int dim>
-  double value(const dealii::Point<dim> &X, double t, unsigned int component = 0, double T = 0) const;
+  double value(const dealii::Point<dim> &X, double t, unsigned int component = 0, Scalars scalars = {}) const;
 
-  /// Gradient: exact if the formula holds arithmetics and smooth functions only. Else by a five-point central
-  /// difference with a step of 1e-3 @p length (a typical length of the body), exact to rounding for
-  /// polynomials up to degree 4.
+  /// Gradient; where that is not finite (the edge of a root) a five-point central difference with a step of
+  /// 1e-3 @p length, a typical length of the body.
   template <int dim>
   dealii::Tensor<1, dim> gradient(const dealii::Point<dim> &X, double t, unsigned int component,
                                   double length) const;
@@ -69,10 +75,13 @@ public:
   void gradients(const std::vector<dealii::Point<dim>> &X, double t, unsigned int component, double length,
                  std::vector<dealii::Tensor<1, dim>> &result) const;
 
-  /// d/dT and d²/dT² by five-point central differences, step 1e-3 |T| + 1e-4; exactly 0 without T.
+  /// By one of the scalars, and by two.
   template <int dim>
-  std::array<double, 2> temperature_derivatives(const dealii::Point<dim> &X, double t, unsigned int component,
-                                                double T) const;
+  double derivative(const dealii::Point<dim> &X, double t, unsigned int component, Scalars scalars,
+                    unsigned int scalar) const;
+  template <int dim>
+  double second_derivative(const dealii::Point<dim> &X, double t, unsigned int component, Scalars scalars,
+                           unsigned int first, unsigned int second) const;
 
 private:
   struct Implementation;

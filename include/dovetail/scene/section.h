@@ -54,13 +54,15 @@ public:
   unsigned int choose(const std::string &name, const std::vector<std::string> &choices,
                       unsigned int default_choice, const std::string &description) const;
 
-  /// Formulas in x, y, z, t (and T); components separated by ';'. The number of components must be one of
+  /// Formulas in x, y, z, t and @p scalars; components separated by ';'. The number of components must be one
+  /// of
   /// @p n_components (a scalar or a tensor: {1, dim, dim * dim}). An empty default means zero.
   Expression read_expression(const std::string &name, const std::string &default_text,
                              const std::vector<unsigned int> &n_components, const std::string &description,
-                             bool with_temperature = false) const;
+                             const std::vector<std::string> &scalars = {}) const;
   Expression require_expression(const std::string &name, const std::vector<unsigned int> &n_components,
-                                const std::string &description, bool with_temperature = false) const;
+                                const std::string &description,
+                                const std::vector<std::string> &scalars = {}) const;
 
   /// Components separated by ';', exactly dimension() of them (a third one is accepted in 2D if it is 0).
   /// Unused components are 0.

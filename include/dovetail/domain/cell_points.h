@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Unknowns -> state -> response at points of a cell. With SidePoints, the only way to the laws.
+
+#pragma once
+
+#include <dovetail/domain/domain.h>
+
+#include <deal.II/fe/fe_values.h>
+
+#include <vector>
+
+namespace dovetail {
+
+/// Fill the traces and gradients of a state from a point's shape values (n_nodes) and gradients (n_nodes) and
+/// the local unknowns in the order component, node.
+template <int dim>
+void evaluate_state(unsigned int n_components, unsigned int n_nodes, const double *shape_values,
+                    const dealii::Tensor<1, dim> *shape_gradients, const double *unknowns, State<dim> &state);
+
+/// The state of a domain at one point of a cell after another, and the response of its material. One object
+/// per thread; reuse it for all cells.
+template <int dim>
+class CellPoints
+{
+public:
+  CellPoints(const Domain<dim> &domain, const double t)
+      : domain(domain), state(domain.n_components()), response(domain.n_components()),
+        shape(domain.n_nodes()), gradient(domain.n_nodes())
+  {
+    state.t = t;
+  }
+
+  /// Point @p q of a cell or of its face, with the cell's unknowns in the order component, node.
+  void reinit(const dealii::FEValuesBase<dim> &values, unsigned int q, const std::vector<double> &unknowns);
+  /// A point X anywhere in the cell, where the shape functions have these values and gradients.
+  void reinit(const dealii::Point<dim> &X, const double *shape_values,
+              const dealii::Tensor<1, dim> *shape_gradients, const std::vector<double> &unknowns);
+  /// The response at the state; @return false if a law is not defined there.
+  bool evaluate(const bool with_derivatives)
+  {
+    return domain.material.evaluate(state, with_derivatives, response);
+  }
+
+  const std::vector<double> &shape_values() const { return shape; } ///< of the first reinit()
+  const std::vector<dealii::Tensor<1, dim>> &shape_gradients() const { return gradient; }
+
+  const Domain<dim> &domain;
+  State<dim> state; ///< may be changed before evaluate()
+  Response<dim> response;
+
+private:
+  std::vector<double> shape;
+  std::vector<dealii::Tensor<1, dim>> gradient;
+};
+
+} // namespace dovetail

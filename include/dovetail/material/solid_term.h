@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The stress of a solid in the balance of forces.
+
+#pragma once
+
+#include <dovetail/material/solid_law.h>
+#include <dovetail/material/term.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace dovetail {
+
+/// A = P(I + grad u, e), in 2D plane strain (H_33 = 0), where e = alpha (T - T0) is the free thermal strain.
+template <int dim>
+class SolidTerm : public Term<dim>
+{
+public:
+  struct Expansion
+  {
+    unsigned int temperature;      ///< its component
+    double coefficient, reference; ///< alpha [1/K], T0 [K]
+  };
+
+  /// @param name of the material and of its law, for messages
+  SolidTerm(const Field &field, std::unique_ptr<SolidLaw> law, const std::optional<Expansion> &expansion,
+            const std::string &name_of_material, const std::string &name_of_law);
+
+  bool has_flux() const override { return true; }
+  bool has_source() const override { return false; }
+  Coupling coupling(unsigned int c, unsigned int d) const override;
+  bool is_linear() const override { return law->is_linear(); }
+  bool is_symmetric() const override { return true; } // there is an energy
+  bool depends_on_time() const override { return false; }
+  std::string description() const override { return name_of_law; }
+
+  bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const override;
+  void add_curvature(const State<dim> &state, const std::vector<dealii::Tensor<1, dim>> &w,
+                     dealii::FullMatrix<double> &result) const override;
+
+  /// sigma = P F^T / J, the force per deformed area (P itself for a linear law, which knows no deformed
+  /// area); three-dimensional also in plane strain. NaN where the law is not defined.
+  dealii::Tensor<2, 3> cauchy_stress(const State<dim> &state) const;
+
+private:
+  dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;
+  double thermal_strain(const State<dim> &state) const
+  {
+    return expansion ? expansion->coefficient * (state.value[expansion->temperature] - expansion->reference)
+                     : 0;
+  }
+
+  const std::unique_ptr<SolidLaw> law;
+  const std::optional<Expansion> expansion;
+  const std::string name_of_material, name_of_law;
+};
+
+} // namespace dovetail

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// A term: one summand of a domain's balance at a point, from State to Response.
+
+#pragma once
+
+#include <deal.II/base/point.h>
+#include <deal.II/base/tensor.h>
+#include <deal.II/lac/full_matrix.h>
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// An unknown of a domain: `displacement` (dim components) or a scalar such as `temperature`.
+struct Field
+{
+  std::string name;
+  unsigned int n_components;
+  unsigned int first_component; ///< among the components of all fields of the material
+  std::string law;              ///< what gives a material this field: "solid" for the displacement
+  std::string symbol;           ///< of a scalar in formulas: T for the temperature; "" if it has none
+};
+
+/// What a law sees at a point: position, time, and for each component c the trace B_c and its gradient.
+template <int dim>
+struct State
+{
+  explicit State(unsigned int n_components) : value(n_components), gradient(n_components) {}
+  dealii::Point<dim> X;
+  double t = 0;
+  std::vector<double> value;
+  std::vector<dealii::Tensor<1, dim>> gradient;
+};
+
+/// What it answers: for each component c the flux A_c and the source S_c of the balance
+/// @f[ R(\delta) = \int A\cdot\nabla\delta B + S\cdot\delta B - f\cdot\delta B \,dV @f]
+/// and, for each pair (c, d) at index c * n + d, their derivatives by_gradient[c * n + d][J][L] = dA_cJ /
+/// d(grad B_d)_L, by_value[c * n + d][J] = dA_cJ / dB_d, source_by_gradient[c * n + d][L] = dS_c / d(grad
+/// B_d)_L and source_by_value[c * n + d] = dS_c / dB_d. S is what a law takes out of the body: minus a
+/// production, the rate of what is stored.
+template <int dim>
+struct Response
+{
+  explicit Response(unsigned int n)
+      : flux(n), source(n), by_gradient(n * n), by_value(n * n), source_by_gradient(n * n),
+        source_by_value(n * n)
+  {
+  }
+  std::vector<dealii::Tensor<1, dim>> flux;
+  std::vector<double> source;
+  std::vector<dealii::Tensor<2, dim>> by_gradient;
+  std::vector<dealii::Tensor<1, dim>> by_value;
+  std::vector<dealii::Tensor<1, dim>> source_by_gradient;
+  std::vector<double> source_by_value;
+};
+
+/// Which derivatives of a pair (c, d) of components do not vanish identically.
+struct Coupling
+{
+  bool flux_by_gradient = false, flux_by_value = false, source_by_gradient = false, source_by_value = false;
+
+  bool of_flux() const { return flux_by_gradient || flux_by_value; }
+  bool of_source() const { return source_by_gradient || source_by_value; }
+  bool any() const { return of_flux() || of_source(); }
+  Coupling &operator|=(const Coupling &other)
+  {
+    flux_by_gradient = flux_by_gradient || other.flux_by_gradient;
+    flux_by_value = flux_by_value || other.flux_by_value;
+    source_by_gradient = source_by_gradient || other.source_by_gradient;
+    source_by_value = source_by_value || other.source_by_value;
+    return *this;
+  }
+};
+
+/// One summand of the balance of one field: the stress of a solid, the conduction of heat, a reaction. Knows
+/// no mesh. A term is asked only where all components of its field are known.
+template <int dim>
+class Term
+{
+public:
+  explicit Term(const Field &field) : field(field) {}
+  virtual ~Term() = default;
+
+  const Field field;                                   ///< whose balance it belongs to
+  mutable std::atomic<unsigned long> n_evaluations{0}; ///< calls of add() on this rank
+
+  virtual bool has_flux() const = 0;
+  virtual bool has_source() const = 0;
+  /// How component c of its field depends on component d of the material.
+  virtual Coupling coupling(unsigned int c, unsigned int d) const = 0;
+  virtual bool is_linear() const = 0;       ///< affine in all fields, so its derivatives are constant
+  virtual bool is_symmetric() const = 0;    ///< its derivatives by its own field are, and not negative
+  virtual bool depends_on_time() const = 0; ///< through t itself
+  virtual std::string description() const = 0;
+
+  /// Add to the flux and the source of its field and, if asked for, to the derivatives for which coupling()
+  /// says so. @return false if the law is not defined at this state, with the reason left as
+  /// scene/undefined.h says.
+  virtual bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const = 0;
+
+  /// Add the second derivatives of sum_c w_c . A_c, c in its field, to those of the material
+  /// (Material::curvature). Asked only if some w_c is not zero and the term is not linear.
+  virtual void add_curvature(const State<dim> & /*state*/, const std::vector<dealii::Tensor<1, dim>> & /*w*/,
+                             dealii::FullMatrix<double> & /*result*/) const
+  {
+  }
+
+protected:
+  // Rows of a curvature.
+  static unsigned int value_row(const unsigned int c) { return c * (1 + dim); }
+  static unsigned int gradient_row(const unsigned int c, const unsigned int J)
+  {
+    return c * (1 + dim) + 1 + J;
+  }
+  static void add_symmetric(dealii::FullMatrix<double> &result, const unsigned int row,
+                            const unsigned int column, const double value)
+  {
+    result(row, column) += value;
+    result(column, row) += value;
+  }
+};
+
+} // namespace dovetail

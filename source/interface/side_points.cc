@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/interface/side_points.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace dovetail {
+
+template <int dim>
+void SidePoints<dim>::reinit(const Interface<dim> &new_interface, const double t)
+{
+  interface = &new_interface;
+  for (const unsigned int side : {source, destination}) {
+    const unsigned int n = interface->sides[side].domain->n_components();
+    state[side] = State<dim>(n);
+    state[side].t = t;
+    response[side] = Response<dim>(n);
+  }
+}
+
+template <int dim>
+void SidePoints<dim>::reinit(const unsigned int side, const unsigned int q,
+                             const dealii::Tensor<1, dim> *gradients, const std::vector<double> &unknowns)
+{
+  State<dim> &at_point = state[side];
+  shape_gradients[side] = gradients;
+  at_point.X = interface->pairing().X(side, q);
+  const unsigned int n = interface->sides[side].domain->n_nodes();
+  const double *values = interface->pairing().values(side, q);
+  const double *unknown = unknowns.data() + (side == source ? 0 : interface->n_local(source));
+  std::fill(at_point.value.begin(), at_point.value.end(), std::numeric_limits<double>::quiet_NaN());
+  for (const unsigned int c : interface->components[side]) {
+    at_point.value[c] = 0;
+    at_point.gradient[c] = 0;
+    for (unsigned int a = 0; a < n; ++a, ++unknown) {
+      at_point.value[c] += values[a] * *unknown;
+      at_point.gradient[c] += *unknown * gradients[a];
+    }
+  }
+}
+
+template <int dim>
+bool SidePoints<dim>::evaluate(const unsigned int side, const bool with_derivatives)
+{
+  return interface->sides[side].domain->material.evaluate(state[side], with_derivatives, response[side]);
+}
+
+template class SidePoints<2>;
+template class SidePoints<3>;
+
+} // namespace dovetail

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Rubber whose stiffness in shear and in extension differ. With the invariants I_1 and I_2 of the deformation
+// without change of volume (invariant_law.h):
+//
+//     W_e = C10 (I_1 - 3) + C01 (I_2 - 3) + kappa/4 (J^2 - 1 - 2 ln J)
+//
+// The shear modulus of small strains is 2 (C10 + C01); C01 = 0 is the neo-Hookean solid.
+//
+// Reference: Mooney (1940), Rivlin (1948); Holzapfel, Nonlinear Solid Mechanics (2000), section 6.5.
+//
+//     subsection Solid
+//       set Type         = Mooney-Rivlin
+//       set C10          = 0.16e6    # Pa
+//       set C01          = 0.04e6    # Pa
+//       set Bulk modulus = 2e6       # Pa
+//     end
+
+#include <dovetail/material/invariant_law.h>
+#include <dovetail/scene/catalogue.h>
+
+namespace dovetail {
+
+class MooneyRivlin : public InvariantLaw
+{
+public:
+  explicit MooneyRivlin(const Section &section)
+      : C10(section.require<double>("C10", "Coefficient of the first invariant minus 3 [Pa]")),
+        C01(section.require<double>("C01", "Coefficient of the second invariant minus 3 [Pa]")),
+        kappa(section.require<double>("Bulk modulus", "kappa (three-dimensional) [Pa]"))
+  {
+    section.check(C10 >= 0 && C01 >= 0 && C10 + C01 > 0, "C10",
+                  "and C01 must not be negative, and their sum must be positive.");
+    section.check(kappa > 0, "Bulk modulus", "must be positive.");
+  }
+
+protected:
+  IsochoricEnergy isochoric(double, double) const override
+  {
+    IsochoricEnergy W;
+    W.W_1 = C10;
+    W.W_2 = C01;
+    return W;
+  }
+  VolumetricEnergy volumetric(const double J_minus_1) const override { return simo_taylor(kappa, J_minus_1); }
+
+private:
+  const double C10, C01, kappa;
+};
+
+namespace {
+[[maybe_unused]] const bool registered = Catalogue<SolidLaw>::add<MooneyRivlin>(
+    "Mooney-Rivlin", "Rubber-like solid for large strains, by both invariants of the deformation.");
+}
+
+} // namespace dovetail

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The species of a material: a scalar field each, the concentration c, with diffusion and reaction,
+//
+//     R(delta) = int A.grad delta c + S delta c,   S = -r(scalars, X, t)
+//
+// where the reaction r is what is produced.
+//
+//     set Species = carbon
+//     subsection Species carbon
+//       set Type        = Fick
+//       set Diffusivity = 2e-11              # m^2/s
+//       set Reaction    = -1e-4 * carbon     # amount/(m^3 s)
+//     end
+
+#include <dovetail/material/diffusion_term.h>
+#include <dovetail/material/material_part.h>
+#include <dovetail/material/reaction_term.h>
+#include <dovetail/scene/catalogue.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace dovetail {
+
+namespace {
+
+/// As formulas call it: they know no spaces.
+std::string symbol_of(std::string name)
+{
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+}
+
+template <int dim>
+class Species : public MaterialPart<dim>
+{
+public:
+  explicit Species(const Section &material)
+      : MaterialPart<dim>(material),
+        names(material.announce("Species", "Species",
+                                "Names of scalars besides the temperature, each with a law of its "
+                                "own [-]"))
+  {
+    for (const std::string &name : names)
+      material.check(
+          is_good_name(name), "Species",
+          "names '" + name +
+              "', but a species is a field and a variable of formulas: its name begins with a letter, holds "
+              "letters, digits and underscores only (spaces become underscores in formulas), and is none of "
+              "x, y, z, t, T, pi, inf, displacement, temperature.");
+  }
+
+  std::vector<Field> fields() const override
+  {
+    std::vector<Field> all;
+    for (const std::string &name : names)
+      all.push_back({name, 1, 0, "species", symbol_of(name)});
+    return all;
+  }
+
+  void add_terms(const std::vector<Field> &all, typename MaterialPart<dim>::Terms &terms) const override
+  {
+    for (const std::string &name : names) {
+      const Section section = this->material.subsection("Species " + name);
+      auto law = Catalogue<SpeciesLaw, const ScalarNames &>::create(section, "", "The law of the flux [-]",
+                                                                    symbols_of(all));
+      const Expression reaction = section.read_expression(
+          "Reaction", "0", {1},
+          "Production of the species by reactions, negative where it is consumed [1/(m^3 s)]",
+          symbols_of(all));
+      if (section.documenting())
+        continue;
+      const Field &own =
+          *std::find_if(all.begin(), all.end(), [&](const Field &field) { return field.name == name; });
+      terms.push_back(std::make_unique<DiffusionTerm<dim>>(own, all, std::move(law), section.peek("Type")));
+      if (!reaction.is_zero())
+        terms.push_back(std::make_unique<ReactionTerm<dim>>(own, all, section, "Reaction", reaction));
+    }
+  }
+
+private:
+  static bool is_good_name(const std::string &name)
+  {
+    for (const std::string reserved : {"x", "y", "z", "t", "T", "pi", "inf", "displacement", "temperature"})
+      if (name == reserved)
+        return false;
+    return std::isalpha(static_cast<unsigned char>(name[0])) &&
+           std::all_of(name.begin(), name.end(), [](const char letter) {
+             return std::isalnum(static_cast<unsigned char>(letter)) || letter == '_' || letter == ' ';
+           });
+  }
+
+  const std::vector<std::string> names;
+};
+
+[[maybe_unused]] const bool registered = add_material_part<Species>(30);
+
+} // namespace
+
+} // namespace dovetail

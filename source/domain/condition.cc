@@ -26,7 +26,7 @@ Field read_field(const Section &section, const std::vector<Field> &fields)
 std::set<dealii::types::boundary_id> read_boundary_ids(const Section &section)
 {
   const auto ids = section.require<std::vector<unsigned int>>(
-      "Boundary ids", "The boundary ids of the mesh on which it acts [-]",
+      "Boundary ids", "The boundary ids of the mesh on which the condition acts [-]",
       Patterns::List(Patterns::Integer(0), 1));
   return {ids.begin(), ids.end()};
 }

@@ -150,9 +150,10 @@ void Domain<dim>::read_given(const Section &section)
 {
   for (auto [kind, given, text] :
        {std::make_tuple("Source", &given_source,
-                        "Density of the source: body force or heat [N/m^3 or W/m^3]"),
+                        "Source per volume: body force or heat source [N/m^3 or W/m^3]"),
         std::make_tuple("Initial", &given_initial, "First guess of a static scene [m or K]"),
-        std::make_tuple("Exact", &given_exact, "Exact solution: its errors are reported [m or K]")}) {
+        std::make_tuple("Exact", &given_exact,
+                        "Exact solution; the report contains the errors against this solution [m or K]")}) {
     const Section part = section.subsection(kind);
     for (const Field &field : fields()) {
       const Expression expression = part.read_expression(field.name, "", {field.n_components}, text);
@@ -167,9 +168,10 @@ void Domain<dim>::read_conditions(const Section &section, const Toggles &toggles
 {
   for (const std::string &condition :
        section.announce("Boundary conditions", "Boundary condition",
-                        "Names of what happens on the boundary of this domain [-]")) {
-    auto created = ConditionCatalogue<dim>::create(section.subsection("Boundary condition " + condition), "",
-                                                   "What the condition prescribes [-]", fields(), toggles);
+                        "Names of the boundary conditions of this domain [-]")) {
+    auto created =
+        ConditionCatalogue<dim>::create(section.subsection("Boundary condition " + condition), "",
+                                        "The type of the boundary condition [-]", fields(), toggles);
     if (created)
       all_conditions.push_back(std::move(created));
   }

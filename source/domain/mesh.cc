@@ -156,10 +156,11 @@ void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, deal
   const auto file_name = section.read<std::string>(
       "File", "", "The file of the mesh: .msh (Gmsh 2.2 or 4.1), .inp (Abaqus or AVS UCD), .vtk or .unv [-]");
   const auto generator = section.read<std::string>(
-      "Generator", "", "Instead of a file: the name of one of deal.II's functions in GridGenerator [-]");
-  const auto arguments = section.read<std::string>(
-      "Arguments", "",
-      "The generator's arguments, separated by ':', lists by ',', as in deal.II's documentation [-]");
+      "Generator", "", "Instead of a file: the name of a function in deal.II's GridGenerator [-]");
+  const auto arguments =
+      section.read<std::string>("Arguments", "",
+                                "The generator's arguments in the order of deal.II's documentation, "
+                                "separated by ':'; elements of a list are separated by ',' [-]");
   if (section.documenting())
     return;
 
@@ -209,14 +210,14 @@ public:
   {
     for (const std::string &text : section.read<std::vector<std::string>>(
              "Refine boxes", {},
-             "Cells with their centre in one of these boxes, smallest : largest coordinates in the final "
-             "position, are divided further; for instance 0; 0 : 1; 0.5, 2; 0 : 3; 0.5 [m]"))
+             "Cells with their centre in one of these boxes are refined further; a box has the form smallest "
+             ": largest coordinates in the final position, for instance 0; 0 : 1; 0.5, 2; 0 : 3; 0.5 [m]"))
       boxes.push_back(read_box(text));
     const auto ids = section.read<std::vector<unsigned int>>(
-        "Refine at boundary ids", {}, "Cells with a face on these parts of the boundary, too [-]");
+        "Refine at boundary ids", {}, "Cells with a face on these boundary ids are refined further, too [-]");
     boundary_ids.insert(ids.begin(), ids.end());
     n_refinements = section.read<unsigned int>(
-        "Local refinements", 1, "How often the cells of these boxes and boundaries are divided [-]",
+        "Local refinements", 1, "Number of further refinements in these boxes and at these boundary ids [-]",
         Patterns::Integer(0, 20));
   }
 
@@ -317,19 +318,17 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   auto mesh = std::make_unique<MeshWithOrigin<dim>>(communicator);
   NodesOnEdges<dim> nodes_on_edges;
   make_coarse_mesh(section, communicator, mesh->origin, nodes_on_edges, mesh->note);
-  const bool converts =
-      section.choose(
-          "Cells", {"as they are", "simplices"}, 0,
-          "simplices: divide quadrilaterals into triangles, hexahedra into tetrahedra, after Refinements "
-          "[-]") == 1;
+  const bool converts = section.choose("Cells", {"as they are", "simplices"}, 0,
+                                       "simplices: divide quadrilaterals into triangles and hexahedra into "
+                                       "tetrahedra, after Refinements [-]") == 1;
   const auto n_refinements = section.read<unsigned int>(
-      "Refinements", 0, "How often every cell is divided into 2^d [-]", Patterns::Integer(0, 20));
+      "Refinements", 0, "Number of refinements; each refinement divides every cell into 2^d cells [-]",
+      Patterns::Integer(0, 20));
   const LocalRefinement<dim> local_refinement(section);
-  const auto scale =
-      section.read<double>("Scale", 1, "All lengths of the mesh are multiplied by this, before Shift [-]",
-                           Patterns::Double(1e-300));
-  const dealii::Point<3> shift =
-      section.read_point("Shift", dealii::Point<3>(), "Added to all points of the mesh, after Scale [m]");
+  const auto scale = section.read<double>(
+      "Scale", 1, "Factor for all lengths of the mesh, applied before Shift [-]", Patterns::Double(1e-300));
+  const dealii::Point<3> shift = section.read_point(
+      "Shift", dealii::Point<3>(), "Vector that is added to all points of the mesh, after Scale [m]");
 
   if (section.documenting())
     return mesh;

@@ -22,7 +22,8 @@ std::vector<unsigned int> read_components(const Section &section, const Field &f
 {
   const std::string letters = "xyz";
   const auto names = section.read<std::vector<std::string>>(
-      "Components", {}, "Which components of a vector are prescribed (x, y, z); all if empty [-]");
+      "Components", {},
+      "The prescribed components of a vector (x, y, z); if empty, all components are prescribed [-]");
   std::vector<unsigned int> components;
   if (names.empty() || section.documenting())
     for (unsigned int c = 0; c < field.n_components; ++c)

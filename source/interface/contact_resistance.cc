@@ -38,15 +38,17 @@ class ContactResistance : public Nitsche<dim>, public ElasticJoint
 public:
   explicit ContactResistance(const Section &section)
       : Nitsche<dim>(section), section(section),
-        conductance(section.read_expression(
-            "Conductance", "", {1},
-            "Flux per jump of a scalar field such as the temperature, also a formula of T, the mean of both "
-            "sides'; from 0 (no contact) to inf (tied); required where such a field is tied [W/(m^2 K)]",
-            {"T"})),
-        stiffness(section.read_expression(
-            "Joint stiffness", "", {1, 2},
-            "Force per area and jump of the displacement, one for all directions or two, normal; tangential; "
-            "from 0 (no contact) to inf (tied); required where the displacement is tied [Pa/m]"))
+        conductance(
+            section.read_expression("Conductance", "", {1},
+                                    "Flux per jump of a scalar field such as the temperature, which may "
+                                    "depend on T, the mean temperature of both sides; from 0 (no contact) to "
+                                    "inf (tied); required if such a field is tied [W/(m^2 K)]",
+                                    {"T"})),
+        stiffness(
+            section.read_expression("Joint stiffness", "", {1, 2},
+                                    "Force per area and jump of the displacement: one number for all "
+                                    "directions, or two numbers, normal; tangential; from 0 (no contact) to "
+                                    "inf (tied); required if the displacement is tied [Pa/m]"))
   {
   }
 

@@ -19,8 +19,8 @@ std::vector<unsigned int> read_material_ids(const Section &section, const std::s
 {
   return section.read<std::vector<unsigned int>>(
       entry + " material ids", {},
-      "Of the " + std::string(entry == "Source" ? "source" : "destination") +
-          ", only the faces of cells that have one of these material ids in the mesh; all if empty [-]");
+      "Restricts the " + std::string(entry == "Source" ? "source" : "destination") +
+          " to faces of cells with one of these material ids of the mesh; if empty, all faces are used [-]");
 }
 
 /// An error if no face with the boundary ids of a side belongs to a cell with one of its material ids.
@@ -74,10 +74,10 @@ InterfaceSide<dim> find_side(const Section &section, const std::string &entry,
 
 unsigned int read_points_per_face(const Section &section)
 {
-  const auto text = section.read<std::string>("Points per face", "automatic",
-                                              "With mapped points: Gauss points in each direction of a face; "
-                                              "automatic follows the degrees and the ratio of the face "
-                                              "sizes [-]");
+  const auto text =
+      section.read<std::string>("Points per face", "automatic",
+                                "Number of Gauss points in each direction of a face, for mapped points; "
+                                "automatic: computed from the degrees and the ratio of the face sizes [-]");
   if (text == "automatic" || section.documenting())
     return 0;
   const bool is_number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
@@ -96,10 +96,11 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       toggles(&toggles), toggle(toggles.read_reference(section)),
       method(TieCatalogue<dim>::create(section, "", "The method that ties the two sides [-]"))
 {
-  options.quadrature = static_cast<FaceQuadrature>(section.choose(
-      "Quadrature", {"segments", "mapped points"}, 0,
-      "segments: the common refinement of the faces of both sides, exact; mapped points: Gauss points of the "
-      "faces, each with the closest point of the other side, error 1/n^2 in the points per face [-]"));
+  options.quadrature = static_cast<FaceQuadrature>(
+      section.choose("Quadrature", {"segments", "mapped points"}, 0,
+                     "segments: exact integration on the common refinement of the faces of both sides; "
+                     "mapped points: Gauss points of the faces, each mapped to the closest point of the "
+                     "other side, with an error of O(1/n^2) for n points per direction [-]"));
   options.points_per_direction = read_points_per_face(section);
   section.check(
       options.quadrature == FaceQuadrature::mapped_points || options.points_per_direction == 0,
@@ -107,7 +108,7 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       "belongs to Quadrature = mapped points; segments know how many points they need. Remove it, or "
       "set Quadrature = mapped points.");
   options.search_radius = section.read<double>(
-      "Search radius", 0.2, "Largest gap that is tied, in units of the larger one of the two face sizes [-]",
+      "Search radius", 0.2, "Largest gap that is tied, as a multiple of the larger of the two face sizes [-]",
       Patterns::Double(1e-300));
   options.gap_extension = static_cast<GapExtension>(section.choose(
       "Gap extension", {"symmetric", "trial", "none"}, 0,
@@ -115,18 +116,19 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       "solution, or not at all [-]"));
   const std::vector<std::string> answers = {"error", "warn", "allow"};
   uncovered = answers[section.choose("Uncovered", answers, 0,
-                                     "What to do if both sides have parts that face nothing [-]")];
-  const auto shift = section.read_point(
-      "Shift", {},
-      "The source is moved by this before partners are sought: X + Shift of the source faces X of the "
-      "destination, for instance in periodic bodies; solution, laws and expressions stay where they are [m]");
+                                     "Reaction if both sides have parts without a partner [-]")];
+  const auto shift =
+      section.read_point("Shift", {},
+                         "Translation of the source for the search of partners: X + Shift of the source "
+                         "faces X of the destination, for instance in periodic bodies; solution, laws and "
+                         "expressions use the original positions [m]");
   for (unsigned int d = 0; d < dim; ++d)
     sides[source].shift[d] = shift[d];
   if (section.documenting()) {
     for (const std::string entry : {"Source", "Destination"})
       read_material_ids(section, entry);
-    section.read<std::vector<std::string>>("Fields", {},
-                                           "The fields that are tied; all that both domains have [-]");
+    section.read<std::vector<std::string>>(
+        "Fields", {}, "The fields that are tied; if empty, all fields that both domains have [-]");
     return;
   }
   check_not_to_itself();

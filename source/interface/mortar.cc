@@ -131,10 +131,10 @@ private:
 
 template <int dim>
 Mortar<dim>::Mortar(const Section &section)
-    : is_dual(section.choose(
-                  "Multiplier space", {"dual", "standard"}, 0,
-                  "dual: biorthogonal to the destination's shape functions, condensed into constraints; "
-                  "standard: the destination's traces, with unknowns of their own [-]") == 0)
+    : is_dual(section.choose("Multiplier space", {"dual", "standard"}, 0,
+                             "dual: multipliers that are biorthogonal to the destination's shape functions, "
+                             "condensed into constraints; standard: the traces of the destination's shape "
+                             "functions, whose coefficients are additional unknowns [-]") == 0)
 {
 }
 

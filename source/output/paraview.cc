@@ -52,7 +52,7 @@ std::string escape(const std::string &text)
 template <int dim>
 Paraview<dim>::Paraview(const Section &output, const Model<dim> &model, const std::string &directory)
     : model(model), directory(directory),
-      writes(output.read<bool>("Paraview", true, "Write files that ParaView opens [-]"))
+      writes(output.read<bool>("Paraview", true, "Write files for ParaView [-]"))
 {
   read_fields(output);
 }
@@ -98,7 +98,8 @@ void Paraview<dim>::read_fields(const Section &output)
 {
   const std::vector<std::string> known = {"solution", "heat flux", "Cauchy stress", "von Mises"};
   const auto asked = output.read<std::vector<std::string>>(
-      "Fields", {"solution"}, "What the files show, of: solution, heat flux, Cauchy stress, von Mises [-]");
+      "Fields", {"solution"},
+      "The fields in the files, any of: solution, heat flux, Cauchy stress, von Mises [-]");
   for (const std::string &field : asked) {
     output.check(std::find(known.begin(), known.end(), field) != known.end(), "Fields",
                  "has '" + field + "', but known are " + comma_separated(known) + ". " +

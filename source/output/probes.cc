@@ -129,15 +129,16 @@ typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Sec
   probe.section = section;
   if (has_point || section.documenting()) {
     const auto domain = section.require<std::string>("Domain", "The domain in which the point lies [-]");
-    const auto point =
-        section.require_point("Point", "Where the field is evaluated, in material coordinates [m]");
+    const auto point = section.require_point(
+        "Point", "The point at which the field is evaluated, in material coordinates [m]");
     for (unsigned int d = 0; d < dim; ++d)
       probe.X[d] = point[d];
     probe.domain = find_domain(domain, section, "Domain", model);
   }
   if (has_boundary || section.documenting()) {
-    const auto boundary = section.require_boundary(
-        "Boundary", "Instead of Domain and Point: where the flux is added up, domain : boundary ids [-]");
+    const auto boundary =
+        section.require_boundary("Boundary", "Instead of Domain and Point: the boundary over which the flux "
+                                             "is integrated, domain : boundary ids [-]");
     probe.domain = find_domain(boundary.domain, section, "Boundary", model);
     if (!section.documenting())
       for (const unsigned int id : boundary.ids)

@@ -173,10 +173,11 @@ template <int dim>
 Reference<dim>::Reference(const Section &output, const Model<dim> &model)
     : model(model),
       samples_file(output.read<std::string>(
-          "Samples", "", "A file for the solution at many points, for the Reference of other runs [-]")),
+          "Samples", "",
+          "A file to which the solution at many points is written, for the Reference of other runs [-]")),
       reference_file(output.read<std::string>(
           "Reference", "",
-          "Samples of another run; errors are measured against them, and not against Exact [-]"))
+          "The Samples of another run; errors are measured against these samples instead of Exact [-]"))
 {
   if (output.documenting())
     return;

@@ -166,11 +166,9 @@ void Declarations::print_table(std::ostream &out, const Section &section) const
 void Declarations::print_reference(std::ostream &out) const
 {
   out << "# All entries of a scene\n\n"
-         "`NAME` stands for a name that a list above it announces: `set Domains = left, right` announces "
-         "the\n"
-         "subsections `Domain left` and `Domain right`. Lists are separated by ',', components by ';'. Any "
-         "consistent\n"
-         "set of units can be used; each meaning ends with the unit in brackets.\n";
+         "`NAME` stands for a name from a list: `set Domains = left, right` announces the subsections\n"
+         "`Domain left` and `Domain right`. Elements of lists are separated by ',' and components by ';'.\n"
+         "Any consistent set of units can be used. Each meaning ends with the unit in brackets.\n";
   for (const Section &section : sections)
     if (section.variant.empty())
       for (const Section &variant : sections)

@@ -133,24 +133,25 @@ StudyOptions::StudyOptions(const Section &section)
     : levels(section.read<std::vector<unsigned int>>(
           "Levels", {0, 1, 2}, "--study: refinements of every domain beyond those of the scene [-]",
           Patterns::List(Patterns::Integer(0, 20), 1))),
-      n_repeats(section.read<unsigned int>("Repeat", 1,
-                                           "--study: how often each run is done; times are the median [-]",
-                                           Patterns::Integer(1))),
-      ranks(section.read<std::vector<unsigned int>>(
-          "Ranks", {}, "--study: numbers of ranks, each a curve of its own; if empty those of the launch [-]",
-          Patterns::List(Patterns::Integer(1), 0))),
+      n_repeats(section.read<unsigned int>(
+          "Repeat", 1, "--study: number of repetitions of each run; times are the median [-]",
+          Patterns::Integer(1))),
+      ranks(section.read<std::vector<unsigned int>>("Ranks", {},
+                                                    "--study: numbers of ranks, each with its own curve; if "
+                                                    "empty, the number of ranks of the launch [-]",
+                                                    Patterns::List(Patterns::Integer(1), 0))),
       measure(section.read<std::string>("Error", "",
                                         "--study: the error that is shown, for instance temperature H1; if "
-                                        "empty L2 of the first field [-]")),
-      reference(section.read<std::string>("Reference", "",
-                                          "--study: the Samples of a run that errors are measured against; "
-                                          "if empty Exact, where no domain has "
-                                          "that the finest level of the variant with the most unknowns [-]"))
+                                        "empty, L2 of the first field [-]")),
+      reference(section.read<std::string>(
+          "Reference", "",
+          "--study: the Samples of a run against which errors are measured; if empty, Exact, or if no domain "
+          "has Exact, the finest level of the variant with the most unknowns [-]"))
 {
   const auto text = section.read<std::string>(
       "Vary", "",
-      "--study: PATH : value | value ; PATH : value | value …, every combination is a variant. PATH as for "
-      "--set; several paths with ',' take the same value [-]");
+      "--study: PATH : value | value ; PATH : value | value …, where every combination is a variant. PATH is "
+      "written as for --set; several paths separated by ',' take the same value [-]");
   section.check(!has_twice(levels), "Levels", "has a level twice.");
   section.check(!has_twice(ranks), "Ranks", "has a number twice.");
   std::sort(levels.begin(), levels.end());

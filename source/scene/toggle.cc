@@ -15,7 +15,8 @@ Toggles::Toggles(const Section &scene)
                       "Names of conditions in time that switch interfaces and boundary conditions [-]")) {
     const Section section = scene.subsection("Toggle " + name);
     const Expression condition = section.require_expression(
-        "Active while", {1}, "The toggle is on where this is not zero, for instance t >= 0.5 && t < 2 [-]");
+        "Active while", {1},
+        "The toggle is on while this formula is not zero, for instance t >= 0.5 && t < 2 [-]");
     section.check(!condition.depends_on_position(), "Active while", "may only depend on the time t.");
     active_while.emplace(name, condition);
   }
@@ -24,7 +25,8 @@ Toggles::Toggles(const Section &scene)
 std::string Toggles::read_reference(const Section &section) const
 {
   const auto name = section.read<std::string>(
-      "Toggle", "", "The toggle that switches this on and off; always on if empty [-]");
+      "Toggle", "",
+      "The toggle that switches this subsection on and off; if empty, the subsection is always on [-]");
   std::vector<std::string> known;
   for (const auto &toggle : active_while)
     known.push_back(toggle.first);

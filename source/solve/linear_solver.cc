@@ -526,11 +526,13 @@ bool LinearSolver::Group::solve_directly(SingleVector &x, const SingleVector &b)
 }
 
 LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups)
-    : type(section.choose(
-          "Type", {"automatic", "direct", "multigrid"}, 0,
-          "direct: MUMPS; multigrid: CG, or GMRES if not symmetric, with ML; automatic: by size [-]")),
+    : type(section.choose("Type", {"automatic", "direct", "multigrid"}, 0,
+                          "direct: MUMPS; multigrid: CG, or GMRES for nonsymmetric systems, with ML; "
+                          "automatic: chosen by the number of unknowns [-]")),
       relative_tolerance(section.read<double>(
-          "Relative tolerance", 1e-10, "Of the residual of the linear system [-]", Patterns::Double(0, 1)))
+          "Relative tolerance", 1e-10,
+          "Tolerance of the residual of the linear system, relative to its right-hand side [-]",
+          Patterns::Double(0, 1)))
 {
   for (SolveGroup &group : given_groups)
     groups.push_back(std::make_unique<Group>(std::move(group)));

@@ -11,17 +11,18 @@ namespace dovetail {
 
 Newton::Newton(const Section &section)
     : relative_tolerance(section.read<double>(
-          "Relative tolerance", 1e-9, "Residual over the forces at work, for each field of each domain [-]",
+          "Relative tolerance", 1e-9,
+          "Tolerance of the residual divided by the forces at work, for each field of each domain [-]",
           Patterns::Double(0, 1))),
-      tolerance(section.read<double>(
-          "Absolute tolerance", 0,
-          "A field of a domain whose residual (Euclidean norm) is below this is solved [N or W]",
-          Patterns::Double(0))),
-      maximum_iterations(section.read<unsigned int>("Maximum iterations", 20, "Iterations per step [-]",
-                                                    Patterns::Integer(1))),
+      tolerance(section.read<double>("Absolute tolerance", 0,
+                                     "A field of a domain has converged if the Euclidean norm of its "
+                                     "residual is below this tolerance [N or W]",
+                                     Patterns::Double(0))),
+      maximum_iterations(section.read<unsigned int>(
+          "Maximum iterations", 20, "Maximum number of iterations per step [-]", Patterns::Integer(1))),
       line_search(section.read<bool>("Line search", true,
-                                     "Damp an update that is not defined, or larger than that before and not "
-                                     "confirmed by its tangent [-]"))
+                                     "Damp an update that leads to an undefined state, or that is larger "
+                                     "than the previous update and not confirmed by its tangent [-]"))
 {
 }
 

@@ -113,6 +113,17 @@ private:
   void evaluate_function(Node &node, const std::vector<double> &arguments);
 
   static const std::vector<Function> &functions();
+  static std::vector<Function> trigonometric_functions();
+  static std::vector<Function> hyperbolic_functions();
+  static std::vector<Function> exponential_functions();
+  static std::vector<Function> step_functions();
+  /// factor / b, with a number above.
+  Number quotient(double factor, Number b) { return combine(Operation::quotient, add_constant(factor), b); }
+  /// c + factor a²
+  Number plus_square(double c, double factor, Number a)
+  {
+    return plus(add_constant(c), times(add_constant(factor), times(a, a)));
+  }
 
   std::vector<std::string> names;
   std::vector<Node> nodes;

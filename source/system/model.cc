@@ -304,19 +304,30 @@ std::vector<std::vector<std::string>> Model<dim>::field_groups() const
           depends_on[name].insert(domain->fields()[g].name);
     }
 
+  // what a field needs, directly or by way of others
+  for (std::size_t round = 0; round < open.size(); ++round)
+    for (auto &[name, needed] : depends_on)
+      for (const std::string &other : std::set<std::string>(needed))
+        needed.insert(depends_on[other].begin(), depends_on[other].end());
+
   std::vector<std::vector<std::string>> groups;
   std::set<std::string> done;
   while (!open.empty()) {
+    // the first field that needs, besides those that are done, only fields that need it in turn
     const auto next = std::find_if(open.begin(), open.end(), [&](const std::string &name) {
-      return std::includes(done.begin(), done.end(), depends_on[name].begin(), depends_on[name].end());
+      return std::all_of(depends_on[name].begin(), depends_on[name].end(), [&](const std::string &other) {
+        return done.count(other) > 0 || other == name || depends_on[other].count(name) > 0;
+      });
     });
-    if (next == open.end()) {
-      groups.push_back(open); // they depend on each other
-      break;
+    std::vector<std::string> group;
+    for (const std::string &name : open)
+      if (name == *next || (depends_on[*next].count(name) > 0 && depends_on[name].count(*next) > 0))
+        group.push_back(name);
+    for (const std::string &name : group) {
+      done.insert(name);
+      open.erase(std::find(open.begin(), open.end(), name));
     }
-    groups.push_back({*next});
-    done.insert(*next);
-    open.erase(next);
+    groups.push_back(group);
   }
   return groups;
 }

@@ -7,6 +7,11 @@
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/full_matrix.h>
+#include <deal.II/lac/lapack_full_matrix.h>
+
+#include <boost/serialization/map.hpp>
+#include <boost/serialization/utility.hpp>
+#include <boost/serialization/vector.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -18,33 +23,6 @@ namespace {
 
 using Index = dealii::types::global_dof_index;
 
-/// A list of lines as numbers: dof, inhomogeneity, tie, number of entries, (dof, weight) …
-void pack(const Index dof, const ConstraintLine &line, std::vector<double> &numbers)
-{
-  numbers.push_back(dof);
-  numbers.push_back(line.inhomogeneity);
-  numbers.push_back(line.tie);
-  numbers.push_back(line.entries.size());
-  for (const auto &[other, weight] : line.entries) {
-    numbers.push_back(other);
-    numbers.push_back(weight);
-  }
-}
-
-void unpack(const std::vector<double> &numbers, ConstraintLines &lines)
-{
-  for (auto next = numbers.begin(); next != numbers.end();) {
-    ConstraintLine &line = lines[static_cast<Index>(*next++)];
-    line.inhomogeneity = *next++;
-    line.tie = *next++;
-    line.entries.clear();
-    for (unsigned int n_entries = *next++; n_entries > 0; --n_entries) {
-      const Index other = static_cast<Index>(*next++);
-      line.entries.emplace_back(other, *next++);
-    }
-  }
-}
-
 /// Ask the owners of @p dofs for their lines.
 ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_lines,
                       const Numbering &numbering, const MPI_Comm &communicator)
@@ -52,14 +30,14 @@ ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_
   std::map<unsigned int, std::vector<Index>> questions;
   for (const Index dof : dofs)
     questions[numbering.owner(dof)].push_back(dof);
-  std::map<unsigned int, std::vector<double>> answers;
+  std::map<unsigned int, ConstraintLines> answers;
   for (const auto &[rank, asked] : dealii::Utilities::MPI::some_to_some(communicator, questions))
     for (const Index dof : asked)
       if (const auto line = owned_lines.find(dof); line != owned_lines.end())
-        pack(dof, line->second, answers[rank]);
+        answers[rank].insert(*line);
   ConstraintLines lines;
-  for (const auto &of_rank : dealii::Utilities::MPI::some_to_some(communicator, answers))
-    unpack(of_rank.second, lines);
+  for (auto &of_rank : dealii::Utilities::MPI::some_to_some(communicator, answers))
+    lines.merge(of_rank.second);
   return lines;
 }
 

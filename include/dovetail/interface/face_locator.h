@@ -82,6 +82,12 @@ public:
     dealii::Point<dim> X;
     dealii::Tensor<1, dim> N; ///< outward normal of the asking side
     double face_size = 0;     ///< of the asking side
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &X &N &face_size;
+    }
   };
 
   struct Match
@@ -101,6 +107,12 @@ public:
     /// All but found, rank, face and sizes, from a point of a face.
     void set(const FaceShape<dim> &shape, unsigned int face_no, const Query &query,
              const SurfacePoint<dim> &point);
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &found &distance &angle &rank &face &unit_point &X &N &face_size &rim_tolerance;
+    }
   };
 
   /// A face of any rank.
@@ -111,12 +123,24 @@ public:
     double size, rim_tolerance;
     GlobalKey key;
     std::vector<dealii::Point<dim>> nodes;
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &rank &index &face_no &size &rim_tolerance &key &nodes;
+    }
   };
   struct NearbyFaces
   {
     std::vector<NearbyFace> faces;
     std::vector<std::vector<unsigned int>>
         of_box; ///< for each box positions in faces, in the order of the keys
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &faces &of_box;
+    }
   };
 
   /// @p mapping_degree: the degree of @p mapping. @p search_radius: the largest distance, in units of the

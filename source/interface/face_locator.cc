@@ -51,14 +51,6 @@ double distance_square(const BoundingBox<dim> &box, const Point<dim> &X)
 
 template <int dim>
 SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
-                          const unsigned int mapping_degree, const std::set<types::boundary_id> &boundary_ids)
-    : SideFaces(triangulation, mapping, mapping_degree,
-                [&](const auto &, const types::boundary_id id) { return boundary_ids.count(id) > 0; })
-{
-}
-
-template <int dim>
-SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
                           const unsigned int mapping_degree, const Selection &selection,
                           const Tensor<1, dim> &shift)
     : shape(triangulation.all_reference_cells_are_hyper_cube() ? ReferenceCells::get_hypercube<dim>()
@@ -317,16 +309,6 @@ OfRanks<std::vector<T>> select(const std::vector<T> &objects,
 }
 
 } // namespace
-
-template <int dim>
-FaceLocator<dim>::FaceLocator(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
-                              const unsigned int mapping_degree,
-                              const std::set<types::boundary_id> &boundary_ids, const double search_radius,
-                              const MPI_Comm &communicator)
-    : FaceLocator(SideFaces<dim>(triangulation, mapping, mapping_degree, boundary_ids), search_radius, 0.,
-                  communicator)
-{
-}
 
 template <int dim>
 FaceLocator<dim>::FaceLocator(SideFaces<dim> side, const double search_radius, const double least_reach,

@@ -16,7 +16,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <set>
 #include <vector>
 
 namespace dovetail {
@@ -49,8 +48,6 @@ public:
   SideFaces(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
             unsigned int mapping_degree, const Selection &selection,
             const dealii::Tensor<1, dim> &shift = dealii::Tensor<1, dim>());
-  SideFaces(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
-            unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids);
 
   FaceShape<dim> shape;
   std::vector<Face> faces;
@@ -143,12 +140,8 @@ public:
     }
   };
 
-  /// @p mapping_degree: the degree of @p mapping. @p search_radius: the largest distance, in units of the
-  /// larger one of the two face sizes, at which a point still has a partner; @p least_reach: a distance at
-  /// which it has one in any case. Collective.
-  FaceLocator(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
-              unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids,
-              double search_radius, const MPI_Comm &communicator);
+  /// @p search_radius: the largest distance, in units of the larger one of the two face sizes, at which a
+  /// point still has a partner; @p least_reach: a distance at which it has one in any case. Collective.
   FaceLocator(SideFaces<dim> side, double search_radius, double least_reach, const MPI_Comm &communicator);
   ~FaceLocator();
 

@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/mesh_size.h>
+#include <dovetail/scene/undefined.h>
 
 #include <deal.II/base/types.h>
 
@@ -9,7 +10,6 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <sstream>
 #include <unistd.h>
 
 namespace dovetail {
@@ -36,14 +36,6 @@ double memory_of_all(const MPI_Comm &communicator)
   return dealii::Utilities::MPI::sum(is_first ? memory_here() : 0., communicator);
 }
 
-std::string short_number(const double value)
-{
-  std::ostringstream text;
-  text.precision(3);
-  text << value;
-  return text.str();
-}
-
 /// Of a row of a matrix: value and column of each unknown that shares a cell.
 template <int dim>
 double bytes_of_row(const unsigned int degree, const unsigned int n_components)
@@ -57,7 +49,7 @@ void check_memory(const Section &section, const std::string &entry, const std::s
   const double memory = memory_of_all(communicator);
   constexpr double GiB = 1024. * 1024 * 1024;
   section.check(bytes <= memory, entry,
-                "would give about " + what + ", which need at least " + short_number(bytes / GiB) +
+                "would give about " + what + ", which need at least " + in_words(bytes / GiB, 3) +
                     " GiB of memory, more than there is. Make the mesh coarser, or use more computers.");
 }
 
@@ -69,7 +61,7 @@ void check_cells(const Section &section, const std::string &entry, const double 
 {
   // measured with deal.II 9.4: 420 with the numbering (2D), 660 (3D, hexahedra), 570 a copy (tetrahedra)
   constexpr double bytes_of_cell = dim == 2 ? 400 : 550;
-  check_memory(section, entry, short_number(n_cells) + " cells",
+  check_memory(section, entry, in_words(n_cells, 3) + " cells",
                n_cells * (bytes_of_cell * n_copies + bytes_of_row<dim>(1, 1)), communicator);
 }
 
@@ -81,10 +73,10 @@ void check_unknowns(const Section &section, const double n_cells, const unsigned
   section.check(n_unknowns <= double(std::numeric_limits<int>::max()) ||
                     sizeof(dealii::types::global_dof_index) > sizeof(int),
                 "Degree",
-                "would give about " + short_number(n_unknowns) +
+                "would give about " + in_words(n_unknowns, 3) +
                     " unknowns, more than this deal.II can number. Make the mesh coarser, or use a deal.II "
                     "with 64-bit indices.");
-  check_memory(section, "Degree", short_number(n_unknowns) + " unknowns",
+  check_memory(section, "Degree", in_words(n_unknowns, 3) + " unknowns",
                n_unknowns * bytes_of_row<dim>(degree, n_components), communicator);
 }
 

@@ -4,6 +4,12 @@
 #include <dovetail/interface/chart.h>
 
 #include <deal.II/base/quadrature_lib.h>
+#include <deal.II/boost_adaptors/point.h>
+
+#include <boost/geometry/algorithms/convex_hull.hpp>
+#include <boost/geometry/geometries/multi_point.hpp>
+#include <boost/geometry/geometries/ring.hpp>
+#include <boost/geometry/strategies/strategies.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -179,27 +185,6 @@ double cross(const Tensor<1, 2> &a, const Tensor<1, 2> &b)
   return a[0] * b[1] - a[1] * b[0];
 }
 
-/// The corners of the convex hull, counter-clockwise (Andrew, 1979).
-Region<2> hull(std::vector<Point<2>> points)
-{
-  std::sort(points.begin(), points.end(),
-            [](const Point<2> &a, const Point<2> &b) { return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1]; });
-  Region<2> result;
-  for (const unsigned int half : {0, 1}) {
-    const std::size_t first = result.size();
-    for (const Point<2> &point : points) {
-      while (result.size() >= first + 2 &&
-             cross(result.back() - result[result.size() - 2], point - result.back()) <= 0)
-        result.pop_back();
-      result.push_back(point);
-    }
-    result.pop_back(); // the first one of the other half
-    if (half == 0)
-      std::reverse(points.begin(), points.end());
-  }
-  return result;
-}
-
 } // namespace
 
 CurvedWindow::CurvedWindow(const Chart<3> &chart) : chart(chart)
@@ -213,6 +198,7 @@ CurvedWindow::CurvedWindow(const Chart<3> &chart) : chart(chart)
     rims.back().rim = i;
   }
   whole = chart.is_flat ? dovetail::measure(chart.window) : chart.shape.is_triangle() ? 0.5 : 1.;
+  polygon = chart.is_flat ? chart.window : surroundings();
 }
 
 CurvedRegion CurvedWindow::project(const FaceShape<3> &shape, const Point<3> *nodes,
@@ -233,14 +219,18 @@ CurvedRegion CurvedWindow::project(const FaceShape<3> &shape, const Point<3> *no
   return twice < 0 ? reversed(region) : region;
 }
 
-/// A convex polygon around the face, so that reference coordinates are asked for near it only.
+/// The convex hull of the face, widened, counter-clockwise: reference coordinates are asked for near the face
+/// only.
 Region<2> CurvedWindow::surroundings() const
 {
-  std::vector<Point<2>> points;
+  namespace bg = boost::geometry;
+  bg::model::multi_point<Point<2>> points;
   for (const Arc &rim : rims)
     for (unsigned int i = 0; i < 8; ++i)
       points.push_back(rim.at(i / 8.));
-  Region<2> result = hull(points);
+  bg::model::ring<Point<2>, false, false> hull;
+  bg::convex_hull(points, hull);
+  Region<2> result(hull.begin(), hull.end());
   const Point<2> centre = dovetail::centroid(result);
   for (Point<2> &corner : result)
     corner = centre + 1.1 * (corner - centre);
@@ -249,7 +239,6 @@ Region<2> CurvedWindow::surroundings() const
 
 CurvedRegion CurvedWindow::clip(const CurvedRegion &region) const
 {
-  const Region<2> polygon = chart.is_flat ? chart.window : surroundings();
   CurvedRegion result = region;
   for (unsigned int i = 0; i < polygon.size() && !result.empty(); ++i)
     if (const Point<2> &a = polygon[i], &b = polygon[(i + 1) % polygon.size()]; a.distance(b) > 1e-14)

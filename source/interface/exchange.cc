@@ -5,21 +5,36 @@
 
 namespace dovetail {
 
-OfRanks exchange(OfRanks numbers, const MPI_Comm &communicator, InterfaceWork &work)
+using Index = dealii::types::global_dof_index;
+
+std::map<Index, unsigned int> owners(const std::set<Index> &dofs, const Index first_dof,
+                                     const dealii::IndexSet &owned, const MPI_Comm &communicator)
 {
-  if (dealii::Utilities::MPI::n_mpi_processes(communicator) == 1)
-    return numbers;
-  const auto own = numbers.extract(dealii::Utilities::MPI::this_mpi_process(communicator));
-  for (const auto &[rank, of_rank] : numbers) {
+  dealii::IndexSet asked(owned.size());
+  for (const Index dof : dofs)
+    asked.add_index(dof - first_dof);
+  asked.compress();
+  const bool are_own = (asked & owned).n_elements() == asked.n_elements();
+  std::vector<unsigned int> ranks(asked.n_elements(), dealii::Utilities::MPI::this_mpi_process(communicator));
+  if (dealii::Utilities::MPI::max(are_own ? 0 : 1, communicator) > 0)
+    ranks = dealii::Utilities::MPI::compute_index_owner(owned, asked, communicator);
+  std::map<Index, unsigned int> result;
+  unsigned int i = 0;
+  for (const Index dof : dofs)
+    result[dof] = ranks[i++];
+  return result;
+}
+
+OfRanks<std::vector<char>> exchange_bytes(const OfRanks<std::vector<char>> &bytes,
+                                          const MPI_Comm &communicator, InterfaceWork &work)
+{
+  for (const auto &of_rank : bytes) {
     ++work.messages;
-    work.bytes += of_rank.size() * sizeof(double);
+    work.bytes += of_rank.second.size();
   }
-  OfRanks received;
-  if (dealii::Utilities::MPI::max(numbers.empty() ? 0 : 1, communicator) > 0)
-    received = dealii::Utilities::MPI::some_to_some(communicator, numbers);
-  if (!own.empty())
-    received[own.key()] = own.mapped();
-  return received;
+  if (dealii::Utilities::MPI::max(bytes.empty() ? 0 : 1, communicator) == 0)
+    return {};
+  return dealii::Utilities::MPI::some_to_some(communicator, bytes);
 }
 
 } // namespace dovetail

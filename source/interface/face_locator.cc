@@ -51,14 +51,6 @@ double distance_square(const BoundingBox<dim> &box, const Point<dim> &X)
 
 template <int dim>
 SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
-                          const unsigned int mapping_degree, const std::set<types::boundary_id> &boundary_ids)
-    : SideFaces(triangulation, mapping, mapping_degree,
-                [&](const auto &, const types::boundary_id id) { return boundary_ids.count(id) > 0; })
-{
-}
-
-template <int dim>
-SideFaces<dim>::SideFaces(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
                           const unsigned int mapping_degree, const Selection &selection,
                           const Tensor<1, dim> &shift)
     : shape(triangulation.all_reference_cells_are_hyper_cube() ? ReferenceCells::get_hypercube<dim>()
@@ -131,18 +123,24 @@ struct FaceLocator<dim>::Implementation
   Match closest(const unsigned int face, const Query &query) const;
   void search(const Query &query, Candidates &candidates, Match &best) const;
 
-  /// The sparse exchange: to each other rank whose boxes hold them a list of queries, and their answers back.
-  std::map<unsigned int, std::vector<unsigned int>>
-  queries_of_other_ranks(const std::vector<Query> &queries) const;
-  std::vector<double> answer(const std::vector<double> &packed_queries, Candidates &candidates) const;
-  void merge(const unsigned int rank, const std::vector<unsigned int> &indices,
-             const std::vector<double> &packed_answers, std::vector<Match> &matches,
-             std::vector<GlobalKey> &keys) const;
+  /// The best match of a rank, and the key of its face if there is one.
+  struct Answer
+  {
+    Match match;
+    GlobalKey key;
 
-  std::vector<unsigned int> faces_in(const BoundingBox<dim> &box) const;
-  std::vector<double> pack_nearby(const std::vector<double> &packed_boxes) const;
-  void unpack_nearby(unsigned int rank, const std::vector<unsigned int> &indices,
-                     const std::vector<double> &packed, NearbyFaces &result) const;
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &match &key;
+    }
+  };
+  Answer answer(const Query &query, Candidates &candidates) const;
+
+  /// For each other rank the indices of the boxes that its own ones meet.
+  OfRanks<std::vector<unsigned int>> boxes_of_other_ranks(const std::vector<BoundingBox<dim>> &boxes) const;
+  /// The faces of this rank in some boxes.
+  NearbyFaces faces_in(const std::vector<BoundingBox<dim>> &boxes) const;
 
   const SideFaces<dim> side;
   const double radius, least_reach;
@@ -198,25 +196,15 @@ void FaceLocator<dim>::Implementation::build_trees()
     return;
 
   // One level below the root: at most 16 boxes. Ranks without faces send an empty list.
-  std::vector<double> corners;
+  std::vector<BoundingBox<dim>> own;
   if (!side.faces.empty())
-    for (const BoundingBox<dim> &box : extract_rtree_level(face_tree, 0))
-      for (unsigned int d = 0; d < dim; ++d) {
-        corners.push_back(box.get_boundary_points().first[d]);
-        corners.push_back(box.get_boundary_points().second[d]);
-      }
-
+    own = extract_rtree_level(face_tree, 0);
   std::vector<std::pair<BoundingBox<dim>, unsigned int>> coarse;
-  const std::vector<std::vector<double>> all_corners = Utilities::MPI::all_gather(communicator, corners);
+  const auto of_ranks = Utilities::MPI::all_gather(communicator, own);
   for (unsigned int rank = 0; rank < n_ranks; ++rank)
-    for (unsigned int i = 0; rank != this_rank && i < all_corners[rank].size(); i += 2 * dim) {
-      std::pair<Point<dim>, Point<dim>> corner;
-      for (unsigned int d = 0; d < dim; ++d) {
-        corner.first[d] = all_corners[rank][i + 2 * d];
-        corner.second[d] = all_corners[rank][i + 2 * d + 1];
-      }
-      coarse.emplace_back(BoundingBox<dim>(corner), rank);
-    }
+    for (const BoundingBox<dim> &box : of_ranks[rank])
+      if (rank != this_rank)
+        coarse.emplace_back(box, rank);
   rank_tree = pack_rtree(coarse);
 }
 
@@ -281,120 +269,46 @@ void FaceLocator<dim>::Implementation::search(const Query &query, Candidates &ca
 }
 
 template <int dim>
-std::map<unsigned int, std::vector<unsigned int>>
-FaceLocator<dim>::Implementation::queries_of_other_ranks(const std::vector<Query> &queries) const
+OfRanks<std::vector<unsigned int>>
+FaceLocator<dim>::Implementation::boxes_of_other_ranks(const std::vector<BoundingBox<dim>> &boxes) const
 {
-  std::map<unsigned int, std::vector<unsigned int>> result;
-  for (unsigned int i = 0; i < queries.size(); ++i)
-    rank_tree.query(boost::geometry::index::intersects(box_of(queries[i])),
+  OfRanks<std::vector<unsigned int>> result;
+  for (unsigned int i = 0; i < boxes.size(); ++i)
+    rank_tree.query(boost::geometry::index::intersects(boxes[i]),
                     boost::make_function_output_iterator([&](const auto &box_and_rank) {
                       std::vector<unsigned int> &indices = result[box_and_rank.second];
-                      if (indices.empty() ||
-                          indices.back() != i) // several boxes of a rank may hold the point
+                      if (indices.empty() || indices.back() != i) // a rank has several boxes
                         indices.push_back(i);
                     }));
   return result;
 }
 
-namespace {
-
-/// X, N, face size.
 template <int dim>
-constexpr unsigned int query_size = 2 * dim + 1;
-
-/// found, distance, angle, face, face size; then three points or vectors; then the key.
-constexpr unsigned int n_scalars = 5;
-
-template <int dim>
-constexpr unsigned int answer_size = n_scalars + 3 * dim + 5;
-
-template <int dim, typename Match>
-void pack(const Match &match, const GlobalKey &key, double *data)
+typename FaceLocator<dim>::Implementation::Answer
+FaceLocator<dim>::Implementation::answer(const Query &query, Candidates &candidates) const
 {
-  const std::array<double, n_scalars> scalars{
-      {match.found ? 1. : 0., match.distance, match.angle, double(match.face), match.face_size}};
-  data = std::copy(scalars.begin(), scalars.end(), data);
-  for (unsigned int d = 0; d < dim; ++d) {
-    data[d] = match.unit_point[d];
-    data[dim + d] = match.X[d];
-    data[2 * dim + d] = match.N[d];
-  }
-  std::copy(key.begin(), key.end(), data + 3 * dim);
-}
-
-template <int dim, typename Match>
-void unpack(const double *data, Match &match, GlobalKey &key)
-{
-  match.found = data[0] > 0;
-  match.distance = data[1];
-  match.angle = data[2];
-  match.face = data[3];
-  match.face_size = data[4];
-  data += n_scalars;
-  for (unsigned int d = 0; d < dim; ++d) {
-    match.unit_point[d] = data[d];
-    match.X[d] = data[dim + d];
-    match.N[d] = data[2 * dim + d];
-  }
-  std::copy(data + 3 * dim, data + 3 * dim + key.size(), key.begin());
-}
-
-} // namespace
-
-template <int dim>
-std::vector<double> FaceLocator<dim>::Implementation::answer(const std::vector<double> &packed_queries,
-                                                             Candidates &candidates) const
-{
-  const unsigned int n_queries = packed_queries.size() / query_size<dim>;
-  std::vector<double> result(n_queries * answer_size<dim>);
-  for (unsigned int i = 0; i < n_queries; ++i) {
-    Query query;
-    for (unsigned int d = 0; d < dim; ++d) {
-      query.X[d] = packed_queries[query_size<dim> * i + d];
-      query.N[d] = packed_queries[query_size<dim> * i + dim + d];
-    }
-    query.face_size = packed_queries[query_size<dim> * i + 2 * dim];
-    Match match;
-    search(query, candidates, match);
-    const bool is_empty = match.face == numbers::invalid_unsigned_int;
-    pack<dim>(match, is_empty ? GlobalKey() : side.keys[match.face], &result[i * answer_size<dim>]);
-  }
+  Answer result = {};
+  search(query, candidates, result.match);
+  if (result.match.face != numbers::invalid_unsigned_int)
+    result.key = side.keys[result.match.face];
   return result;
 }
 
-template <int dim>
-void FaceLocator<dim>::Implementation::merge(const unsigned int rank,
-                                             const std::vector<unsigned int> &indices,
-                                             const std::vector<double> &packed_answers,
-                                             std::vector<Match> &matches,
-                                             std::vector<GlobalKey> &keys_of_matches) const
+namespace {
+
+/// The objects with some indices, for each rank.
+template <typename T>
+OfRanks<std::vector<T>> select(const std::vector<T> &objects,
+                               const OfRanks<std::vector<unsigned int>> &indices)
 {
-  AssertDimension(packed_answers.size(), indices.size() * answer_size<dim>);
-  for (unsigned int i = 0; i < indices.size(); ++i) {
-    Match match;
-    GlobalKey key;
-    unpack<dim>(&packed_answers[i * answer_size<dim>], match, key);
-    match.rank = rank;
-    Match &best = matches[indices[i]];
-    GlobalKey &best_key = keys_of_matches[indices[i]];
-    if (match.face == numbers::invalid_unsigned_int)
-      continue;
-    if (best.face == numbers::invalid_unsigned_int || is_better(match, key, best, best_key)) {
-      best = match;
-      best_key = key;
-    }
-  }
+  OfRanks<std::vector<T>> result;
+  for (const auto &[rank, of_rank] : indices)
+    for (const unsigned int i : of_rank)
+      result[rank].push_back(objects[i]);
+  return result;
 }
 
-template <int dim>
-FaceLocator<dim>::FaceLocator(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
-                              const unsigned int mapping_degree,
-                              const std::set<types::boundary_id> &boundary_ids, const double search_radius,
-                              const MPI_Comm &communicator)
-    : FaceLocator(SideFaces<dim>(triangulation, mapping, mapping_degree, boundary_ids), search_radius, 0.,
-                  communicator)
-{
-}
+} // namespace
 
 template <int dim>
 FaceLocator<dim>::FaceLocator(SideFaces<dim> side, const double search_radius, const double least_reach,
@@ -433,107 +347,65 @@ FaceLocator<dim>::locate(const std::vector<Query> &queries) const
 {
   const Implementation &local = *implementation;
   typename Implementation::Candidates candidates;
-  std::vector<Match> matches(queries.size());
-  for (unsigned int i = 0; i < queries.size(); ++i)
-    local.search(queries[i], candidates, matches[i]);
+  std::vector<Match> matches;
+  std::vector<GlobalKey> keys;
+  std::vector<BoundingBox<dim>> boxes;
+  for (const Query &query : queries) {
+    const auto [match, key] = local.answer(query, candidates);
+    matches.push_back(match);
+    keys.push_back(key);
+    boxes.push_back(local.box_of(query));
+  }
   if (local.n_ranks == 1)
     return matches;
 
-  const auto indices = local.queries_of_other_ranks(queries);
-  OfRanks sent, answers;
-  for (const auto &[rank, indices_of_rank] : indices)
-    for (const unsigned int i : indices_of_rank) {
-      sent[rank].insert(sent[rank].end(), queries[i].X.begin_raw(), queries[i].X.end_raw());
-      sent[rank].insert(sent[rank].end(), queries[i].N.begin_raw(), queries[i].N.end_raw());
-      sent[rank].push_back(queries[i].face_size);
+  const auto indices = local.boxes_of_other_ranks(boxes);
+  OfRanks<std::vector<typename Implementation::Answer>> answers;
+  for (const auto &[rank, of_rank] : exchange(select(queries, indices), local.communicator, local.work))
+    for (const Query &query : of_rank)
+      answers[rank].push_back(local.answer(query, candidates));
+  for (const auto &[rank, of_rank] : exchange(std::move(answers), local.communicator, local.work))
+    for (unsigned int i = 0; i < of_rank.size(); ++i) {
+      const auto &[match, key] = of_rank[i];
+      const unsigned int query = indices.at(rank)[i];
+      if (match.face != numbers::invalid_unsigned_int &&
+          (matches[query].face == numbers::invalid_unsigned_int ||
+           is_better(match, key, matches[query], keys[query]))) {
+        matches[query] = match;
+        keys[query] = key;
+      }
     }
-  for (const auto &[rank, packed] : exchange(sent, local.communicator, local.work))
-    answers[rank] = local.answer(packed, candidates);
-
-  std::vector<GlobalKey> keys(queries.size());
-  for (unsigned int i = 0; i < queries.size(); ++i)
-    if (matches[i].face != numbers::invalid_unsigned_int)
-      keys[i] = local.side.keys[matches[i].face];
-  for (const auto &[rank, packed] : exchange(answers, local.communicator, local.work))
-    local.merge(rank, indices.at(rank), packed, matches, keys);
   return matches;
 }
 
 template <int dim>
-std::vector<unsigned int> FaceLocator<dim>::Implementation::faces_in(const BoundingBox<dim> &box) const
+typename FaceLocator<dim>::NearbyFaces
+FaceLocator<dim>::Implementation::faces_in(const std::vector<BoundingBox<dim>> &in_boxes) const
 {
-  std::vector<unsigned int> found;
-  face_tree.query(boost::geometry::index::intersects(box),
-                  boost::make_function_output_iterator(
-                      [&](const auto &box_and_face) { found.push_back(box_and_face.second); }));
-  return found;
-}
-
-/// The faces in some boxes, each once: n faces; index, face_no, sizes, key, nodes of each; then for every box
-/// their number and positions in this list.
-template <int dim>
-std::vector<double>
-FaceLocator<dim>::Implementation::pack_nearby(const std::vector<double> &packed_boxes) const
-{
-  std::map<unsigned int, unsigned int> position;
-  std::vector<unsigned int> order;
-  std::vector<double> of_boxes;
-  for (unsigned int i = 0; i < packed_boxes.size(); i += 2 * dim) {
-    std::pair<Point<dim>, Point<dim>> corners;
-    for (unsigned int d = 0; d < dim; ++d) {
-      corners.first[d] = packed_boxes[i + d];
-      corners.second[d] = packed_boxes[i + dim + d];
-    }
-    const std::vector<unsigned int> found = faces_in(BoundingBox<dim>(corners));
-    of_boxes.push_back(found.size());
-    for (const unsigned int face : found) {
-      const auto [entry, is_new] = position.emplace(face, order.size());
-      if (is_new)
-        order.push_back(face);
-      of_boxes.push_back(entry->second);
-    }
+  NearbyFaces result;
+  std::map<unsigned int, unsigned int> position; // in the result, each face once
+  const auto add = [&](const unsigned int index) {
+    const auto [entry, is_new] = position.emplace(index, result.faces.size());
+    result.of_box.back().push_back(entry->second);
+    if (!is_new)
+      return;
+    const auto &face = side.faces[index];
+    const Point<dim> *nodes = side.nodes(index);
+    result.faces.push_back({this_rank,
+                            index,
+                            face.face_no,
+                            face.size,
+                            face.rim_tolerance,
+                            side.keys[index],
+                            {nodes, nodes + side.shape.n_nodes()}});
+  };
+  for (const BoundingBox<dim> &box : in_boxes) {
+    result.of_box.emplace_back();
+    face_tree.query(
+        boost::geometry::index::intersects(box),
+        boost::make_function_output_iterator([&](const auto &box_and_face) { add(box_and_face.second); }));
   }
-  std::vector<double> packed = {double(order.size())};
-  for (const unsigned int face : order) {
-    const auto &of_side = side.faces[face];
-    packed.insert(packed.end(), {double(face), double(of_side.face_no), of_side.size, of_side.rim_tolerance});
-    packed.insert(packed.end(), side.keys[face].begin(), side.keys[face].end());
-    for (unsigned int a = 0; a < side.shape.n_nodes(); ++a)
-      for (unsigned int d = 0; d < dim; ++d)
-        packed.push_back(side.nodes(face)[a][d]);
-  }
-  packed.insert(packed.end(), of_boxes.begin(), of_boxes.end());
-  return packed;
-}
-
-template <int dim>
-void FaceLocator<dim>::Implementation::unpack_nearby(const unsigned int rank,
-                                                     const std::vector<unsigned int> &indices,
-                                                     const std::vector<double> &packed,
-                                                     NearbyFaces &result) const
-{
-  auto next = packed.begin();
-  const unsigned int first = result.faces.size(), n_faces = *next++;
-  for (unsigned int i = 0; i < n_faces; ++i) {
-    NearbyFace face;
-    face.rank = rank;
-    face.index = *next++;
-    face.face_no = *next++;
-    face.size = *next++;
-    face.rim_tolerance = *next++;
-    for (unsigned int &part : face.key)
-      part = *next++;
-    face.nodes.resize(side.shape.n_nodes());
-    for (Point<dim> &node : face.nodes)
-      for (unsigned int d = 0; d < dim; ++d)
-        node[d] = *next++;
-    result.faces.push_back(std::move(face));
-  }
-  for (const unsigned int box : indices) {
-    const unsigned int n = *next++;
-    for (unsigned int i = 0; i < n; ++i)
-      result.of_box[box].push_back(first + static_cast<unsigned int>(*next++));
-  }
+  return result;
 }
 
 template <int dim>
@@ -543,36 +415,20 @@ typename FaceLocator<dim>::NearbyFaces FaceLocator<dim>::faces_near(std::vector<
   const Implementation &local = *implementation;
   for (unsigned int i = 0; i < boxes.size(); ++i)
     boxes[i].extend(local.reach(sizes[i]));
-  const auto pack_box = [](const BoundingBox<dim> &box, std::vector<double> &packed) {
-    const auto &[lower, upper] = box.get_boundary_points();
-    packed.insert(packed.end(), lower.begin_raw(), lower.end_raw());
-    packed.insert(packed.end(), upper.begin_raw(), upper.end_raw());
-  };
-  std::map<unsigned int, std::vector<unsigned int>> indices;
-  OfRanks sent, answers;
-  std::vector<unsigned int> all;
-  std::vector<double> packed_all;
-  for (unsigned int i = 0; i < boxes.size(); ++i) {
-    all.push_back(i);
-    pack_box(boxes[i], packed_all);
-    local.rank_tree.query(boost::geometry::index::intersects(boxes[i]),
-                          boost::make_function_output_iterator([&](const auto &box_and_rank) {
-                            std::vector<unsigned int> &of_rank = indices[box_and_rank.second];
-                            if (!of_rank.empty() && of_rank.back() == i)
-                              return; // another box of this rank
-                            of_rank.push_back(i);
-                            pack_box(boxes[i], sent[box_and_rank.second]);
-                          }));
-  }
-  NearbyFaces result;
-  result.of_box.resize(boxes.size());
-  local.unpack_nearby(local.this_rank, all, local.pack_nearby(packed_all), result);
+  NearbyFaces result = local.faces_in(boxes);
   if (local.n_ranks > 1) {
     const std::size_t n_own = result.faces.size();
-    for (const auto &[rank, packed] : exchange(sent, local.communicator, local.work))
-      answers[rank] = local.pack_nearby(packed);
-    for (const auto &[rank, packed] : exchange(answers, local.communicator, local.work))
-      local.unpack_nearby(rank, indices.at(rank), packed, result);
+    const auto indices = local.boxes_of_other_ranks(boxes);
+    OfRanks<NearbyFaces> answers;
+    for (const auto &[rank, of_rank] : exchange(select(boxes, indices), local.communicator, local.work))
+      answers[rank] = local.faces_in(of_rank);
+    for (const auto &[rank, nearby] : exchange(std::move(answers), local.communicator, local.work)) {
+      const unsigned int first = result.faces.size();
+      result.faces.insert(result.faces.end(), nearby.faces.begin(), nearby.faces.end());
+      for (unsigned int i = 0; i < nearby.of_box.size(); ++i)
+        for (const unsigned int face : nearby.of_box[i])
+          result.of_box[indices.at(rank)[i]].push_back(first + face);
+    }
     local.work.faces += result.faces.size() - n_own;
   }
   for (std::vector<unsigned int> &of_box : result.of_box)

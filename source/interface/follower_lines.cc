@@ -16,78 +16,37 @@ using Index = dealii::types::global_dof_index;
 constexpr double largest_feedback = 0.5;
 constexpr unsigned int n_sweeps = 2;
 
-/// Which ranks own unknowns of a domain.
-template <int dim>
-std::map<Index, unsigned int> owners(const std::set<Index> &dofs, const Domain<dim> &domain,
-                                     const MPI_Comm &communicator)
-{
-  const auto &owned = domain.dof_handler().locally_owned_dofs();
-  dealii::IndexSet asked(owned.size());
-  for (const Index dof : dofs)
-    asked.add_index(dof - domain.first_dof);
-  asked.compress();
-  const auto ranks = dealii::Utilities::MPI::compute_index_owner(owned, asked, communicator);
-  std::map<Index, unsigned int> result;
-  unsigned int i = 0;
-  for (const Index dof : dofs)
-    result[dof] = ranks[i++];
-  return result;
-}
-
 /// A destination unknown as its owner sees it.
 struct Answer
 {
   enum Kind { is_free, follows, is_led_by_another_tie } kind = is_free;
   FollowerLine line; ///< if it follows
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &kind &line.from_source &line.from_destination;
+  }
 };
 
-void pack(const Answer &answer, std::vector<double> &numbers)
-{
-  numbers.push_back(answer.kind);
-  for (const auto *part : {&answer.line.from_source, &answer.line.from_destination}) {
-    numbers.push_back(part->size());
-    for (const auto &[dof, weight] : *part)
-      numbers.insert(numbers.end(), {static_cast<double>(dof), weight});
-  }
-}
-
-Answer unpack(std::vector<double>::const_iterator &next)
-{
-  Answer answer;
-  answer.kind = static_cast<Answer::Kind>(static_cast<int>(*next++));
-  for (auto *part : {&answer.line.from_source, &answer.line.from_destination})
-    for (unsigned int n = *next++; n > 0; --n) {
-      const Index dof = static_cast<Index>(*next++);
-      (*part)[dof] = *next++;
-    }
-  return answer;
-}
-
 /// The answers of the owners, from their lines so far.
-std::map<Index, Answer> ask(const std::map<unsigned int, std::vector<Index>> &dofs_of_rank,
+std::map<Index, Answer> ask(const OfRanks<std::vector<Index>> &dofs_of_rank,
                             const std::map<Index, FollowerLine> &lines, const TieConstraints &constraints,
                             const MPI_Comm &communicator, InterfaceWork &work)
 {
-  OfRanks questions, answers;
-  for (const auto &[rank, dofs] : dofs_of_rank)
-    questions[rank].assign(dofs.begin(), dofs.end());
-  for (const auto &[rank, dofs] : exchange(questions, communicator, work))
-    for (const double number : dofs) {
-      const Index dof = static_cast<Index>(number);
-      Answer answer;
+  OfRanks<std::map<Index, Answer>> answers;
+  for (const auto &[rank, dofs] : exchange(dofs_of_rank, communicator, work))
+    for (const Index dof : dofs) {
+      Answer &answer = answers[rank][dof];
       if (const auto line = lines.find(dof); line != lines.end())
         answer = {Answer::follows, line->second};
       else if (const auto other = constraints.lines.find(dof);
                other != constraints.lines.end() && !other->second.entries.empty())
         answer.kind = Answer::is_led_by_another_tie;
-      pack(answer, answers[rank]);
     }
   std::map<Index, Answer> result;
-  for (const auto &[rank, numbers] : exchange(answers, communicator, work)) {
-    auto next = numbers.begin();
-    for (const Index dof : dofs_of_rank.at(rank))
-      result[dof] = unpack(next);
-  }
+  for (auto &of_rank : exchange(std::move(answers), communicator, work))
+    result.merge(of_rank.second);
   return result;
 }
 
@@ -177,8 +136,9 @@ follower_lines(const std::map<Index, Follower> &followers, const Domain<dim> &de
   }
   if (dealii::Utilities::MPI::max(asked.size(), communicator) == 0)
     return lines;
-  std::map<unsigned int, std::vector<Index>> dofs_of_rank;
-  for (const auto &[dof, rank] : owners(asked, destination, communicator))
+  OfRanks<std::vector<Index>> dofs_of_rank;
+  for (const auto &[dof, rank] :
+       owners(asked, destination.first_dof, destination.dof_handler().locally_owned_dofs(), communicator))
     dofs_of_rank[rank].push_back(dof);
   for (unsigned int i = 0; i < n_sweeps; ++i) {
     const auto answers = ask(dofs_of_rank, lines, constraints, communicator, work);

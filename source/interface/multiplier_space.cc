@@ -208,27 +208,6 @@ std::set<Index> MultiplierSpace<dim>::cross_points() const
   return found;
 }
 
-template <int dim>
-std::map<Index, unsigned int> MultiplierSpace<dim>::owners(const std::set<Index> &dofs,
-                                                           const MPI_Comm &communicator) const
-{
-  const Domain<dim> &domain = *interface.sides[destination].domain;
-  const auto &owned = domain.dof_handler().locally_owned_dofs();
-  dealii::IndexSet asked(owned.size());
-  for (const Index dof : dofs)
-    asked.add_index(dof - domain.first_dof);
-  asked.compress();
-  const bool are_own = (asked & owned).n_elements() == asked.n_elements();
-  std::vector<unsigned int> ranks(asked.n_elements(), dealii::Utilities::MPI::this_mpi_process(communicator));
-  if (dealii::Utilities::MPI::max(are_own ? 0 : 1, communicator) > 0)
-    ranks = dealii::Utilities::MPI::compute_index_owner(owned, asked, communicator);
-  std::map<Index, unsigned int> result;
-  unsigned int i = 0;
-  for (const Index dof : dofs)
-    result[dof] = ranks[i++];
-  return result;
-}
-
 /// Which unknowns on this rank's faces have a function of their own. Their owners decide.
 template <int dim>
 std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constraints,
@@ -247,19 +226,17 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
   std::set<Index> all;
   for (const auto &of_dof : shares)
     all.insert(of_dof.first);
-  owner_of = owners(all, communicator);
-  OfRanks questions;
-  for (const auto &[dof, share] : shares) {
-    auto &numbers = questions[owner_of.at(dof)];
-    numbers.insert(numbers.end(), {static_cast<double>(dof), share.covered, share.full});
-  }
-  const OfRanks asked = exchange(questions, communicator, interface.work());
+  const Domain<dim> &domain = *interface.sides[destination].domain;
+  owner_of = owners(all, domain.first_dof, domain.dof_handler().locally_owned_dofs(), communicator);
+  OfRanks<std::map<Index, Shares>> questions;
+  for (const auto &[dof, share] : shares)
+    questions[owner_of.at(dof)][dof] = share;
+  const auto asked = exchange(std::move(questions), communicator, interface.work());
   std::map<Index, Shares> sums;
-  for (const auto &[rank, numbers] : asked)
-    for (unsigned int i = 0; i < numbers.size(); i += 3) {
-      Shares &sum = sums[static_cast<Index>(numbers[i])];
-      sum.covered += numbers[i + 1];
-      sum.full += numbers[i + 2];
+  for (const auto &of_rank : asked)
+    for (const auto &[dof, share] : of_rank.second) {
+      sums[dof].covered += share.covered;
+      sums[dof].full += share.full;
     }
   const std::set<Index> crossing = cross_points();
   std::map<Index, bool> keeps;
@@ -276,15 +253,13 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
   n_taken = dealii::Utilities::MPI::sum(counts[1], communicator);
   n_hardly_covered = dealii::Utilities::MPI::sum(counts[2], communicator);
 
-  OfRanks answers;
-  for (const auto &[rank, numbers] : asked)
-    for (unsigned int i = 0; i < numbers.size(); i += 3)
-      answers[rank].push_back(keeps.at(static_cast<Index>(numbers[i])) ? 1 : 0);
-  answers = exchange(answers, communicator, interface.work());
+  OfRanks<std::map<Index, bool>> answers;
+  for (const auto &[rank, of_rank] : asked)
+    for (const auto &of_dof : of_rank)
+      answers[rank][of_dof.first] = keeps.at(of_dof.first);
   std::map<Index, bool> result;
-  for (const auto &[rank, numbers] : questions)
-    for (unsigned int i = 0; i < numbers.size(); i += 3)
-      result[static_cast<Index>(numbers[i])] = answers.at(rank)[i / 3] != 0;
+  for (auto &of_rank : exchange(std::move(answers), communicator, interface.work()))
+    result.merge(of_rank.second);
   return result;
 }
 
@@ -536,6 +511,18 @@ void MultiplierSpace<dim>::add_own_gradient(const typename Pairing<dim>::Group &
 }
 
 template <int dim>
+void MultiplierSpace<dim>::Row::add(const Row &other)
+{
+  for (const auto part : {&Row::weights, &Row::of_own_gradient, &Row::source_gain})
+    for (const auto &[dof, weight] : other.*part)
+      (this->*part)[dof] += weight;
+  for (const auto sum : {&Row::diagonal, &Row::of_source, &Row::of_destination})
+    this->*sum += other.*sum;
+  field = other.field;
+  component = other.component;
+}
+
+template <int dim>
 void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Comm &communicator)
 {
   rows.clear();
@@ -551,31 +538,12 @@ void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Com
     add_rows(face, mine);
   }
 
-  OfRanks numbers;
-  for (const auto &[dof, row] : mine) {
-    auto &of_rank = numbers[owner_of.at(dof)];
-    of_rank.insert(of_rank.end(), {static_cast<double>(dof), row.diagonal, row.of_source, row.of_destination,
-                                   static_cast<double>(row.field), static_cast<double>(row.component)});
-    for (const auto *part : {&row.weights, &row.of_own_gradient, &row.source_gain}) {
-      of_rank.push_back(part->size());
-      for (const auto &[other, weight] : *part)
-        of_rank.insert(of_rank.end(), {static_cast<double>(other), weight});
-    }
-  }
-  for (const auto &[rank, of_rank] : exchange(numbers, communicator, interface.work()))
-    for (auto next = of_rank.begin(); next != of_rank.end();) {
-      Row &row = rows[static_cast<Index>(*next++)];
-      row.diagonal += *next++;
-      row.of_source += *next++;
-      row.of_destination += *next++;
-      row.field = *next++;
-      row.component = *next++;
-      for (auto *part : {&row.weights, &row.of_own_gradient, &row.source_gain})
-        for (unsigned int n = *next++; n > 0; --n) {
-          const Index other = static_cast<Index>(*next++);
-          (*part)[other] += *next++;
-        }
-    }
+  OfRanks<std::map<Index, Row>> of_owners;
+  for (auto &[dof, row] : mine)
+    of_owners[owner_of.at(dof)][dof] = std::move(row);
+  for (const auto &of_rank : exchange(std::move(of_owners), communicator, interface.work()))
+    for (const auto &[dof, row] : of_rank.second)
+      rows[dof].add(row);
   for (auto &[dof, row] : rows) { // what cancels between the points of a face
     double largest = 0;
     for (const auto &entry : row.weights)
@@ -609,18 +577,14 @@ std::map<Index, double> MultiplierSpace<dim>::average(const std::vector<std::vec
               }
       }
   }
-  OfRanks numbers;
-  for (const auto &[dof, sum] : sums) {
-    auto &of_rank = numbers[owner_of.at(dof)];
-    of_rank.insert(of_rank.end(), {static_cast<double>(dof), sum[0], sum[1]});
-  }
+  OfRanks<std::map<Index, std::array<double, 2>>> of_owners;
+  for (const auto &[dof, sum] : sums)
+    of_owners[owner_of.at(dof)][dof] = sum;
   std::map<Index, std::array<double, 2>> totals;
-  for (const auto &[rank, of_rank] : exchange(numbers, communicator, interface.work()))
-    for (unsigned int i = 0; i < of_rank.size(); i += 3) {
-      auto &total = totals[static_cast<Index>(of_rank[i])];
-      total[0] += of_rank[i + 1];
-      total[1] += of_rank[i + 2];
-    }
+  for (const auto &of_rank : exchange(std::move(of_owners), communicator, interface.work()))
+    for (const auto &[dof, sum] : of_rank.second)
+      for (const unsigned int i : {0, 1})
+        totals[dof][i] += sum[i];
   std::map<Index, double> result;
   for (const auto &[dof, total] : totals)
     result[dof] = total[0] / total[1];
@@ -631,23 +595,20 @@ template <int dim>
 void MultiplierSpace<dim>::set_coefficients(const std::map<Index, double> &of_rows,
                                             const MPI_Comm &communicator)
 {
-  std::map<unsigned int, std::vector<Index>> asked;
+  OfRanks<std::vector<Index>> asked;
   std::set<Index> wanted;
   for (const Face &face : faces)
     for (const Component &component : face.components)
       for (unsigned int j = 0; j < component.dofs.size(); ++j)
         if (component.has_function[j] && wanted.insert(component.dofs[j]).second)
           asked[owner_of.at(component.dofs[j])].push_back(component.dofs[j]);
-  OfRanks questions, answers;
-  for (const auto &[rank, dofs] : asked)
-    questions[rank].assign(dofs.begin(), dofs.end());
-  for (const auto &[rank, dofs] : exchange(questions, communicator, interface.work()))
-    for (const double dof : dofs)
-      answers[rank].push_back(of_rows.at(static_cast<Index>(dof)));
+  OfRanks<std::map<Index, double>> answers;
+  for (const auto &[rank, dofs] : exchange(std::move(asked), communicator, interface.work()))
+    for (const Index dof : dofs)
+      answers[rank][dof] = of_rows.at(dof);
   std::map<Index, double> known;
-  for (const auto &[rank, values] : exchange(answers, communicator, interface.work()))
-    for (unsigned int i = 0; i < values.size(); ++i)
-      known[asked.at(rank)[i]] = values[i];
+  for (auto &of_rank : exchange(std::move(answers), communicator, interface.work()))
+    known.merge(of_rank.second);
 
   for (Face &face : faces)
     for (Component &component : face.components) {

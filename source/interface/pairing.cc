@@ -93,6 +93,17 @@ SideFaces<dim> faces_of(const InterfaceSide<dim> &side)
 }
 
 template <int dim>
+std::vector<typename dealii::Triangulation<dim>::active_cell_iterator>
+cells_behind(const InterfaceSide<dim> &side)
+{
+  std::vector<typename dealii::Triangulation<dim>::active_cell_iterator> cells;
+  for (const auto &[cell, face, id] : side.domain->boundary_faces())
+    if (cell->is_locally_owned() && side.belongs(cell, id))
+      cells.push_back(cell);
+  return cells;
+}
+
+template <int dim>
 Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
                       const std::array<bool, 2> &with_cover, const MPI_Comm &communicator)
     : extension(options.gap_extension),
@@ -318,6 +329,8 @@ bool Pairing<dim>::has_gap() const
 
 template SideFaces<2> faces_of(const InterfaceSide<2> &);
 template SideFaces<3> faces_of(const InterfaceSide<3> &);
+template std::vector<dealii::Triangulation<2>::active_cell_iterator> cells_behind(const InterfaceSide<2> &);
+template std::vector<dealii::Triangulation<3>::active_cell_iterator> cells_behind(const InterfaceSide<3> &);
 template struct InterfaceSide<2>;
 template struct InterfaceSide<3>;
 template class Pairing<2>;

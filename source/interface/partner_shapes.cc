@@ -16,100 +16,62 @@ namespace {
 template <int dim>
 struct Request
 {
-  unsigned int face;
-  std::vector<unsigned int> points; ///< indices of the asking rank
+  unsigned int face = 0;
   std::vector<dealii::Point<dim>> unit_points;
+  std::vector<unsigned int> points; ///< their indices on the asking rank, which are not sent
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &face &unit_points;
+  }
 };
 
-/// A list of requests as numbers: face, n points, coordinates …
+/// The cell behind a face, and its shape functions at the points: point i has them at i * n_nodes.
 template <int dim>
-std::vector<double> pack(const std::vector<Request<dim>> &requests)
+struct Answer
 {
-  std::vector<double> numbers;
-  for (const auto &request : requests) {
-    numbers.push_back(request.face);
-    numbers.push_back(request.unit_points.size());
-    for (const auto &point : request.unit_points)
-      for (unsigned int d = 0; d < dim; ++d)
-        numbers.push_back(point[d]);
+  CellBehind<dim> cell;
+  std::vector<double> values;
+  std::vector<dealii::Tensor<1, dim>> gradients;
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &cell &values &gradients;
   }
-  return numbers;
-}
+};
 
 template <int dim>
-void append(const std::vector<dealii::Tensor<1, dim>> &gradients, std::vector<double> &numbers)
-{
-  for (const auto &gradient : gradients)
-    for (unsigned int d = 0; d < dim; ++d)
-      numbers.push_back(gradient[d]);
-}
-
-/// Answers as numbers: dofs, Omega, Gamma, the gradients at the centre, then values and gradients of each
-/// point.
-template <int dim>
-std::vector<double> answer(const std::vector<double> &question, const Domain<dim> &domain,
-                           const FaceLocator<dim> &locator, ShapeEvaluator<dim> &shapes)
+std::vector<Answer<dim>> answer(const std::vector<Request<dim>> &requests, const unsigned int this_rank,
+                                const Domain<dim> &domain, const FaceLocator<dim> &locator,
+                                ShapeEvaluator<dim> &shapes)
 {
   const unsigned int n_nodes = domain.n_nodes();
-  std::vector<double> numbers, values(n_nodes);
-  std::vector<dealii::Tensor<1, dim>> gradients(n_nodes);
-  std::vector<dealii::types::global_dof_index> dofs;
-  for (std::size_t i = 0; i < question.size();) {
-    const auto &face = locator.side().faces[static_cast<unsigned int>(question[i++])];
-    const unsigned int n_points = question[i++];
+  std::vector<Answer<dim>> answers;
+  std::vector<double> unused(n_nodes);
+  for (const Request<dim> &request : requests) {
+    const auto &face = locator.side().faces[request.face];
     shapes.reinit(face.cell);
-    domain.cell_dofs(domain.dof_cell(face.cell), dofs);
-    numbers.insert(numbers.end(), dofs.begin(), dofs.end());
-    numbers.push_back(shapes.cell_measure(face.cell));
-    numbers.push_back(shapes.face_measure(face.cell, face.face_no));
-    if (domain.material.has_large_strain()) {
-      shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), values.data(),
-                      gradients.data());
-      append(gradients, numbers);
-    }
-    for (unsigned int q = 0; q < n_points; ++q) {
-      dealii::Point<dim> unit_point;
-      for (unsigned int d = 0; d < dim; ++d)
-        unit_point[d] = question[i++];
-      shapes.evaluate(unit_point, values.data(), gradients.data());
-      numbers.insert(numbers.end(), values.begin(), values.end());
-      append(gradients, numbers);
-    }
-  }
-  return numbers;
-}
-
-template <int dim>
-void unpack(const unsigned int rank, const std::vector<double> &numbers,
-            const std::vector<Request<dim>> &requests, const Domain<dim> &domain, PartnerShapes<dim> &result)
-{
-  const unsigned int n_nodes = domain.n_nodes();
-  auto next = numbers.begin();
-  const auto take_gradients = [&](dealii::Tensor<1, dim> *gradients) {
-    for (unsigned int a = 0; a < n_nodes; ++a)
-      for (unsigned int d = 0; d < dim; ++d)
-        gradients[a][d] = *next++;
-  };
-  for (const auto &request : requests) {
-    CellBehind<dim> cell;
-    cell.dofs.assign(next, next + domain.dofs_per_cell());
-    next += domain.dofs_per_cell();
-    cell.cell_measure = *next++;
-    cell.face_measure = *next++;
+    Answer<dim> answer;
+    CellBehind<dim> &cell = answer.cell;
+    domain.cell_dofs(domain.dof_cell(face.cell), cell.dofs);
+    cell.cell_measure = shapes.cell_measure(face.cell);
+    cell.face_measure = shapes.face_measure(face.cell, face.face_no);
     if (domain.material.has_large_strain()) {
       cell.central_gradients.resize(n_nodes);
-      take_gradients(cell.central_gradients.data());
+      shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), unused.data(),
+                      cell.central_gradients.data());
     }
-    cell.rank = rank;
+    cell.rank = this_rank;
     cell.face = request.face;
-    for (const unsigned int point : request.points) {
-      result.cell_of_point[point] = result.cells.size();
-      std::copy(next, next + n_nodes, result.values.begin() + point * n_nodes);
-      next += n_nodes;
-      take_gradients(&result.gradients[point * n_nodes]);
-    }
-    result.cells.push_back(std::move(cell));
+    answer.values.resize(request.unit_points.size() * n_nodes);
+    answer.gradients.resize(request.unit_points.size() * n_nodes);
+    for (unsigned int i = 0; i < request.unit_points.size(); ++i)
+      shapes.evaluate(request.unit_points[i], &answer.values[i * n_nodes], &answer.gradients[i * n_nodes]);
+    answers.push_back(std::move(answer));
   }
+  return answers;
 }
 
 } // namespace
@@ -124,7 +86,7 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
   result.values.resize(matches.size() * partner.n_nodes());
   result.gradients.resize(matches.size() * partner.n_nodes());
 
-  std::map<unsigned int, std::vector<Request<dim>>> requests;
+  OfRanks<std::vector<Request<dim>>> requests;
   std::map<std::pair<unsigned int, unsigned int>, unsigned int> request_of_face;
   for (unsigned int i = 0; i < matches.size(); ++i)
     if (matches[i].found) {
@@ -133,25 +95,34 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
           request_of_face.emplace(std::make_pair(matches[i].rank, matches[i].face), of_rank.size());
       if (is_new)
         of_rank.push_back({matches[i].face, {}, {}});
-      of_rank[entry->second].points.push_back(i);
       of_rank[entry->second].unit_points.push_back(matches[i].unit_point);
+      of_rank[entry->second].points.push_back(i);
     }
+  const unsigned int this_rank = dealii::Utilities::MPI::this_mpi_process(communicator),
+                     n_nodes = partner.n_nodes();
+  for (const auto &[rank, of_rank] : requests)
+    locator.work().faces += rank == this_rank ? 0 : of_rank.size();
 
   ShapeEvaluator<dim> shapes(partner);
-  const unsigned int this_rank = dealii::Utilities::MPI::this_mpi_process(communicator);
-  if (const auto own = requests.find(this_rank); own != requests.end()) {
-    unpack(this_rank, answer(pack(own->second), partner, locator, shapes), own->second, partner, result);
-    requests.erase(own);
-  }
-  OfRanks questions, answers;
-  for (const auto &[rank, of_rank] : requests) {
-    questions[rank] = pack(of_rank);
-    locator.work().faces += of_rank.size();
-  }
-  for (const auto &[rank, question] : exchange(questions, communicator, locator.work()))
-    answers[rank] = answer(question, partner, locator, shapes);
-  for (const auto &[rank, numbers] : exchange(answers, communicator, locator.work()))
-    unpack(rank, numbers, requests.at(rank), partner, result);
+  OfRanks<std::vector<Answer<dim>>> answers;
+  for (const auto &[rank, of_rank] : exchange(requests, communicator, locator.work()))
+    answers[rank] = answer(of_rank, this_rank, partner, locator, shapes);
+  answers = exchange(std::move(answers), communicator, locator.work());
+  const auto add = [&](const std::vector<Request<dim>> &asked, std::vector<Answer<dim>> &answered) {
+    for (unsigned int k = 0; k < asked.size(); ++k) {
+      for (unsigned int i = 0; i < asked[k].points.size(); ++i) {
+        const unsigned int point = asked[k].points[i];
+        result.cell_of_point[point] = result.cells.size();
+        std::copy_n(&answered[k].values[i * n_nodes], n_nodes, &result.values[point * n_nodes]);
+        std::copy_n(&answered[k].gradients[i * n_nodes], n_nodes, &result.gradients[point * n_nodes]);
+      }
+      result.cells.push_back(std::move(answered[k].cell));
+    }
+  };
+  add(requests[this_rank], answers[this_rank]); // the cells of this rank come first
+  requests.erase(this_rank);
+  for (const auto &[rank, asked] : requests)
+    add(asked, answers.at(rank));
   return result;
 }
 

@@ -105,6 +105,8 @@ private:
   using Boxes = RTree<std::pair<BoundingBox<dim - 1>, unsigned int>>; ///< of regions
   static BoundingBox<dim - 1> box_of(const Region<dim - 1> &region);
   static std::vector<unsigned int> overlapping(const Boxes &boxes, const Region<dim - 1> &region);
+  static std::vector<Region<dim - 1>> rest_of(const Region<dim - 1> &region,
+                                              const std::vector<Segment> &segments);
   static void collect_rest(const Region<dim - 1> &region, const Boxes &boxes,
                            const std::vector<Segment> &segments, std::vector<Region<dim - 1>> &rest);
 
@@ -281,8 +283,21 @@ std::vector<unsigned int> Segmentation<dim>::overlapping(const Boxes &boxes, con
   return found;
 }
 
-/// What the segments leave of a region. A region with many of them is halved first, so that the cost is not
-/// that of all pairs of parts and segments.
+/// What the segments leave of a region.
+template <int dim>
+std::vector<Region<dim - 1>> Segmentation<dim>::rest_of(const Region<dim - 1> &region,
+                                                        const std::vector<Segment> &segments)
+{
+  Boxes boxes;
+  for (unsigned int i = 0; i < segments.size(); ++i)
+    boxes.insert({box_of(segments[i].region), i});
+  std::vector<Region<dim - 1>> rest;
+  collect_rest(region, boxes, segments, rest);
+  return rest;
+}
+
+/// A region with many segments is halved first, so that the cost is not that of all pairs of parts and
+/// segments.
 template <int dim>
 void Segmentation<dim>::collect_rest(const Region<dim - 1> &region, const Boxes &boxes,
                                      const std::vector<Segment> &segments, std::vector<Region<dim - 1>> &rest)
@@ -339,14 +354,9 @@ template <int dim>
 void Segmentation<dim>::add_rest(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
                                  std::vector<Segment> &segments)
 {
-  Boxes boxes;
-  for (unsigned int i = 0; i < segments.size(); ++i)
-    boxes.insert({box_of(segments[i].region), i});
-  std::vector<Region<dim - 1>> rest;
-  collect_rest(chart.window, boxes, segments, rest);
   const FaceBoxes face_boxes = boxes_of(nearby);
   const double least = chart.negligible * measure(chart.window);
-  for (const auto &part : rest)
+  for (const auto &part : rest_of(chart.window, segments))
     if (measure(part) > least) {
       segments.push_back(nearest_face(chart.evaluate(centroid(chart.to_integration(part))), face_boxes));
       segments.back().region = part;
@@ -609,7 +619,6 @@ void Segmentation<dim>::add_curved_rest(const CurvedWindow &window,
 {
   if constexpr (dim == 3) {
     std::vector<Segment> triangles;
-    Boxes boxes;
     for (const CurvedSegment &segment : segments) {
       const Point<2> centre = window.reference_point(window.centroid(segment.region));
       for (const Arc &arc : segment.region) {
@@ -617,17 +626,13 @@ void Segmentation<dim>::add_curved_rest(const CurvedWindow &window,
         for (unsigned int i = 0; i + 1 < corners.size(); ++i) {
           Segment triangle;
           triangle.region = {centre, corners[i], corners[i + 1]};
-          if (measure(triangle.region) > 1e-14) {
-            boxes.insert({box_of(triangle.region), static_cast<unsigned int>(triangles.size())});
+          if (measure(triangle.region) > 1e-14)
             triangles.push_back(triangle);
-          }
         }
       }
     }
-    std::vector<Region<2>> rest;
-    collect_rest(window.reference_corners(), boxes, triangles, rest);
     const unsigned int first = points.size();
-    for (const Region<2> &part : rest)
+    for (const Region<2> &part : rest_of(window.reference_corners(), triangles))
       if (measure(part) > 1e-10)
         add_reference_region(part, face_boxes);
     const double sum = std::accumulate(points.JxW.begin() + first, points.JxW.end(), 0.);

@@ -24,8 +24,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace dovetail {
 
@@ -37,45 +39,39 @@ using dealii::Tensor;
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_amplification = 4;
 
-/// A point of an interface in the numbers that are sent to the rank that owns a cell behind it: weight, X, N,
-/// values and gradients of the shape functions of the cell.
+/// A point of an interface and the shape functions of a cell behind it there.
 template <int dim>
 struct FacePoint
 {
-  static unsigned int n_numbers(const unsigned int n_nodes) { return 1 + 2 * dim + (1 + dim) * n_nodes; }
-  static void pack(const Pairing<dim> &pairing, unsigned int side, unsigned int q, unsigned int n_nodes,
-                   std::vector<double> &numbers);
-  FacePoint(const double *numbers, unsigned int n_nodes);
-
-  double weight;
+  double weight = 0;
   Point<dim> X;
   Tensor<1, dim> N;
-  const double *values, *gradients; ///< in the numbers
+  std::vector<double> values;
+  std::vector<Tensor<1, dim>> gradients;
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &weight &X &N &values &gradients;
+  }
+};
+
+/// What the rank that owns a cell is told of it.
+template <int dim>
+struct FaceOfCell
+{
+  unsigned int face = 0; ///< of the side, as in SideFaces
+  std::vector<FacePoint<dim>> points;
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &face &points;
+  }
 };
 
 template <int dim>
-void FacePoint<dim>::pack(const Pairing<dim> &pairing, const unsigned int side, const unsigned int q,
-                          const unsigned int n_nodes, std::vector<double> &numbers)
-{
-  numbers.push_back(pairing.weight(q));
-  for (unsigned int d = 0; d < dim; ++d)
-    numbers.insert(numbers.end(), {pairing.X(side, q)[d], pairing.N(side, q)[d]});
-  numbers.insert(numbers.end(), pairing.values(side, q), pairing.values(side, q) + n_nodes);
-  for (unsigned int a = 0; a < n_nodes; ++a)
-    for (unsigned int d = 0; d < dim; ++d)
-      numbers.push_back(pairing.gradients(side, q)[a][d]);
-}
-
-template <int dim>
-FacePoint<dim>::FacePoint(const double *numbers, const unsigned int n_nodes) : weight(*numbers++)
-{
-  for (unsigned int d = 0; d < dim; ++d) {
-    X[d] = *numbers++;
-    N[d] = *numbers++;
-  }
-  values = numbers;
-  gradients = numbers + n_nodes;
-}
+using Questions = OfRanks<std::vector<FaceOfCell<dim>>>;
 
 /// The tangent of a field of n_c components at a point and its positive part, n x n matrices with n = n_c
 /// dim, row (c, J), column (d, L).
@@ -167,7 +163,6 @@ private:
   dealii::FEValues<dim> values, at_nodes;
   CellPoints<dim> point;
   TangentParts<dim> tangent;
-  std::vector<Tensor<1, dim>> gradient; ///< of the shape functions at a point of the interface
 };
 
 template <int dim>
@@ -180,7 +175,7 @@ CellProblem<dim>::CellProblem(const Domain<dim> &domain, const Field &field,
                  dealii::update_JxW_values),
       at_nodes(domain.mapping(), domain.scalar_element(), domain.scalar_element().get_unit_support_points(),
                dealii::update_quadrature_points),
-      point(domain, t), tangent(field.n_components), gradient(n_nodes)
+      point(domain, t), tangent(field.n_components)
 {
   problem.n = field.n_components * n_nodes;
 }
@@ -247,10 +242,7 @@ bool CellProblem<dim>::add_energy(const std::vector<double> &unknowns)
 template <int dim>
 bool CellProblem<dim>::add_flux(const FacePoint<dim> &of_face, const std::vector<double> &unknowns)
 {
-  for (unsigned int a = 0; a < n_nodes; ++a)
-    for (unsigned int d = 0; d < dim; ++d)
-      gradient[a][d] = of_face.gradients[a * dim + d];
-  point.reinit(of_face.X, of_face.values, gradient.data(), unknowns);
+  point.reinit(of_face.X, of_face.values.data(), of_face.gradients.data(), unknowns);
   if (!find_tangent())
     return false;
   add_flux_rows(tangent.D, of_face, problem.S);
@@ -259,7 +251,7 @@ bool CellProblem<dim>::add_flux(const FacePoint<dim> &of_face, const std::vector
 }
 
 template <int dim>
-void CellProblem<dim>::add_flux_rows(const std::vector<double> &D, const FacePoint<dim> &point,
+void CellProblem<dim>::add_flux_rows(const std::vector<double> &D, const FacePoint<dim> &of_face,
                                      std::vector<double> &rows) const
 {
   for (unsigned int c = 0; c < field.n_components; ++c)
@@ -267,9 +259,9 @@ void CellProblem<dim>::add_flux_rows(const std::vector<double> &D, const FacePoi
       Tensor<1, dim> N_D;
       for (unsigned int J = 0; J < dim; ++J)
         for (unsigned int L = 0; L < dim; ++L)
-          N_D[L] += std::sqrt(point.weight) * point.N[J] * D[(c * dim + J) * tangent.n + d * dim + L];
+          N_D[L] += std::sqrt(of_face.weight) * of_face.N[J] * D[(c * dim + J) * tangent.n + d * dim + L];
       for (unsigned int a = 0; a < n_nodes; ++a)
-        rows.push_back(N_D * gradient[a]);
+        rows.push_back(N_D * of_face.gradients[a]);
     }
 }
 
@@ -403,119 +395,96 @@ unsigned int n_other_interfaces(const InterfaceSide<dim> &side, const std::strin
   return n;
 }
 
-/// What a rank is asked about a side: for each of its cells the index of the face of the side, as in
-/// SideFaces, the number of points, and the points.
+/// The cells of this rank behind the faces of a side.
 template <int dim>
 class SideProblems
 {
 public:
   SideProblems(const Interface<dim> &interface, const unsigned int side, const TiedField &tied);
 
-  /// The eigenvalues of the cells of this rank behind the points that all ranks have sent, cell by cell.
-  OfRanks solve(double t, const typename Tie<dim>::Unknowns &unknowns, const OfRanks &packed_of_rank) const;
+  /// The eigenvalues of the cells behind the points that all ranks have sent.
+  OfRanks<std::vector<Pair>> solve(double t, const typename Tie<dim>::Unknowns &unknowns,
+                                   Questions<dim> questions) const;
 
 private:
   using cell_iterator = typename dealii::Triangulation<dim>::active_cell_iterator;
-  struct OfCell
-  {
-    cell_iterator cell;
-    std::vector<FacePoint<dim>> points;
-    Pair lambda = {{undefined, undefined}};
-  };
-  std::map<unsigned int, OfCell> unpack(const OfRanks &packed_of_rank) const;
 
   const Interface<dim> &interface;
   const InterfaceSide<dim> &of_side;
   const Domain<dim> &domain;
   const Field &field;
   const std::vector<unsigned int> &components;
-  std::vector<cell_iterator> cell_of_face;
+  const std::vector<cell_iterator> cell_of_face;
 };
 
 template <int dim>
 SideProblems<dim>::SideProblems(const Interface<dim> &interface, const unsigned int side,
                                 const TiedField &tied)
     : interface(interface), of_side(interface.sides[side]), domain(*of_side.domain),
-      field(domain.fields()[tied.field[side]]), components(interface.components[side])
+      field(domain.fields()[tied.field[side]]), components(interface.components[side]),
+      cell_of_face(cells_behind(of_side))
 {
-  for (const auto &[cell, face, id] : domain.boundary_faces())
-    if (cell->is_locally_owned() && of_side.belongs(cell, id))
-      cell_of_face.push_back(cell);
 }
 
 template <int dim>
-std::map<unsigned int, typename SideProblems<dim>::OfCell>
-SideProblems<dim>::unpack(const OfRanks &packed_of_rank) const
+OfRanks<std::vector<Pair>> SideProblems<dim>::solve(const double t,
+                                                    const typename Tie<dim>::Unknowns &unknowns,
+                                                    Questions<dim> questions) const
 {
-  std::map<unsigned int, OfCell> cells;
-  for (const auto &[rank, packed] : packed_of_rank)
-    for (std::size_t i = 0; i < packed.size();) {
-      const cell_iterator cell = cell_of_face[static_cast<unsigned int>(packed[i])];
-      OfCell &of_cell = cells[cell->active_cell_index()];
-      of_cell.cell = cell;
-      const unsigned int n_points = packed[i + 1];
-      i += 2;
-      for (unsigned int q = 0; q < n_points; ++q, i += FacePoint<dim>::n_numbers(domain.n_nodes()))
-        of_cell.points.emplace_back(&packed[i], domain.n_nodes());
+  std::map<cell_iterator, std::vector<FacePoint<dim>>> points_of_cell;
+  for (auto &[rank, faces] : questions)
+    for (auto &[face, points] : faces) {
+      auto &of_cell = points_of_cell[cell_of_face[face]];
+      std::move(points.begin(), points.end(), std::back_inserter(of_cell));
     }
-  return cells;
-}
-
-template <int dim>
-OfRanks SideProblems<dim>::solve(const double t, const typename Tie<dim>::Unknowns &unknowns,
-                                 const OfRanks &packed_of_rank) const
-{
-  std::map<unsigned int, OfCell> cells = unpack(packed_of_rank);
   CellProblem<dim> problem(domain, field, components, t);
   Eigenvalues eigenvalues;
+  std::map<cell_iterator, Pair> lambda;
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> values;
-  for (auto &[index, of_cell] : cells) {
-    domain.cell_dofs(domain.dof_cell(of_cell.cell), dofs);
+  for (const auto &[cell, points] : points_of_cell) {
+    domain.cell_dofs(domain.dof_cell(cell), dofs);
     unknowns(dofs, values);
-    if (!problem.reinit(of_cell.cell, of_cell.points, values))
+    Pair &of_cell = lambda[cell] = {{undefined, undefined}};
+    if (!problem.reinit(cell, points, values))
       continue;
-    of_cell.lambda = eigenvalues.largest(problem.problem, problem.positive_S);
-    for (double &lambda : of_cell.lambda)
-      lambda *= 1 + n_other_interfaces(of_side, field.name, of_cell.cell);
+    of_cell = eigenvalues.largest(problem.problem, problem.positive_S);
+    for (double &value : of_cell)
+      value *= 1 + n_other_interfaces(of_side, field.name, cell);
   }
-  interface.work().eigenvalue_problems += cells.size();
+  interface.work().eigenvalue_problems += lambda.size();
 
-  OfRanks answers;
-  for (const auto &[rank, packed] : packed_of_rank)
-    for (std::size_t i = 0; i < packed.size();
-         i += 2 + FacePoint<dim>::n_numbers(domain.n_nodes()) * static_cast<std::size_t>(packed[i + 1])) {
-      const auto cell = cell_of_face[static_cast<unsigned int>(packed[i])];
-      const Pair &lambda = cells.at(cell->active_cell_index()).lambda;
-      answers[rank].insert(answers[rank].end(), lambda.begin(), lambda.end());
-    }
+  OfRanks<std::vector<Pair>> answers;
+  for (const auto &[rank, faces] : questions)
+    for (const auto &of_cell : faces)
+      answers[rank].push_back(lambda.at(cell_of_face[of_cell.face]));
   return answers;
 }
 
-/// For each rank its cells behind a side, as SideProblems reads them; and which they are.
+/// For each rank its cells behind a side; and which they are, in Pairing::cells.
 template <int dim>
-std::pair<OfRanks, std::map<unsigned int, std::vector<unsigned int>>>
-ask_owners(const Interface<dim> &interface, const unsigned int side)
+std::pair<Questions<dim>, OfRanks<std::vector<unsigned int>>> ask_owners(const Interface<dim> &interface,
+                                                                         const unsigned int side)
 {
   const Pairing<dim> &pairing = interface.pairing();
   const auto &cells = pairing.cells[side];
   const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
-  std::vector<std::vector<const typename Pairing<dim>::Group *>> groups(cells.size());
+  std::vector<std::vector<FacePoint<dim>>> points(cells.size());
   for (const auto &group : pairing.groups)
-    groups[group.cells[side]].push_back(&group);
-  OfRanks questions;
-  std::map<unsigned int, std::vector<unsigned int>> asked;
+    for (unsigned int q = group.begin; q < group.end; ++q) {
+      const double *values = pairing.values(side, q);
+      const Tensor<1, dim> *gradients = pairing.gradients(side, q);
+      points[group.cells[side]].push_back({pairing.weight(q),
+                                           pairing.X(side, q),
+                                           pairing.N(side, q),
+                                           {values, values + n_nodes},
+                                           {gradients, gradients + n_nodes}});
+    }
+  Questions<dim> questions;
+  OfRanks<std::vector<unsigned int>> asked;
   for (unsigned int i = 0; i < cells.size(); ++i) {
-    std::vector<double> &packed = questions[cells[i].rank];
+    questions[cells[i].rank].push_back({cells[i].face, std::move(points[i])});
     asked[cells[i].rank].push_back(i);
-    unsigned int n_points = 0;
-    for (const auto *group : groups[i])
-      n_points += group->end - group->begin;
-    packed.push_back(cells[i].face);
-    packed.push_back(n_points);
-    for (const auto *group : groups[i])
-      for (unsigned int q = group->begin; q < group->end; ++q)
-        FacePoint<dim>::pack(pairing, side, q, n_nodes, packed);
   }
   return {std::move(questions), std::move(asked)};
 }
@@ -531,13 +500,13 @@ TraceEigenvalues eigenvalues_at(const Interface<dim> &interface, const TiedField
     result.of_tangent[side].resize(n_cells);
     result.of_penalty[side].resize(n_cells);
     auto [questions, asked] = ask_owners(interface, side);
-    const OfRanks received = exchange(std::move(questions), communicator, interface.work());
-    const SideProblems<dim> problems(interface, side, field);
-    const OfRanks answers = exchange(problems.solve(t, unknowns, received), communicator, interface.work());
-    for (const auto &[rank, lambda] : answers)
-      for (unsigned int k = 0; k < lambda.size() / 2; ++k) {
-        result.of_tangent[side][asked.at(rank)[k]] = lambda[2 * k];
-        result.of_penalty[side][asked.at(rank)[k]] = lambda[2 * k + 1];
+    auto answers = SideProblems<dim>(interface, side, field)
+                       .solve(t, unknowns, exchange(std::move(questions), communicator, interface.work()));
+    for (const auto &[rank, lambda] : exchange(std::move(answers), communicator, interface.work()))
+      for (unsigned int k = 0; k < lambda.size(); ++k) {
+        const unsigned int cell = asked.at(rank)[k];
+        result.of_tangent[side][cell] = lambda[k][0];
+        result.of_penalty[side][cell] = lambda[k][1];
       }
   }
   return result;

@@ -5,6 +5,10 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <boost/serialization/map.hpp>
+#include <boost/serialization/utility.hpp>
+#include <boost/serialization/vector.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -42,42 +46,29 @@ template <int dim>
 typename FluxOscillation<dim>::Faces FluxOscillation<dim>::gather(const unsigned int side,
                                                                   const MPI_Comm &communicator) const
 {
-  std::vector<double> own_sums; // rank, face, sums; one after another
-  for (const auto &[key, of_face] : sums[side]) {
-    own_sums.push_back(key.first);
-    own_sums.push_back(key.second);
-    own_sums.insert(own_sums.end(), of_face.begin(), of_face.end());
-  }
-  std::vector<double> own_edges;
   const SideFaces<dim> own = faces_of(interface.sides[side]);
   const unsigned int n_edges = own.shape.n_corners();
+  std::vector<std::vector<dealii::Point<dim>>> own_edges(own.faces.size());
   for (unsigned int face = 0; face < own.faces.size(); ++face)
     for (unsigned int i = 0; i < n_edges; ++i) {
       const auto begin = own.shape.corner(own.nodes(face), i);
       const auto end = dim == 2 ? begin : own.shape.corner(own.nodes(face), (i + 1) % n_edges);
-      for (unsigned int d = 0; d < dim; ++d)
-        own_edges.push_back((begin[d] + end[d]) / 2);
+      own_edges[face].push_back(begin + (end - begin) / 2);
     }
-  const auto all_sums = dealii::Utilities::MPI::gather(communicator, own_sums);
   const auto all_edges = dealii::Utilities::MPI::gather(communicator, own_edges);
 
   std::map<Key, Sums> merged;
-  const unsigned int n_sums = first.back();
-  for (const auto &of_rank : all_sums)
-    for (auto entry = of_rank.begin(); entry != of_rank.end(); entry += 2 + n_sums) {
-      Sums &of_face = merged[{static_cast<unsigned int>(entry[0]), static_cast<unsigned int>(entry[1])}];
-      of_face.resize(n_sums);
-      for (unsigned int i = 0; i < n_sums; ++i)
-        of_face[i] += entry[2 + i];
+  for (const auto &of_rank : dealii::Utilities::MPI::gather(communicator, sums[side]))
+    for (const auto &[key, of_face] : of_rank) {
+      Sums &sum = merged[key];
+      sum.resize(of_face.size());
+      for (unsigned int i = 0; i < of_face.size(); ++i)
+        sum[i] += of_face[i];
     }
   Faces faces;
   for (const auto &[key, of_face] : merged) {
     faces.sums.push_back(of_face);
-    std::vector<dealii::Point<dim>> edges(n_edges);
-    for (unsigned int i = 0; i < n_edges; ++i)
-      for (unsigned int d = 0; d < dim; ++d)
-        edges[i][d] = all_edges[key.first][(key.second * n_edges + i) * dim + d];
-    faces.edges.push_back(std::move(edges));
+    faces.edges.push_back(all_edges[key.first][key.second]);
   }
   return faces;
 }

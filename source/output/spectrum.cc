@@ -6,6 +6,9 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/full_matrix.h>
 
+#include <boost/serialization/map.hpp>
+#include <boost/serialization/utility.hpp>
+
 #include <Teuchos_LAPACK.hpp>
 
 #include <algorithm>
@@ -176,20 +179,20 @@ ordered_json spectrum(const Dense &dense)
   return result;
 }
 
-/// Rows of the group that this rank owns: (row, column, value) of the entries, and of each row its number and
-/// whether it is taken by a constraint.
+using Index = dealii::types::global_dof_index;
+using Entries = std::map<std::pair<Index, Index>, double>; ///< by row and column
+
+/// Of the rows of the group that this rank owns: the entries, and whether each row is taken by a constraint.
 template <int dim>
 void collect(const BlockSystem<dim> &system, const Numbering &numbering, const SolveGroup &group,
-             std::vector<double> &entries, std::vector<double> &rows)
+             Entries &entries, std::map<Index, bool> &rows)
 {
   std::vector<unsigned int> blocks = group.blocks;
   blocks.insert(blocks.end(), group.multiplier_blocks.begin(), group.multiplier_blocks.end());
   for (const unsigned int i : blocks) {
     const auto begin = numbering.blocks()[i].begin;
-    for (const auto row : numbering.blocks()[i].owned) {
-      rows.push_back(begin + row);
-      rows.push_back(system.is_constrained(begin + row));
-    }
+    for (const auto row : numbering.blocks()[i].owned)
+      rows[begin + row] = system.is_constrained(begin + row);
     for (const unsigned int j : blocks) {
       if (!system.tangent().has_block(i, j))
         continue;
@@ -199,11 +202,9 @@ void collect(const BlockSystem<dim> &system, const Numbering &numbering, const S
         double *values = nullptr;
         matrix.ExtractMyRowView(row, n, values, columns);
         for (int k = 0; k < n; ++k)
-          if (values[k] != 0) {
-            entries.push_back(begin + matrix.GRID(row));
-            entries.push_back(numbering.blocks()[j].begin + matrix.GCID(columns[k]));
-            entries.push_back(values[k]);
-          }
+          if (values[k] != 0)
+            entries[{begin + matrix.GRID(row), numbering.blocks()[j].begin + matrix.GCID(columns[k])}] =
+                values[k];
       }
     }
   }
@@ -214,23 +215,20 @@ template <int dim>
 Dense gather(const BlockSystem<dim> &system, const Numbering &numbering, const SolveGroup &group,
              const MPI_Comm &communicator)
 {
-  std::vector<double> own_entries, own_rows;
+  Entries own_entries, entries;
+  std::map<Index, bool> own_rows, is_left_out;
   collect(system, numbering, group, own_entries, own_rows);
-  const auto all_entries = dealii::Utilities::MPI::gather(communicator, own_entries);
-  const auto all_rows = dealii::Utilities::MPI::gather(communicator, own_rows);
+  for (auto &of_rank : dealii::Utilities::MPI::gather(communicator, own_entries))
+    entries.merge(of_rank);
+  for (auto &of_rank : dealii::Utilities::MPI::gather(communicator, own_rows))
+    is_left_out.merge(of_rank);
 
-  using Index = dealii::types::global_dof_index;
-  std::map<Index, bool> is_left_out;
-  for (const auto &of_rank : all_rows)
-    for (unsigned int k = 0; k < of_rank.size(); k += 2)
-      is_left_out[static_cast<Index>(of_rank[k])] = of_rank[k + 1] != 0;
   const auto is_multiplier = [&](const Index row) {
     return numbering.blocks()[numbering.block_of(row)].is_of_multipliers;
   };
-  for (const auto &of_rank : all_entries)
-    for (unsigned int k = 0; k < of_rank.size(); k += 3)
-      if (of_rank[k] == of_rank[k + 1] && is_multiplier(static_cast<Index>(of_rank[k])))
-        is_left_out[static_cast<Index>(of_rank[k])] = true;
+  for (const auto &entry : entries)
+    if (const auto [row, column] = entry.first; row == column && is_multiplier(row))
+      is_left_out[row] = true;
 
   Dense dense;
   std::map<Index, unsigned int> position;
@@ -245,13 +243,11 @@ Dense gather(const BlockSystem<dim> &system, const Numbering &numbering, const S
     return dense;
   }
   dense.K.reinit(position.size(), position.size());
-  for (const auto &of_rank : all_entries)
-    for (unsigned int k = 0; k < of_rank.size(); k += 3) {
-      const auto row = position.find(static_cast<Index>(of_rank[k])),
-                 column = position.find(static_cast<Index>(of_rank[k + 1]));
-      if (row != position.end() && column != position.end())
-        dense.K(row->second, column->second) += of_rank[k + 2];
-    }
+  for (const auto &[place, value] : entries) {
+    const auto row = position.find(place.first), column = position.find(place.second);
+    if (row != position.end() && column != position.end())
+      dense.K(row->second, column->second) = value;
+  }
   return dense;
 }
 

@@ -5,6 +5,9 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <boost/serialization/utility.hpp>
+#include <boost/serialization/vector.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -30,11 +33,9 @@ template <int dim>
 nlohmann::ordered_json list_uncovered_points(const Pairing<dim> &pairing, const unsigned int n,
                                              const MPI_Comm &communicator)
 {
-  std::vector<std::vector<double>> first;
-  for (const auto &point : pairing.uncovered) {
-    first.emplace_back(point.X.begin_raw(), point.X.end_raw());
-    first.back().push_back(point.side);
-  }
+  std::vector<std::pair<std::vector<double>, unsigned int>> first; // coordinates, side
+  for (const auto &point : pairing.uncovered)
+    first.push_back({{point.X.begin_raw(), point.X.end_raw()}, point.side});
   const auto keep_first = [&]() {
     std::sort(first.begin(), first.end());
     if (first.size() > n)
@@ -47,11 +48,8 @@ nlohmann::ordered_json list_uncovered_points(const Pairing<dim> &pairing, const 
     first.insert(first.end(), of_rank.begin(), of_rank.end());
   keep_first();
   auto list = nlohmann::ordered_json::array();
-  for (auto &point : first) {
-    const bool is_source = point.back() == source;
-    point.pop_back();
-    list.push_back({{"side", is_source ? "source" : "destination"}, {"point", point}});
-  }
+  for (const auto &[X, side] : first)
+    list.push_back({{"side", side == source ? "source" : "destination"}, {"point", X}});
   return list;
 }
 

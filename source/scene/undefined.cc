@@ -33,10 +33,10 @@ std::string sentence_about(const Section &section, const std::string &entry, con
   }
 }
 
-std::string in_words(const double number)
+std::string in_words(const double number, const unsigned int n_digits)
 {
   std::ostringstream words;
-  words.precision(4);
+  words.precision(n_digits);
   words << number;
   return words.str();
 }

@@ -7,6 +7,11 @@
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/full_matrix.h>
+#include <deal.II/lac/lapack_full_matrix.h>
+
+#include <boost/serialization/map.hpp>
+#include <boost/serialization/utility.hpp>
+#include <boost/serialization/vector.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -18,33 +23,6 @@ namespace {
 
 using Index = dealii::types::global_dof_index;
 
-/// A list of lines as numbers: dof, inhomogeneity, tie, number of entries, (dof, weight) …
-void pack(const Index dof, const ConstraintLine &line, std::vector<double> &numbers)
-{
-  numbers.push_back(dof);
-  numbers.push_back(line.inhomogeneity);
-  numbers.push_back(line.tie);
-  numbers.push_back(line.entries.size());
-  for (const auto &[other, weight] : line.entries) {
-    numbers.push_back(other);
-    numbers.push_back(weight);
-  }
-}
-
-void unpack(const std::vector<double> &numbers, ConstraintLines &lines)
-{
-  for (auto next = numbers.begin(); next != numbers.end();) {
-    ConstraintLine &line = lines[static_cast<Index>(*next++)];
-    line.inhomogeneity = *next++;
-    line.tie = *next++;
-    line.entries.clear();
-    for (unsigned int n_entries = *next++; n_entries > 0; --n_entries) {
-      const Index other = static_cast<Index>(*next++);
-      line.entries.emplace_back(other, *next++);
-    }
-  }
-}
-
 /// Ask the owners of @p dofs for their lines.
 ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_lines,
                       const Numbering &numbering, const MPI_Comm &communicator)
@@ -52,14 +30,14 @@ ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_
   std::map<unsigned int, std::vector<Index>> questions;
   for (const Index dof : dofs)
     questions[numbering.owner(dof)].push_back(dof);
-  std::map<unsigned int, std::vector<double>> answers;
+  std::map<unsigned int, ConstraintLines> answers;
   for (const auto &[rank, asked] : dealii::Utilities::MPI::some_to_some(communicator, questions))
     for (const Index dof : asked)
       if (const auto line = owned_lines.find(dof); line != owned_lines.end())
-        pack(dof, line->second, answers[rank]);
+        answers[rank].insert(*line);
   ConstraintLines lines;
-  for (const auto &of_rank : dealii::Utilities::MPI::some_to_some(communicator, answers))
-    unpack(of_rank.second, lines);
+  for (auto &of_rank : dealii::Utilities::MPI::some_to_some(communicator, answers))
+    lines.merge(of_rank.second);
   return lines;
 }
 
@@ -122,55 +100,40 @@ std::vector<std::vector<Index>> circles_of(const ConstraintLines &lines)
   return circles;
 }
 
-/// Solve the lines of unknowns that follow each other, B_i = sum_k W_ik B_k + rest_i, for B by elimination.
-/// @return false, and nothing changes, if they have no solution for every rest.
+/// Solve the lines of unknowns that follow each other, B_i = sum_k W_ik B_k + rest_i: B = (I - W)^-1 rest.
+/// @return false, and nothing changes, if I - W is singular: they have no solution for every rest.
 bool solve_circle(const std::vector<Index> &members, ConstraintLines &lines)
 {
   const unsigned int n = members.size();
-  dealii::FullMatrix<double> W(n, n); // I - W
-  std::vector<std::map<Index, double>> rest(n);
-  std::vector<double> inhomogeneity(n);
+  dealii::FullMatrix<double> inverse(n, n); // first I - W
+  std::vector<ConstraintLine> rest(n);
   for (unsigned int i = 0; i < n; ++i) {
     const ConstraintLine &line = lines.at(members[i]);
-    inhomogeneity[i] = line.inhomogeneity;
-    W(i, i) += 1;
+    rest[i].inhomogeneity = line.inhomogeneity;
+    inverse(i, i) += 1;
     for (const auto &[dof, weight] : line.entries)
       if (const auto found = std::lower_bound(members.begin(), members.end(), dof);
           found != members.end() && *found == dof)
-        W(i, found - members.begin()) -= weight;
+        inverse(i, found - members.begin()) -= weight;
       else
-        rest[i][dof] += weight;
+        rest[i].entries.emplace_back(dof, weight);
   }
-  const auto add_row = [&](const unsigned int to, const unsigned int from, const double factor) {
-    for (unsigned int k = 0; k < n; ++k)
-      W(to, k) += factor * W(from, k);
-    for (const auto &[dof, weight] : rest[from])
-      rest[to][dof] += factor * weight;
-    inhomogeneity[to] += factor * inhomogeneity[from];
-  };
+  dealii::LAPACKFullMatrix<double> singular_values(n);
+  singular_values = inverse;
+  singular_values.compute_svd();
+  if (!(singular_values.singular_value(n - 1) > 1e-6))
+    return false;
+  inverse.gauss_jordan();
   for (unsigned int i = 0; i < n; ++i) {
-    unsigned int pivot = i;
-    for (unsigned int k = i + 1; k < n; ++k)
-      if (std::abs(W(k, i)) > std::abs(W(pivot, i)))
-        pivot = k;
-    if (!(std::abs(W(pivot, i)) > 1e-6))
-      return false;
-    if (pivot != i) {
-      for (unsigned int k = 0; k < n; ++k)
-        std::swap(W(i, k), W(pivot, k));
-      std::swap(rest[i], rest[pivot]);
-      std::swap(inhomogeneity[i], inhomogeneity[pivot]);
-    }
-    for (unsigned int k = 0; k < n; ++k)
-      if (k != i && W(k, i) != 0)
-        add_row(k, i, -W(k, i) / W(i, i));
-  }
-  for (unsigned int i = 0; i < n; ++i) {
+    std::map<Index, double> entries;
     ConstraintLine &line = lines.at(members[i]);
-    line.entries.clear();
-    for (const auto &[dof, weight] : rest[i])
-      line.entries.emplace_back(dof, weight / W(i, i));
-    line.inhomogeneity = inhomogeneity[i] / W(i, i);
+    line.inhomogeneity = 0;
+    for (unsigned int k = 0; k < n; ++k) {
+      line.inhomogeneity += inverse(i, k) * rest[k].inhomogeneity;
+      for (const auto &[dof, weight] : rest[k].entries)
+        entries[dof] += inverse(i, k) * weight;
+    }
+    line.entries.assign(entries.begin(), entries.end());
   }
   return true;
 }

@@ -11,6 +11,10 @@
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/numerics/error_estimator.h>
 
+#include <boost/serialization/map.hpp>
+#include <boost/serialization/utility.hpp>
+
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -113,11 +117,9 @@ std::map<std::string, double> energies_of(const Model<dim> &model, const std::ve
   return energy;
 }
 
-/// What cells of any rank get, by the unknowns of their first component.
-using Key = std::vector<Index>;
-using Shares = std::map<Key, double>;
+/// What the cells behind the points of this rank get, by their index in Pairing::cells.
+using Shares = std::array<std::vector<double>, 2>;
 
-/// The shares of the cells behind the points of this rank.
 template <int dim>
 class InterfaceShares
 {
@@ -129,23 +131,24 @@ public:
   {
   }
 
-  void add(const Vector &ghosted, Shares &shares)
+  Shares evaluate(const Vector &ghosted)
   {
-    for_each_group(
-        interface, values_in(ghosted), [&](const auto &group, const std::vector<double> &unknowns) {
-          std::array<double, 2> share = {{0, 0}}, size;
-          for (const unsigned int side : {source, destination}) {
-            const CellBehind<dim> &cell = interface.pairing().cells[side][group.cells[side]];
-            size[side] = cell.cell_measure / cell.face_measure;
-          }
-          for (unsigned int q = group.begin; q < group.end; ++q)
-            add_point(q, unknowns, size, share);
-          for (const unsigned int side : {source, destination}) {
-            const auto &of_cell = interface.pairing().cells[side][group.cells[side]].dofs;
-            shares[Key(of_cell.begin(), of_cell.begin() + interface.sides[side].domain->n_nodes())] +=
-                share[side];
-          }
-        });
+    Shares shares;
+    for (const unsigned int side : {source, destination})
+      shares[side].resize(interface.pairing().cells[side].size());
+    for_each_group(interface, values_in(ghosted),
+                   [&](const auto &group, const std::vector<double> &unknowns) {
+                     std::array<double, 2> share = {{0, 0}}, size;
+                     for (const unsigned int side : {source, destination}) {
+                       const CellBehind<dim> &cell = interface.pairing().cells[side][group.cells[side]];
+                       size[side] = cell.cell_measure / cell.face_measure;
+                     }
+                     for (unsigned int q = group.begin; q < group.end; ++q)
+                       add_point(q, unknowns, size, share);
+                     for (const unsigned int side : {source, destination})
+                       shares[side][group.cells[side]] += share[side];
+                   });
+    return shares;
   }
 
 private:
@@ -190,70 +193,31 @@ private:
   std::vector<double> jump, numerical_flux;
 };
 
-/// A cell at an interface, owned or ghost.
-struct CellOfKey
-{
-  unsigned int rank, domain, index;
-};
-
+/// The ranks that own the cells behind the points get their shares, face by face.
 template <int dim>
-std::map<Key, CellOfKey> cells_at_interfaces(const Model<dim> &model)
+void add_interface(const Model<dim> &model, const Interface<dim> &interface, const Vector &ghosted,
+                   const double t, const std::vector<ScalesOfDomain> &scales,
+                   const std::map<std::string, double> &energies, ErrorEstimate &estimate)
 {
-  std::map<Key, CellOfKey> cells;
-  std::vector<Index> dofs;
-  for (unsigned int d = 0; d < model.domains.size(); ++d)
-    for (const auto &face : model.domains[d]->boundary_faces()) {
-      model.domains[d]->cell_dofs(model.domains[d]->dof_cell(face.cell), dofs);
-      cells[Key(dofs.begin(), dofs.begin() + model.domains[d]->n_nodes())] = {face.cell->subdomain_id(), d,
-                                                                              face.cell->active_cell_index()};
+  std::array<unsigned int, 2> domain;
+  for (const unsigned int side : {source, destination})
+    for (unsigned int d = 0; d < model.domains.size(); ++d)
+      if (model.domains[d].get() == interface.sides[side].domain)
+        domain[side] = d;
+  const Shares shares =
+      InterfaceShares<dim>(interface, t, {{&scales[domain[source]], &scales[domain[destination]]}}, energies)
+          .evaluate(ghosted);
+  for (const unsigned int side : {source, destination}) {
+    std::map<unsigned int, std::map<unsigned int, double>> of_faces; // by rank and face
+    for (unsigned int i = 0; i < shares[side].size(); ++i) {
+      const CellBehind<dim> &cell = interface.pairing().cells[side][i];
+      of_faces[cell.rank][cell.face] += shares[side][i];
     }
-  return cells;
-}
-
-/// Send each share to a rank and add up what arrives; as numbers: length of the key, key, share.
-template <typename RankOf>
-Shares send(const Shares &shares, const RankOf &rank_of, const MPI_Comm &communicator)
-{
-  std::map<unsigned int, std::vector<double>> numbers;
-  for (const auto &[key, share] : shares) {
-    std::vector<double> &of_rank = numbers[rank_of(key)];
-    of_rank.push_back(key.size());
-    of_rank.insert(of_rank.end(), key.begin(), key.end());
-    of_rank.push_back(share);
+    const auto cells = cells_behind(interface.sides[side]);
+    for (const auto &of_rank : dealii::Utilities::MPI::some_to_some(model.communicator, of_faces))
+      for (const auto &[face, share] : of_rank.second)
+        estimate.squares[domain[side]][cells[face]->active_cell_index()] += share;
   }
-  Shares received;
-  for (const auto &of_rank : dealii::Utilities::MPI::some_to_some(communicator, numbers))
-    for (auto next = of_rank.second.begin(); next != of_rank.second.end();) {
-      const auto begin = next + 1, end = begin + static_cast<unsigned int>(*next);
-      received[Key(begin, end)] += *end;
-      next = end + 1;
-    }
-  return received;
-}
-
-template <int dim>
-void add_interfaces(const Model<dim> &model, const Vector &ghosted, const double t,
-                    const std::vector<ScalesOfDomain> &scales, const std::map<std::string, double> &energies,
-                    ErrorEstimate &estimate)
-{
-  Shares shares;
-  for (const auto &interface : model.interfaces)
-    if (interface->is_active(t)) {
-      std::array<const ScalesOfDomain *, 2> of_sides;
-      for (const unsigned int side : {source, destination})
-        for (unsigned int d = 0; d < model.domains.size(); ++d)
-          if (model.domains[d].get() == interface->sides[side].domain)
-            of_sides[side] = &scales[d];
-      InterfaceShares<dim>(*interface, t, of_sides, energies).add(ghosted, shares);
-    }
-  // the rank that owns an unknown sees all cells around it and knows whose they are
-  const auto cells = cells_at_interfaces(model);
-  shares = send(
-      shares, [&](const Key &key) { return model.numbering->owner(key.front()); }, model.communicator);
-  shares = send(
-      shares, [&](const Key &key) { return cells.at(key).rank; }, model.communicator);
-  for (const auto &[key, share] : shares)
-    estimate.squares[cells.at(key).domain][cells.at(key).index] += share;
 }
 
 } // namespace
@@ -289,8 +253,9 @@ ErrorEstimate estimate_error(const Model<dim> &model, const Vector &ghosted, con
         }
     }
   }
-  if (!model.interfaces.empty())
-    add_interfaces(model, ghosted, t, scales, energies, estimate);
+  for (const auto &interface : model.interfaces)
+    if (interface->is_active(t))
+      add_interface(model, *interface, ghosted, t, scales, energies, estimate);
 
   double sum = 0;
   for (const auto &of_domain : estimate.squares)

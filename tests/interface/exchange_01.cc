@@ -7,7 +7,9 @@
 
 #include <dovetail/interface/exchange.h>
 
+#include <cmath>
 #include <iostream>
+#include <limits>
 
 using namespace dovetail;
 
@@ -17,23 +19,35 @@ int main(int argc, char **argv)
   const MPI_Comm world = MPI_COMM_WORLD;
   const unsigned int n = dealii::Utilities::MPI::n_mpi_processes(world),
                      me = dealii::Utilities::MPI::this_mpi_process(world);
-  InterfaceWork alone, together;
+  InterfaceWork alone, together, of_lines;
 
-  const OfRanks own = exchange({{me, {1. + me, 7.}}}, world, alone);
-  bool is_right = own == OfRanks{{me, {1. + me, 7.}}} && alone.messages == 0 && alone.bytes == 0;
-  is_right = exchange({}, world, alone).empty() && alone.messages == 0 && is_right;
+  using Numbers = OfRanks<std::vector<double>>;
+  const Numbers own = exchange(Numbers{{me, {1. + me, 7.}}}, world, alone);
+  bool is_right = own == Numbers{{me, {1. + me, 7.}}} && alone.messages == 0 && alone.bytes == 0;
+  is_right = exchange(Numbers(), world, alone).empty() && alone.messages == 0 && is_right;
 
-  OfRanks to_all;
+  Numbers to_all;
   for (unsigned int rank = 0; rank < n; ++rank)
     to_all[rank].assign(rank + 1, 10. * me + rank);
-  const OfRanks from_all = exchange(to_all, world, together);
+  const Numbers from_all = exchange(to_all, world, together);
   is_right = from_all.size() == n && is_right;
   for (const auto &[rank, numbers] : from_all)
     is_right = numbers == std::vector<double>(me + 1, 10. * rank + me) && is_right;
-  // all lists are n (1 + ... + n) numbers long, those to oneself 1 + ... + n
+  // all lists are n (1 + ... + n) numbers long, those to oneself 1 + ... + n; each begins with its length
   const auto messages = dealii::Utilities::MPI::sum(together.messages, world),
              bytes = dealii::Utilities::MPI::sum(together.bytes, world);
-  is_right = messages == n * (n - 1) && bytes == (n - 1) * n * (n + 1) / 2 * sizeof(double) && is_right;
+  is_right = messages == n * (n - 1) &&
+             bytes == (n - 1) * n * (n + 1) / 2 * sizeof(double) + messages * sizeof(std::size_t) && is_right;
+
+  // an object of several lists, with indices as integers
+  const dealii::types::global_dof_index index = std::numeric_limits<unsigned int>::max() - me;
+  OfRanks<std::map<dealii::types::global_dof_index, std::pair<bool, std::vector<double>>>> lines;
+  lines[(me + 1) % n][index] = {true, {0.1, -0.}};
+  lines = exchange(std::move(lines), world, of_lines);
+  const unsigned int before = (me + n - 1) % n;
+  const auto &[of_index, line] = *lines.at(before).begin();
+  is_right = lines.size() == 1 && of_index == std::numeric_limits<unsigned int>::max() - before &&
+             line.first && line.second[0] == 0.1 && std::signbit(line.second[1]) && is_right;
 
   if (dealii::Utilities::MPI::min(is_right ? 1 : 0, world) == 1 && me == 0)
     std::cout << "ok" << std::endl;

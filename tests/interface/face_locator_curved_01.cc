@@ -30,7 +30,8 @@ void check(const unsigned int degree)
            triangulation, mapping, 1, QIterated<dim - 1>(QTrapezoid<1>(), dim == 2 ? 1000 : 30)))
     sample.push_back(point.X);
 
-  const dovetail::FaceLocator<dim> locator(triangulation, mapping, degree, {1}, 1., MPI_COMM_SELF);
+  const dovetail::FaceLocator<dim> locator(test::faces_with(1, triangulation, mapping, degree), 1., 0.,
+                                           MPI_COMM_SELF);
   unsigned int found = 0, points = 0;
   double closer = -1, farther = -1;
   for (const double radius : {0.6, 0.9, 1.3, 1.8}) {

@@ -28,7 +28,8 @@ void check(const std::string &name, const double gap, const double shift, const 
 
   const MappingQ<dim> mapping(1);
   const auto queries = test::queries_of_side<dim>(left, mapping, 1, QGauss<dim - 1>(2));
-  const dovetail::FaceLocator<dim> locator(right, mapping, 1, {partner_id}, 0.2, MPI_COMM_WORLD);
+  const dovetail::FaceLocator<dim> locator(test::faces_with(partner_id, right, mapping, 1), 0.2, 0.,
+                                           MPI_COMM_WORLD);
   const auto matches = locator.locate(queries);
 
   // The closest point is known: that of the query, moved by the gap.

@@ -22,8 +22,10 @@ void check()
 
   const MappingQ<dim> mapping(1);
   const auto queries = test::queries_of_side<dim>(straight, mapping, 1, QGauss<dim - 1>(3));
-  const dovetail::FaceLocator<dim> special(distorted, mapping, 1, {0}, 0.3, MPI_COMM_SELF);
-  const dovetail::FaceLocator<dim> general(distorted, mapping, 3, {0}, 0.3, MPI_COMM_SELF);
+  const dovetail::FaceLocator<dim> special(test::faces_with(0, distorted, mapping, 1), 0.3, 0.,
+                                           MPI_COMM_SELF);
+  const dovetail::FaceLocator<dim> general(test::faces_with(0, distorted, mapping, 3), 0.3, 0.,
+                                           MPI_COMM_SELF);
   const auto matches = special.locate(queries);
   const auto other_matches = general.locate(queries);
 

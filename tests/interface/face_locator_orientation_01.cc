@@ -16,7 +16,8 @@ void check(const std::string &name, const Triangulation<dim> &triangulation, con
   test::Queries<dim> queries = test::queries_of_side<dim>(triangulation, mapping, 0, QGauss<dim - 1>(3));
   for (auto &query : queries)
     query.N *= -1;
-  const dovetail::FaceLocator<dim> locator(triangulation, mapping, degree, {0}, 0.1, MPI_COMM_SELF);
+  const dovetail::FaceLocator<dim> locator(test::faces_with(0, triangulation, mapping, degree), 0.1, 0.,
+                                           MPI_COMM_SELF);
   const auto matches = locator.locate(queries);
   const auto [position, normal] = test::difference_from_mapping(locator, matches, mapping);
   const unsigned int lost =

@@ -85,7 +85,7 @@ void check(const std::string &name, const double scale, const double origin, con
 
   const MappingQ<dim> mapping(1);
   const auto queries = test::queries_of_side<dim>(left, mapping, 1, QTrapezoid<dim - 1>());
-  const dovetail::FaceLocator<dim> locator(right, mapping, 1, {0}, 0.2, MPI_COMM_WORLD);
+  const dovetail::FaceLocator<dim> locator(test::faces_with(0, right, mapping, 1), 0.2, 0., MPI_COMM_WORLD);
   report<dim>(name, locator.locate(queries), scale);
   report<dim>(name + ", the last rank asks", locator.locate(gather<dim>(queries)), scale);
 }

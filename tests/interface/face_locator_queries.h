@@ -28,6 +28,15 @@ using Queries = std::vector<typename dovetail::FaceLocator<dim>::Query>;
 template <int dim>
 using Matches = std::vector<typename dovetail::FaceLocator<dim>::Match>;
 
+/// The faces with a boundary id.
+template <int dim>
+dovetail::SideFaces<dim> faces_with(const types::boundary_id id, const Triangulation<dim> &triangulation,
+                                    const Mapping<dim> &mapping, const unsigned int mapping_degree)
+{
+  return {triangulation, mapping, mapping_degree,
+          [id](const auto & /*cell*/, const types::boundary_id other) { return other == id; }};
+}
+
 template <int dim>
 Queries<dim> queries_of_side(const Triangulation<dim> &triangulation, const Mapping<dim> &mapping,
                              const types::boundary_id id, const Quadrature<dim - 1> &quadrature)

@@ -47,7 +47,8 @@ void check(const std::string &name, const Triangulation<dim> &asking, const Tria
   evaluation.reinit(points, partner, mapping);
   const auto positions = evaluate_positions<dim>(evaluation, partner, mapping);
 
-  const dovetail::FaceLocator<dim> locator(partner, mapping, degree, {0}, 0.2, MPI_COMM_WORLD);
+  const dovetail::FaceLocator<dim> locator(test::faces_with(0, partner, mapping, degree), 0.2, 0.,
+                                           MPI_COMM_WORLD);
   const auto matches = locator.locate(queries);
   unsigned int both = 0, only_one = 0, next = 0;
   double difference = 0;

@@ -16,7 +16,8 @@ void ask(const std::string &name, const Triangulation<dim> &asking, const types:
 {
   const MappingQ<dim> mapping(degree);
   const auto queries = test::queries_of_side<dim>(asking, mapping, asking_id, QGauss<dim - 1>(degree + 1));
-  const dovetail::FaceLocator<dim> locator(partner, mapping, degree, {partner_id}, 0.2, MPI_COMM_WORLD);
+  const dovetail::FaceLocator<dim> locator(test::faces_with(partner_id, partner, mapping, degree), 0.2, 0.,
+                                           MPI_COMM_WORLD);
   const auto matches = locator.locate(queries);
   const auto [position, normal] = test::difference_from_mapping(locator, matches, mapping);
   const test::Summary summary = test::summarise<dim>(matches);

@@ -19,6 +19,12 @@ struct ConstraintLine
   std::vector<std::pair<dealii::types::global_dof_index, double>> entries;
   double inhomogeneity = 0;
   int tie = -1; ///< the position in the scene of the interface that made it, if one did
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &entries &inhomogeneity &tie;
+  }
 };
 using ConstraintLines = std::map<dealii::types::global_dof_index, ConstraintLine>;
 

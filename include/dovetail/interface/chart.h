@@ -104,6 +104,7 @@ private:
 
   const Chart<3> &chart;
   std::vector<Arc> rims;
+  Region<2> polygon; ///< around the face, or the face if it is flat
   double whole;
   mutable bool failed = false;
 };

@@ -5,9 +5,18 @@
 
 #pragma once
 
+#include <deal.II/base/index_set.h>
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
+
+#include <boost/serialization/array.hpp>
+#include <boost/serialization/map.hpp>
+#include <boost/serialization/utility.hpp>
+#include <boost/serialization/vector.hpp>
 
 #include <map>
+#include <set>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -32,11 +41,37 @@ struct InterfaceWork
   }
 };
 
-/// Numbers for, or from, each rank.
-using OfRanks = std::map<unsigned int, std::vector<double>>;
+/// What is for, or from, each rank.
+template <typename T>
+using OfRanks = std::map<unsigned int, T>;
 
-/// Send numbers to other ranks. Those for this rank stay where they are, and if nobody has any for another
-/// rank, nothing is sent at all. Collective. @return what came, by the rank it comes from
-OfRanks exchange(OfRanks numbers, const MPI_Comm &communicator, InterfaceWork &work);
+/// The ranks that own unknowns of a domain. Collective. @p owned: of this rank, as in the domain's
+/// DoFHandler;
+/// @p first_dof: what the numbers of @p dofs begin with.
+std::map<dealii::types::global_dof_index, unsigned int>
+owners(const std::set<dealii::types::global_dof_index> &dofs, dealii::types::global_dof_index first_dof,
+       const dealii::IndexSet &owned, const MPI_Comm &communicator);
+
+/// Send bytes to other ranks, and count them. If nobody has any, nothing is sent at all. Collective.
+OfRanks<std::vector<char>> exchange_bytes(const OfRanks<std::vector<char>> &bytes,
+                                          const MPI_Comm &communicator, InterfaceWork &work);
+
+/// Send objects to other ranks; that for this rank stays where it is. T is a type that boost serialises: a
+/// number, a class with serialize(), or a container of such. Collective. @return what came, by the rank it
+/// comes from
+template <typename T>
+OfRanks<T> exchange(OfRanks<T> objects, const MPI_Comm &communicator, InterfaceWork &work)
+{
+  auto own = objects.extract(dealii::Utilities::MPI::this_mpi_process(communicator));
+  OfRanks<std::vector<char>> bytes;
+  for (const auto &[rank, object] : objects)
+    bytes[rank] = dealii::Utilities::pack(object, false);
+  OfRanks<T> received;
+  for (const auto &[rank, of_rank] : exchange_bytes(bytes, communicator, work))
+    received[rank] = dealii::Utilities::unpack<T>(of_rank, false);
+  if (!own.empty())
+    received.insert(std::move(own));
+  return received;
+}
 
 } // namespace dovetail

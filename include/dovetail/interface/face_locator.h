@@ -16,7 +16,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <set>
 #include <vector>
 
 namespace dovetail {
@@ -49,8 +48,6 @@ public:
   SideFaces(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
             unsigned int mapping_degree, const Selection &selection,
             const dealii::Tensor<1, dim> &shift = dealii::Tensor<1, dim>());
-  SideFaces(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
-            unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids);
 
   FaceShape<dim> shape;
   std::vector<Face> faces;
@@ -82,6 +79,12 @@ public:
     dealii::Point<dim> X;
     dealii::Tensor<1, dim> N; ///< outward normal of the asking side
     double face_size = 0;     ///< of the asking side
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &X &N &face_size;
+    }
   };
 
   struct Match
@@ -101,6 +104,12 @@ public:
     /// All but found, rank, face and sizes, from a point of a face.
     void set(const FaceShape<dim> &shape, unsigned int face_no, const Query &query,
              const SurfacePoint<dim> &point);
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &found &distance &angle &rank &face &unit_point &X &N &face_size &rim_tolerance;
+    }
   };
 
   /// A face of any rank.
@@ -111,20 +120,28 @@ public:
     double size, rim_tolerance;
     GlobalKey key;
     std::vector<dealii::Point<dim>> nodes;
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &rank &index &face_no &size &rim_tolerance &key &nodes;
+    }
   };
   struct NearbyFaces
   {
     std::vector<NearbyFace> faces;
     std::vector<std::vector<unsigned int>>
         of_box; ///< for each box positions in faces, in the order of the keys
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &faces &of_box;
+    }
   };
 
-  /// @p mapping_degree: the degree of @p mapping. @p search_radius: the largest distance, in units of the
-  /// larger one of the two face sizes, at which a point still has a partner; @p least_reach: a distance at
-  /// which it has one in any case. Collective.
-  FaceLocator(const dealii::Triangulation<dim> &triangulation, const dealii::Mapping<dim> &mapping,
-              unsigned int mapping_degree, const std::set<dealii::types::boundary_id> &boundary_ids,
-              double search_radius, const MPI_Comm &communicator);
+  /// @p search_radius: the largest distance, in units of the larger one of the two face sizes, at which a
+  /// point still has a partner; @p least_reach: a distance at which it has one in any case. Collective.
   FaceLocator(SideFaces<dim> side, double search_radius, double least_reach, const MPI_Comm &communicator);
   ~FaceLocator();
 

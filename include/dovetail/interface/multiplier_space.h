@@ -48,6 +48,14 @@ public:
     /// Sums of the weights of each side's unknowns.
     double of_source = 0, of_destination = 0;
     unsigned int field = 0, component = 0; ///< of Interface::fields
+
+    /// What the faces of another rank give to the row.
+    void add(const Row &other);
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &weights &diagonal &of_own_gradient &source_gain &of_source &of_destination &field &component;
+    }
   };
 
   MultiplierSpace(const Interface<dim> &interface, bool is_dual) : interface(interface), is_dual(is_dual) {}
@@ -97,6 +105,12 @@ private:
   struct Shares
   {
     double covered = 0, full = 0;
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &covered &full;
+    }
   };
 
   void find_faces();
@@ -115,7 +129,6 @@ private:
   void add_own_gradient(const typename Pairing<dim>::Group &group, unsigned int field, unsigned int component,
                         const std::vector<double> &of_destination, const std::vector<double> &of_source,
                         Row &row) const;
-  std::map<Index, unsigned int> owners(const std::set<Index> &dofs, const MPI_Comm &communicator) const;
 
   const Interface<dim> &interface;
   const bool is_dual;

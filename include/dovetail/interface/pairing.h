@@ -51,6 +51,11 @@ struct InterfaceSide
 template <int dim>
 SideFaces<dim> faces_of(const InterfaceSide<dim> &side);
 
+/// The cells behind these faces, in their order.
+template <int dim>
+std::vector<typename dealii::Triangulation<dim>::active_cell_iterator>
+cells_behind(const InterfaceSide<dim> &side);
+
 /// What a jump does with the gap between facing points X (own) and X' (partner): with the share s of extend()
 /// both fields are extended affinely to the point between them, B(X) + s grad B(X).(X' - X) and B(X') + (1 -
 /// s) grad B(X').(X - X'), for solution and test functions, for the solution only, or not at all.

@@ -23,6 +23,12 @@ struct CellBehind
   std::vector<dealii::Tensor<1, dim>> central_gradients;     ///< of each node
   unsigned int rank = dealii::numbers::invalid_unsigned_int; ///< that owns the cell
   unsigned int face = dealii::numbers::invalid_unsigned_int; ///< of the side, as in SideFaces::faces there
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &dofs &cell_measure &face_measure &central_gradients &rank &face;
+  }
 };
 
 /// For each match the cell behind it and the shape functions there, flat: point i has its values and

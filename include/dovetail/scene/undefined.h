@@ -35,7 +35,7 @@ double finite(double value, const Section &section, const std::string &entry, co
 
 /// "PATH, FILE line N: ENTRY MESSAGE"
 std::string sentence_about(const Section &section, const std::string &entry, const std::string &message);
-std::string in_words(double number); ///< with four digits
+std::string in_words(double number, unsigned int n_digits = 4);
 /// "(0.1, 0.25)"
 template <int dim>
 std::string in_words(const dealii::Point<dim> &X);

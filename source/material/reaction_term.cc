@@ -40,7 +40,8 @@ bool ReactionTerm<dim>::add(const State<dim> &state, const bool with_derivatives
   if (!std::isfinite(r))
     return undefined(sentence_about(section, entry,
                                     "is not a finite number at " + in_words(state.X) +
-                                        " and t = " + in_words(state.t) + "."));
+                                        " and t = " + in_words(state.t) + "."),
+                     !reaction.depends_on_scalars());
   response.source[c] -= r;
   for (unsigned int s = 0; with_derivatives && s < scalars.size(); ++s)
     if (reaction.depends_on_scalar(s))

@@ -9,6 +9,7 @@
 //     end
 
 #include <dovetail/material/material_part.h>
+#include <dovetail/material/plane_stress.h>
 #include <dovetail/material/solid_term.h>
 #include <dovetail/scene/catalogue.h>
 
@@ -61,8 +62,13 @@ public:
     if (alpha != 0)
       expansion = {temperature->first_component, alpha, reference};
     const std::string name = this->material.path();
+    std::string type = section.peek("Type");
+    if (dim == 2 && section.top().peek("Geometry") == "plane stress") {
+      law = std::make_unique<PlaneStress>(std::move(law));
+      type += ", plane stress";
+    }
     terms.push_back(std::make_unique<SolidTerm<dim>>(all.front(), std::move(law), expansion,
-                                                     name.substr(name.find(' ') + 1), section.peek("Type")));
+                                                     name.substr(name.find(' ') + 1), type));
   }
 
 private:

@@ -96,10 +96,12 @@ void SolidTerm<dim>::add_curvature(const State<dim> &state, const std::vector<Te
 template <int dim>
 Tensor<2, 3> SolidTerm<dim>::cauchy_stress(const State<dim> &state) const
 {
-  const Deformation deformation(displacement_gradient(state));
+  const Tensor<2, 3> H = displacement_gradient(state);
+  const auto full = law->full_gradient(H, thermal_strain(state));
   SolidLaw::Response local;
-  if (!law->evaluate(deformation.H, thermal_strain(state), false, local))
+  if (!full || !law->evaluate(H, thermal_strain(state), false, local))
     return std::numeric_limits<double>::quiet_NaN() * dealii::unit_symmetric_tensor<3>();
+  const Deformation deformation(*full);
   return law->is_linear() ? local.P : local.P * transpose(deformation.F) / deformation.J;
 }
 

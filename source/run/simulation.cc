@@ -70,7 +70,11 @@ unsigned int read_dimension(const Section &scene)
 {
   const auto dimension =
       scene.require<std::string>("Dimension", "The dimension of space [-]", Patterns::Selection("2|3"));
-  scene.choose("Geometry", {"plane strain"}, 0, "What a scene in 2D means [-]");
+  const unsigned int geometry = scene.choose(
+      "Geometry", {"plane strain", "plane stress"}, 0,
+      "What a solid in 2D is: thick, without strain across the plane, or a thin sheet without stress "
+      "across it [-]");
+  scene.check(geometry == 0 || dimension == "2", "Geometry", "is a choice in two dimensions only.");
   load_plugins(scene);
   return dimension == "2" ? 2 : 3;
 }

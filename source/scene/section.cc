@@ -330,6 +330,11 @@ Section::BoundaryReference Section::read_boundary(const std::string &name,
   return value.empty() ? BoundaryReference() : parse_boundary(*this, name, value);
 }
 
+Section Section::top() const
+{
+  return Section(text, "");
+}
+
 Section Section::subsection(const std::string &name) const
 {
   return Section(text, join_path(section_path, name), variant_name);

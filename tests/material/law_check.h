@@ -24,11 +24,14 @@ using dealii::FullMatrix;
 using dealii::Point;
 using dealii::Tensor;
 
-/// A material from the entries of its two subsections; an empty text means no law.
+/// A material from the entries of its two subsections (an empty text means no law), other entries of the
+/// material, and those of the scene.
 template <int dim>
-Material<dim> make_material(const std::string &solid, const std::string &heat)
+Material<dim> make_material(const std::string &solid, const std::string &heat, const std::string &others = "",
+                            const std::string &scene = "")
 {
-  const std::string text = "set Dimension = " + std::to_string(dim) + "\nsubsection Material steel\n" +
+  const std::string text = "set Dimension = " + std::to_string(dim) + "\n" + scene +
+                           "\nsubsection Material steel\n" + others + "\n" +
                            (solid.empty() ? "" : "subsection Solid\n" + solid + "\nend\n") +
                            (heat.empty() ? "" : "subsection Heat\n" + heat + "\nend\n") + "end\n";
   return Material<dim>("steel", SceneText::root(SceneText::from_prm(text)).subsection("Material steel"));

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Laws of solids at one point, always in three dimensions: Material embeds plane strain (H_33 = 0).
+// Laws of solids at one point, always in three dimensions: SolidTerm embeds plane strain (H_33 = 0).
 
 #pragma once
 
 #include <dovetail/scene/section.h>
 
 #include <deal.II/base/tensor.h>
+
+#include <optional>
 
 namespace dovetail {
 
@@ -42,6 +44,12 @@ public:
                         Response &response) const = 0;
   virtual Curvature curvature(const dealii::Tensor<2, 3> &H, double e,
                               const dealii::Tensor<2, 3> &w) const = 0;
+
+  /// All of grad u where the law itself finds a part of it (plane stress); nothing if it is not defined.
+  virtual std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double /*e*/) const
+  {
+    return H;
+  }
 
   /// P is affine in (F, e): one solve, no curvature.
   virtual bool is_linear() const { return false; }

@@ -14,7 +14,8 @@
 
 namespace dovetail {
 
-/// A = P(I + grad u, e), in 2D plane strain (H_33 = 0), where e = alpha (T - T0) is the free thermal strain.
+/// A = P(I + grad u, e), in 2D with H_33 = 0 (which a law in plane stress replaces), where e = alpha (T - T0)
+/// is the free thermal strain.
 template <int dim>
 class SolidTerm : public Term<dim>
 {

@@ -86,6 +86,7 @@ public:
   /// As above; an empty domain name if the entry is not set.
   BoundaryReference read_boundary(const std::string &name, const std::string &description) const;
 
+  Section top() const; ///< the whole scene
   /// The subsection @p name below this one (created empty if the scene does not have it).
   Section subsection(const std::string &name) const;
   bool has_subsection(const std::string &name) const; ///< always while documenting

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Thin sheets: a solid law without stress across the plane.
+
+#pragma once
+
+#include <dovetail/material/solid_law.h>
+
+#include <memory>
+#include <optional>
+
+namespace dovetail {
+
+/// A solid law in plane stress: H_33 = z(H, e) is what makes @f$ P_{33}(H, e) = 0, @f$ found by Newton's
+/// method, and the derivatives are those of P(H + z e_3 e_3, e):
+/// @f[ \frac{\mathrm dP}{\mathrm dF} = D - \frac{D_{\cdot33}\,D_{33\cdot}}{D_{3333}} @f]
+/// and likewise by e. The second derivatives of w:P are those at the same H with w_33 = -(w:D_.33)/D_3333,
+/// along the change of z.
+class PlaneStress : public SolidLaw
+{
+public:
+  explicit PlaneStress(std::unique_ptr<SolidLaw> law) : law(std::move(law)) {}
+
+  bool evaluate(const dealii::Tensor<2, 3> &H, double e, bool with_derivatives,
+                Response &response) const override;
+  Curvature curvature(const dealii::Tensor<2, 3> &H, double e, const dealii::Tensor<2, 3> &w) const override;
+  bool is_linear() const override { return law->is_linear(); }
+  std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double e) const override;
+
+private:
+  /// @p H with the strain across, and the response of the law there with derivatives.
+  bool find_thickness(dealii::Tensor<2, 3> &H, double e, Response &response) const;
+
+  const std::unique_ptr<SolidLaw> law;
+};
+
+} // namespace dovetail

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/material/plane_stress.h>
+#include <dovetail/scene/undefined.h>
+
+#include <cmath>
+
+namespace dovetail {
+
+using dealii::Tensor;
+
+namespace {
+/// (i, J) -> D_iJ33 for a tensor with major symmetry.
+Tensor<2, 3> across(const Tensor<4, 3> &D)
+{
+  return D[2][2];
+}
+} // namespace
+
+/// Newton's method, halved where the law is not defined; z is exact when an update no longer changes it.
+bool PlaneStress::find_thickness(Tensor<2, 3> &H, const double e, Response &response) const
+{
+  const unsigned int most_iterations = 50, most_halvings = 30;
+  H[2][2] = 0;
+  if (!law->evaluate(H, e, true, response))
+    return false;
+  for (unsigned int iteration = 0; iteration < most_iterations; ++iteration) {
+    double update = -response.P[2][2] / response.dP_dF[2][2][2][2];
+    const double z = H[2][2];
+    bool is_defined = false;
+    for (unsigned int halving = 0; halving < most_halvings && !is_defined; ++halving, update /= 2) {
+      H[2][2] = z + update;
+      is_defined = law->evaluate(H, e, true, response);
+    }
+    if (!is_defined)
+      return false;
+    if (law->is_linear() || !(std::abs(H[2][2] - z) > 1e-15 * (std::abs(z) + H.norm())))
+      return std::isfinite(H[2][2]) || undefined("the strain across the plane is not a finite number");
+  }
+  return undefined("no strain across the plane was found at which the stress vanishes there (plane stress)");
+}
+
+bool PlaneStress::evaluate(const Tensor<2, 3> &H, const double e, const bool with_derivatives,
+                           Response &response) const
+{
+  Tensor<2, 3> full = H;
+  if (!find_thickness(full, e, response))
+    return false;
+  response.P[2][2] = 0;
+  if (!with_derivatives)
+    return true;
+  const Tensor<2, 3> D_33 = across(response.dP_dF);
+  const double stiffness = D_33[2][2], by_e = response.dP_de[2][2];
+  for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int J = 0; J < 3; ++J)
+      response.dP_dF[i][J] -= D_33[i][J] / stiffness * D_33;
+  response.dP_de -= by_e / stiffness * D_33;
+  return true;
+}
+
+SolidLaw::Curvature PlaneStress::curvature(const Tensor<2, 3> &H, const double e, const Tensor<2, 3> &w) const
+{
+  Tensor<2, 3> full = H;
+  Response response;
+  const bool is_defined = find_thickness(full, e, response);
+  (void)is_defined;
+  Assert(is_defined, dealii::ExcMessage("The curvature exists only where evaluate() succeeds."));
+  const Tensor<2, 3> D_33 = across(response.dP_dF);
+  Tensor<2, 3> w_full = w;
+  w_full[2][2] = 0;
+  w_full[2][2] = -scalar_product(w_full, D_33) / D_33[2][2];
+  const Tensor<2, 3> z_F = -1. / D_33[2][2] * D_33;      // dz/dF
+  const double z_e = -response.dP_de[2][2] / D_33[2][2]; // dz/de
+
+  const Curvature K = law->curvature(full, e, w_full);
+  const Tensor<2, 3> K_33 = across(K.FF);
+  Curvature result = K;
+  for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int J = 0; J < 3; ++J)
+      result.FF[i][J] += K_33[i][J] * z_F + z_F[i][J] * (K_33 + K_33[2][2] * z_F);
+  result.Fe += z_e * K_33 + (K.Fe[2][2] + K_33[2][2] * z_e) * z_F;
+  result.ee += 2 * K.Fe[2][2] * z_e + K_33[2][2] * z_e * z_e;
+  return result;
+}
+
+std::optional<Tensor<2, 3>> PlaneStress::full_gradient(const Tensor<2, 3> &H, const double e) const
+{
+  Tensor<2, 3> full = H;
+  Response response;
+  return find_thickness(full, e, response) ? std::optional(full) : std::nullopt;
+}
+
+} // namespace dovetail

@@ -51,6 +51,27 @@ public:
   }
 };
 
+/// Several of them. Triangles may run along a common line in either direction; deal.II's FESystem takes that
+/// into account only in three dimensions (pull request 18832 of dealii, merged in August 2025; 9.6 lacks it).
+template <int dim>
+class SystemOfSimplices : public dealii::FESystem<dim>
+{
+public:
+  SystemOfSimplices(const dealii::FiniteElement<dim> &scalar, const unsigned int n)
+      : dealii::FESystem<dim>(scalar, n)
+  {
+    const int n_on_line = scalar.n_dofs_per_line(); // of one component, which stand side by side
+    std::vector<int> &shift = this->adjust_line_dof_index_for_line_orientation_table;
+    for (unsigned int i = 0; i < shift.size(); ++i)
+      shift[i] = n_on_line - 1 - 2 * (static_cast<int>(i) % n_on_line);
+  }
+
+  std::unique_ptr<dealii::FiniteElement<dim>> clone() const override
+  {
+    return std::make_unique<SystemOfSimplices>(this->base_element(0), this->element_multiplicity(0));
+  }
+};
+
 } // namespace
 
 template <int dim>
@@ -88,7 +109,7 @@ void Domain<dim>::choose_element()
                       "newer also 3).");
     cell_mapping = mapping_of_simplices(*triangulation);
     degree_of_mapping = has_curved_simplices(*triangulation) ? 2 : 1;
-    element = std::make_unique<dealii::FESystem<dim>>(SimplexElement<dim>(degree), n_components());
+    element = std::make_unique<SystemOfSimplices<dim>>(SimplexElement<dim>(degree), n_components());
     return;
   }
   degree_of_mapping = is_straight(*triangulation) ? 1 : degree;

@@ -120,6 +120,7 @@ private:
   }
 
   const bool is_dual;
+  bool loses_order = false; ///< dual functions on nodes that are not those of Gauss and Lobatto
   std::unique_ptr<MultiplierSpace<dim>> space;
   std::map<Index, double> source_shares;
   std::map<Index, std::array<double, 2>> shares_of_force; ///< of a follower, that its line gives to the sides
@@ -179,6 +180,7 @@ void Mortar<dim>::add_constraints(const Interface<dim> &interface, TieConstraint
                           "face, so no biorthogonal function exists. Set Multiplier space = standard, swap "
                           "Source and Destination, or "
                           "use Type = Nitsche.");
+  loses_order = is_dual && domain.has_simplices() && domain.degree > 2;
   ratios = side_ratios(interface, communicator);
   space = std::make_unique<MultiplierSpace<dim>>(interface, is_dual);
   space->make(constraints, communicator);
@@ -422,6 +424,9 @@ std::vector<std::string> Mortar<dim>::notes() const
     sentences.push_back(words_for_stiff_follower(ratios.stiffness));
   if (ratios.stiffness > largest_stiffness_of_follower && ratios.face_size > 1.1)
     sentences.push_back(words_for_fine_soft_source(ratios));
+  if (loses_order)
+    sentences.push_back("dual multipliers on triangles of degree 3 hold constants only, and the flux errs as "
+                        "with degree 1. Set Multiplier space = standard, or use Type = Nitsche");
   if (space && space->n_taken > 0)
     sentences.push_back("no multipliers at " + std::to_string(space->n_taken) +
                         " unknowns that are prescribed or belong to another interface too");

@@ -4,6 +4,7 @@
 #include <dovetail/run/first_guess.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,10 +37,9 @@ std::optional<double> value_of(const Condition<dim> &condition, const dealii::Po
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-/// Calls @p visit with the value of every active condition at the vertices of its faces, if there is one, and
-/// with the size of the face.
+/// Calls @p visit with every active condition and the vertices of its faces, and with the size of the face.
 template <int dim, typename Visit>
-void for_each_value(const Domain<dim> &domain, const std::string &field, const double t, const Visit &visit)
+void for_each_vertex(const Domain<dim> &domain, const std::string &field, const double t, const Visit &visit)
 {
   for (const auto &condition : domain.conditions())
     if (condition->field.name == field && condition->is_active(t))
@@ -52,20 +52,38 @@ void for_each_value(const Domain<dim> &domain, const std::string &field, const d
         }
 }
 
+/// The same with all nodes of the faces: between the vertices the values may be others.
+template <int dim, typename Visit>
+void for_each_node(const Domain<dim> &domain, const std::string &field, const double t, const Visit &visit)
+{
+  const auto &element = domain.scalar_element();
+  dealii::FEValues<dim> at_nodes(domain.mapping(), element, element.get_unit_support_points(),
+                                 dealii::update_quadrature_points);
+  for (const auto &condition : domain.conditions())
+    if (condition->field.name == field && condition->is_active(t))
+      for (const auto &[cell, number, id] : domain.boundary_faces())
+        if (cell->is_locally_owned() && condition->boundary_ids.count(id) > 0) {
+          at_nodes.reinit(cell);
+          for (unsigned int a = 0; a < domain.n_nodes(); ++a)
+            if (element.has_support_on_face(a, number))
+              visit(*condition, at_nodes.quadrature_point(a));
+        }
+}
+
 template <int dim>
 Mean mean_of(const Domain<dim> &domain, const std::string &field, const double t,
              const MPI_Comm &communicator)
 {
   Mean sum{};
-  for_each_value(domain, field, t,
-                 [&](const Condition<dim> &condition, const dealii::Point<dim> &X, const double size) {
-                   auto value = value_of(condition, X, 0.); // loads that grow with t begin there
-                   value = value ? value : value_of(condition, X, t);
-                   if (value) {
-                     sum[0] += size * *value;
-                     sum[1] += size;
-                   }
-                 });
+  for_each_vertex(domain, field, t,
+                  [&](const Condition<dim> &condition, const dealii::Point<dim> &X, const double size) {
+                    auto value = value_of(condition, X, 0.); // loads that grow with t begin there
+                    value = value ? value : value_of(condition, X, t);
+                    if (value) {
+                      sum[0] += size * *value;
+                      sum[1] += size;
+                    }
+                  });
   return {
       {dealii::Utilities::MPI::sum(sum[0], communicator), dealii::Utilities::MPI::sum(sum[1], communicator)}};
 }
@@ -119,14 +137,13 @@ std::optional<std::array<double, 2>> given_range(const Model<dim> &model, const 
     for (unsigned int f = 0; f < fields.size(); ++f)
       has_others = has_others || (fields[f].name == field && domain->material.has_source(f));
     has_others = has_others || domain->source().find(field) != nullptr;
-    for_each_value(*domain, field, t,
-                   [&](const Condition<dim> &condition, const dealii::Point<dim> &X, double) {
-                     if (const auto value = value_of(condition, X, t)) {
-                       smallest = std::min(smallest, *value);
-                       largest = std::max(largest, *value);
-                     } else
-                       has_others = true;
-                   });
+    for_each_node(*domain, field, t, [&](const Condition<dim> &condition, const dealii::Point<dim> &X) {
+      if (const auto value = value_of(condition, X, t)) {
+        smallest = std::min(smallest, *value);
+        largest = std::max(largest, *value);
+      } else
+        has_others = true;
+    });
   }
   smallest = dealii::Utilities::MPI::min(smallest, model.communicator);
   largest = dealii::Utilities::MPI::max(largest, model.communicator);

@@ -177,7 +177,7 @@ ordered_json spectrum(const Dense &dense)
 }
 
 /// Rows of the group that this rank owns: (row, column, value) of the entries, and of each row its number and
-/// whether it is taken by a constraint.
+/// whether it is taken by a constraint or of a multiplier that was dropped.
 template <int dim>
 void collect(const BlockSystem<dim> &system, const Numbering &numbering, const SolveGroup &group,
              std::vector<double> &entries, std::vector<double> &rows)
@@ -188,7 +188,7 @@ void collect(const BlockSystem<dim> &system, const Numbering &numbering, const S
     const auto begin = numbering.blocks()[i].begin;
     for (const auto row : numbering.blocks()[i].owned) {
       rows.push_back(begin + row);
-      rows.push_back(system.is_constrained(begin + row));
+      rows.push_back(system.is_constrained(begin + row) || system.is_dropped(begin + row));
     }
     for (const unsigned int j : blocks) {
       if (!system.tangent().has_block(i, j))
@@ -209,7 +209,7 @@ void collect(const BlockSystem<dim> &system, const Numbering &numbering, const S
   }
 }
 
-/// On the first rank. A multiplier with an entry on the diagonal stands alone: it has been dropped.
+/// On the first rank.
 template <int dim>
 Dense gather(const BlockSystem<dim> &system, const Numbering &numbering, const SolveGroup &group,
              const MPI_Comm &communicator)
@@ -227,10 +227,6 @@ Dense gather(const BlockSystem<dim> &system, const Numbering &numbering, const S
   const auto is_multiplier = [&](const Index row) {
     return numbering.blocks()[numbering.block_of(row)].is_of_multipliers;
   };
-  for (const auto &of_rank : all_entries)
-    for (unsigned int k = 0; k < of_rank.size(); k += 3)
-      if (of_rank[k] == of_rank[k + 1] && is_multiplier(static_cast<Index>(of_rank[k])))
-        is_left_out[static_cast<Index>(of_rank[k])] = true;
 
   Dense dense;
   std::map<Index, unsigned int> position;

@@ -128,7 +128,7 @@ std::optional<unsigned int> LinearSolver::Group::iterate(GroupVector &x, const G
   const bool has_operator =
       chosen.is_prepared || owner.ranks.succeeds("operator", [&]() { system.make_scaled(); });
   const bool is_done = has_operator && prepare(chosen, system.scaled()) &&
-                       owner.ranks.succeeds("iteration", [&]() { n_iterations = iterate_to_residual(x, b); });
+                       owner.ranks.succeeds("residual", [&]() { n_iterations = iterate_to_residual(x, b); });
   return is_done ? std::optional<unsigned int>(n_iterations) : std::nullopt;
 }
 
@@ -145,7 +145,8 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
   double norm = given.l2_norm();
   for (unsigned int pass = 0; pass < 3 && norm > goal; ++pass) {
     correction = 0;
-    n_iterations += chosen.solver->solve(K, correction, residual, goal);
+    owner.ranks.run("iteration",
+                    [&]() { n_iterations += chosen.solver->solve(K, correction, residual, goal); });
     x += correction;
     K.vmult(residual, x);
     residual.sadd(-1., 1., given);

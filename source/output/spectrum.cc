@@ -182,7 +182,8 @@ ordered_json spectrum(const Dense &dense)
 using Index = dealii::types::global_dof_index;
 using Entries = std::map<std::pair<Index, Index>, double>; ///< by row and column
 
-/// Of the rows of the group that this rank owns: the entries, and whether each row is taken by a constraint.
+/// Of the rows of the group that this rank owns: the entries, and whether each row is taken by a constraint or
+/// is of a multiplier that was dropped.
 template <int dim>
 void collect(const BlockSystem<dim> &system, const Numbering &numbering, const SolveGroup &group,
              Entries &entries, std::map<Index, bool> &rows)
@@ -192,7 +193,7 @@ void collect(const BlockSystem<dim> &system, const Numbering &numbering, const S
   for (const unsigned int i : blocks) {
     const auto begin = numbering.blocks()[i].begin;
     for (const auto row : numbering.blocks()[i].owned)
-      rows[begin + row] = system.is_constrained(begin + row);
+      rows[begin + row] = system.is_constrained(begin + row) || system.is_dropped(begin + row);
     for (const unsigned int j : blocks) {
       if (!system.tangent().has_block(i, j))
         continue;
@@ -210,7 +211,7 @@ void collect(const BlockSystem<dim> &system, const Numbering &numbering, const S
   }
 }
 
-/// On the first rank. A multiplier with an entry on the diagonal stands alone: it has been dropped.
+/// On the first rank.
 template <int dim>
 Dense gather(const BlockSystem<dim> &system, const Numbering &numbering, const SolveGroup &group,
              const MPI_Comm &communicator)
@@ -226,9 +227,6 @@ Dense gather(const BlockSystem<dim> &system, const Numbering &numbering, const S
   const auto is_multiplier = [&](const Index row) {
     return numbering.blocks()[numbering.block_of(row)].is_of_multipliers;
   };
-  for (const auto &entry : entries)
-    if (const auto [row, column] = entry.first; row == column && is_multiplier(row))
-      is_left_out[row] = true;
 
   Dense dense;
   std::map<Index, unsigned int> position;

@@ -25,11 +25,12 @@ nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem
     variations.second += interface->tie().flux_variations().second;
     work += interface->work();
   }
+  LinearSolver::Counts linear = solver.counts();
   nlohmann::ordered_json counters = {{"tangent assemblies", assemblies.of_tangent},
                                      {"residual assemblies", assemblies.of_residual},
-                                     {"linear solves", solver.counts().solves},
-                                     {"factorisations", solver.counts().factorisations},
-                                     {"multigrids", solver.counts().multigrids},
+                                     {"linear solves", linear.solves},
+                                     {"factorisations", linear.preparations["direct"]},
+                                     {"multigrids", linear.preparations["multigrid"]},
                                      {"solid law evaluations", evaluations("solid")},
                                      {"heat law evaluations", evaluations("heat")},
                                      {"first flux variations", sum(variations.first)},

@@ -159,6 +159,12 @@ std::vector<SolveGroup> Simulation<dim>::solve_groups() const
       return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
     };
     group.linear_part = [this](const unsigned int block) { return linear_part(block); };
+    group.dropped = [this](const unsigned int block) {
+      std::vector<bool> of_own;
+      for (const auto i : model.numbering->blocks()[block].owned)
+        of_own.push_back(system->is_dropped(model.numbering->blocks()[block].begin + i));
+      return of_own;
+    };
     const auto &blocks = model.numbering->blocks();
     for (unsigned int b = 0; b < blocks.size(); ++b)
       if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end()) {

@@ -6,6 +6,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <Epetra_MpiComm.h>
+#include <Epetra_Vector.h>
 
 #include <algorithm>
 
@@ -168,7 +169,7 @@ void MergedMatrix::copy_values(const BlockMatrix &matrix)
     }
 }
 
-void MergedMatrix::gather(const BlockVector &from, dealii::TrilinosWrappers::MPI::Vector &to) const
+void MergedMatrix::gather(const BlockVector &from, GroupVector &to) const
 {
   double *values = to.trilinos_vector()[0];
   for (unsigned int i = 0; i < block_numbers.size(); ++i) {
@@ -177,7 +178,7 @@ void MergedMatrix::gather(const BlockVector &from, dealii::TrilinosWrappers::MPI
   }
 }
 
-void MergedMatrix::scatter(const dealii::TrilinosWrappers::MPI::Vector &from, BlockVector &to) const
+void MergedMatrix::scatter(const GroupVector &from, BlockVector &to) const
 {
   const double *values = from.trilinos_vector()[0];
   for (unsigned int i = 0; i < block_numbers.size(); ++i)
@@ -185,14 +186,25 @@ void MergedMatrix::scatter(const dealii::TrilinosWrappers::MPI::Vector &from, Bl
               to.block(block_numbers[i]).trilinos_vector()[0]);
 }
 
-dealii::TrilinosWrappers::MPI::Vector MergedMatrix::vector() const
+GroupVector MergedMatrix::vector() const
 {
-  const Epetra_Map &rows = matrix().RowMap();
+  const Epetra_Map &rows = matrix()->RowMap();
   dealii::IndexSet owned(rows.NumGlobalElements());
   if (rows.NumMyElements() > 0)
     owned.add_range(rows.MinMyGID(), rows.MaxMyGID() + 1);
   const auto &communicator = dynamic_cast<const Epetra_MpiComm &>(rows.Comm());
-  return dealii::TrilinosWrappers::MPI::Vector(owned, communicator.Comm());
+  return GroupVector(owned, communicator.Comm());
+}
+
+void MergedMatrix::vmult(GroupVector &destination, const GroupVector &source) const
+{
+  matrix()->Multiply(false, source.trilinos_vector(), destination.trilinos_vector());
+}
+
+void MergedMatrix::diagonal(GroupVector &destination) const
+{
+  Epetra_Vector values(View, destination.trilinos_vector(), 0);
+  matrix()->ExtractDiagonalCopy(values);
 }
 
 } // namespace dovetail

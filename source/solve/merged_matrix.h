@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/solve/block_matrix.h>
+#include <dovetail/solve/group_solver.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Map.h>
@@ -18,7 +19,7 @@ namespace dovetail {
 /// The square matrix of some blocks, rows numbered so that each rank owns a contiguous range: its unknowns of
 /// the first block, then of the second, … ML and MUMPS want one matrix. The structure is merged once; after
 /// that only values are copied, through a table of positions. A single block is used as it is.
-class MergedMatrix
+class MergedMatrix : public GroupOperator
 {
 public:
   using BlockVector = dealii::TrilinosWrappers::MPI::BlockVector;
@@ -26,12 +27,13 @@ public:
   MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned int> &blocks);
   void copy_values(const BlockMatrix &matrix);
 
-  const Epetra_CrsMatrix &matrix() const { return single ? *single : *merged; }
-  const std::vector<unsigned int> &blocks() const { return block_numbers; }
+  GroupVector vector() const override;
+  void vmult(GroupVector &destination, const GroupVector &source) const override;
+  void diagonal(GroupVector &destination) const override;
+  const Epetra_CrsMatrix *matrix() const override { return single ? single : merged.get(); }
 
-  void gather(const BlockVector &from, dealii::TrilinosWrappers::MPI::Vector &to) const;
-  void scatter(const dealii::TrilinosWrappers::MPI::Vector &from, BlockVector &to) const;
-  dealii::TrilinosWrappers::MPI::Vector vector() const;
+  void gather(const BlockVector &from, GroupVector &to) const;
+  void scatter(const GroupVector &from, BlockVector &to) const;
   unsigned int n_local() const { return first_local.back(); }
   /// Of the row with a global index in the i-th block.
   int global_row(unsigned int i, int index_in_block) const;

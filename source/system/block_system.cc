@@ -259,16 +259,23 @@ void BlockSystem<dim>::make_sparsity(const double t)
   for (const auto &domain : model.domains)
     add_pattern(*domain, pattern);
 
+  dropped.clear();
   dealii::Timer timer;
   for (const auto &interface : model.interfaces) {
     const Tie<dim> &tie = interface->tie();
     if (interface->is_active(t)) {
       if (tie.adds_terms())
         add_pattern(*interface, pattern);
-      for (unsigned int i = 0; i < tie.n_terms(); ++i)
+      for (unsigned int i = 0; i < tie.n_terms(); ++i) {
         constraints.add_entries_local_to_global(tie.term_dofs(i), pattern, false);
+        if (tie.term_dofs(i).size() == 1)
+          dropped.insert(tie.term_dofs(i)[0]);
+      }
     } else
-      for_each_multiplier(*interface, [&](const auto dof) { pattern.add(dof, dof); });
+      for_each_multiplier(*interface, [&](const auto dof) {
+        pattern.add(dof, dof);
+        dropped.insert(dof);
+      });
   }
   if (!model.interfaces.empty())
     tie_seconds += timer.wall_time();

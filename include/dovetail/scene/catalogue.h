@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Families of plugins: name in the scene -> creator. A law, a condition or a tie registers itself in the last
-// line of its own file; no list, enum or switch knows it.
+// Families of plugins: name in the scene -> creator. A law, a condition, a tie or a solver registers itself
+// in the last line of its own file; no list, enum or switch knows it.
 
 #pragma once
 
@@ -55,23 +55,35 @@ public:
   static std::unique_ptr<Base> create(const Section &section, const std::string &default_type,
                                       const std::string &description, Arguments... arguments)
   {
-    std::vector<std::string> names;
+    std::vector<std::string> all = names();
     if (default_type == "none")
-      names.push_back("none");
+      all.insert(all.begin(), "none");
+    const std::string type = read_type(section, all, default_type, description);
+    if (section.documenting())
+      document(section, arguments...);
+    return section.documenting() || type == "none" ? nullptr : create_member(type, section, arguments...);
+  }
+
+  static std::vector<std::string> names()
+  {
+    std::vector<std::string> all;
     for (const auto &[name, member] : members())
-      names.push_back(name);
+      all.push_back(name);
+    return all;
+  }
 
-    if (section.documenting()) {
-      read_type(section, names, default_type, description);
-      for (const auto &[name, member] : members())
-        member.create(section.variant(name, member.help), arguments...);
-      return nullptr;
-    }
+  /// @pre @p name is one of names()
+  static std::unique_ptr<Base> create_member(const std::string &name, const Section &section,
+                                             Arguments... arguments)
+  {
+    return members().at(name).create(section, arguments...);
+  }
 
-    const std::string type = read_type(section, names, default_type, description);
-    if (type == "none")
-      return nullptr;
-    return members().at(type).create(section, arguments...);
+  /// Let every member read its entries below a heading of its own.
+  static void document(const Section &section, Arguments... arguments)
+  {
+    for (const auto &[name, member] : members())
+      member.create(section.variant(name, member.help), arguments...);
   }
 
 private:

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Solves block systems; knows matrices and vectors, no finite elements.
+// Solves block systems, each group of blocks by a plugin; knows matrices and vectors, no finite elements.
 
 #pragma once
 
 #include <dovetail/scene/section.h>
 #include <dovetail/solve/block_matrix.h>
+#include <dovetail/solve/group_solver.h>
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,40 +19,35 @@
 namespace dovetail {
 
 /// A group of blocks that is solved at once.
-struct SolveGroup
+struct SolveGroup : GroupTraits
 {
-  std::string name; ///< for messages
-  std::vector<unsigned int> blocks;
-  /// Of multipliers: they have no block of their own on the diagonal, [A B^T; B 0] with A regular.
+  std::vector<unsigned int> blocks; ///< of the bodies
   std::vector<unsigned int> multiplier_blocks;
-  bool is_symmetric = true;  ///< and, but for multipliers, positive definite
   bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
-  unsigned int dim = 3;
-  unsigned int degree = 1;
-  unsigned long n_unknowns = 0; ///< of all ranks; for the plan
   /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks
-  /// together or by itself; asked for only if multigrid is used.
+  /// together or by itself; asked for only if a solver does.
   std::function<std::vector<std::vector<double>>(unsigned int block, bool of_all_blocks)> near_null_space;
   /// Of each of this rank's unknowns of a block: the unknowns of the whole system, and the weights, that it
   /// is the sum of in a function of degree one: those at the vertices of its cell, or those that it follows
-  /// by a constraint; none if it is prescribed, itself if it is a vertex. Asked for only if multigrid is used
-  /// for a degree above one; may be missing, which costs time only.
+  /// by a constraint; none if it is prescribed, itself if it is a vertex. Asked for only if a solver does;
+  /// may be missing, which costs time only.
   using Sum = std::vector<std::pair<dealii::types::global_dof_index, double>>;
   std::function<std::vector<Sum>(unsigned int block)> linear_part;
+  /// Of each of this rank's multipliers of a block: whether it was dropped, so that it is alone in its
+  /// equation. If missing, none was.
+  std::function<std::vector<bool>(unsigned int block)> dropped;
 };
 
 /// Solves K dx = b for a matrix that is lower block triangular over the groups (a field does not depend on
-/// those after it), group after group, each merged into one matrix: by MUMPS, or by CG (symmetric) or GMRES
-/// with ML's smoothed aggregation and the near-null space of the blocks; for a degree above one and a
-/// symmetric group after a first coarsening to the functions of degree one. With multipliers GMRES has the
-/// block triangular preconditioner [A 0; B -S], A by multigrid and the Schur complement S by the diagonal of
-/// B diag(A)^-1 B^T.
+/// those after it), group after group, each as one matrix by a GroupSolver: the one that the scene names, or
+/// by size. What that one does not solve the direct one does.
 class LinearSolver
 {
 public:
   using Matrix = BlockMatrix;
   using Vector = dealii::TrilinosWrappers::MPI::BlockVector;
 
+  /// @throw UserError if the solver that the scene names does not fit a group.
   LinearSolver(const Section &section, std::vector<SolveGroup> groups);
   ~LinearSolver();
 
@@ -80,16 +77,21 @@ public:
 
   struct Counts
   {
-    unsigned long solves = 0, factorisations = 0, multigrids = 0;
+    unsigned long solves = 0;                          ///< of groups
+    std::map<std::string, unsigned long> preparations; ///< by the name of the solver
   };
-  Counts counts() const; ///< of all groups
+  const Counts &counts() const { return all_counts; }
 
 private:
   struct Group;
+
   const Matrix *matrix = nullptr;
   std::vector<std::unique_ptr<Group>> groups;
-  unsigned int type; ///< 0 automatic, 1 direct, 2 multigrid
+  std::vector<std::string> types; ///< "automatic" and the names of all solvers
+  std::string type;
   double relative_tolerance;
+  Agreement ranks;
+  Counts all_counts;
   std::vector<std::string> all_notes;
 };
 

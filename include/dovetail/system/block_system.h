@@ -105,6 +105,9 @@ public:
   {
     return update_constraints.is_constrained(dof);
   }
+  /// Whether a multiplier that this rank owns has no equation of its own and is zero: its tie is switched
+  /// off, or has dropped it.
+  bool is_dropped(dealii::types::global_dof_index multiplier) const { return dropped.count(multiplier) > 0; }
   /// Complete @p dx by the constrained unknowns.
   void distribute(Vector &dx) const;
 
@@ -158,6 +161,7 @@ private:
   dealii::IndexSet relevant;           ///< relevant unknowns of the domains and those behind interface points
   ConstraintLines tie_lines;           ///< of owned unknowns
   std::set<dealii::types::global_dof_index> freed;      ///< of tie_lines, where they would have no solution
+  std::set<dealii::types::global_dof_index> dropped;    ///< multipliers
   dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx
   bool constraints_move = false;

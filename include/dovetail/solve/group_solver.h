@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What solves the equations of one group of fields, K x = b: a plugin that sees an operator and facts.
+
+#pragma once
+
+#include <dovetail/scene/catalogue.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/lac/trilinos_vector.h>
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+class Epetra_CrsMatrix;
+
+namespace dovetail {
+
+using GroupVector = dealii::TrilinosWrappers::MPI::Vector;
+
+/// K of a group. Each rank owns a contiguous range of rows: the unknowns of its bodies, body after body, then
+/// its multipliers.
+class GroupOperator
+{
+public:
+  virtual ~GroupOperator() = default;
+
+  virtual GroupVector vector() const = 0; ///< zero
+  virtual void vmult(GroupVector &destination, const GroupVector &source) const = 0;
+  virtual void diagonal(GroupVector &destination) const = 0;
+  /// nullptr if there is none, but only vmult.
+  virtual const Epetra_CrsMatrix *matrix() const { return nullptr; }
+
+  /// A of [A B^T; B -C]: without the multipliers. *this if there are none.
+  virtual const GroupOperator &bodies() const { return *this; }
+  /// By own multiplier the diagonal of C + B diag(A)^-1 B^T; -1 if it was dropped, so that x = b is its
+  /// equation.
+  virtual const std::vector<double> &schur_complement() const;
+};
+
+/// What describes a group of fields that is solved at once.
+struct GroupTraits
+{
+  std::string name; ///< for messages: its fields
+  unsigned int dim = 3;
+  unsigned int degree = 1;      ///< the largest one of the bodies
+  unsigned long n_unknowns = 0; ///< of all ranks
+  bool is_symmetric = true;     ///< and, but for multipliers, positive definite
+};
+
+/// What is known of a group beside its operator. The functions may be called in GroupSolver::prepare.
+struct GroupFacts : GroupTraits
+{
+  bool has_multipliers = false;
+
+  /// [mode][own row of GroupOperator::bodies()]: what the bodies hardly resist. Collective.
+  std::function<std::vector<std::vector<double>>()> near_null_space;
+  /// Of each own row of the bodies: the global rows, and the weights, that it is the sum of in a function of
+  /// degree one; itself if it is an unknown of such a function; none if it is prescribed. May be missing,
+  /// and is with multipliers.
+  using Sum = std::vector<std::pair<int, double>>;
+  std::function<std::vector<Sum>()> linear_part;
+};
+
+/// Lets all ranks go the same way where an exception (of a library, no memory) may meet one of them alone.
+/// Where that happens in the middle of what the others do together nobody can help; so what takes memory is
+/// an action of its own, before the others are entered.
+struct Agreement
+{
+  MPI_Comm communicator = MPI_COMM_SELF;
+  std::function<void(const std::string &place)> fault; ///< for tests: called before each action; may throw
+
+  /// Whether @p action ends without an exception on all ranks. Collective.
+  bool succeeds(const std::string &place, const std::function<void()> &action) const;
+  /// @throw std::runtime_error on all ranks unless it does.
+  void run(const std::string &place, const std::function<void()> &action) const;
+};
+
+/// Solves the systems of one group, for one matrix after the other. A failure is an exception: LinearSolver
+/// then takes the direct solver, as it does if the true residual is not what was asked for. So a solver may
+/// fail, but not do harm.
+class GroupSolver
+{
+public:
+  virtual ~GroupSolver() = default;
+
+  /// For the plan: "CG with multigrid".
+  virtual std::string description() const = 0;
+  /// Why this group cannot be solved by it, "the matrix is not symmetric"; empty if it can.
+  virtual std::string objection() const { return ""; }
+
+  /// K has new values. @p ranks: for steps that one rank alone may not survive.
+  virtual void prepare(const GroupOperator &K, const Agreement &ranks) = 0;
+  /// Until |b - K x| <= @p goal, from x = 0. @return the number of iterations. @pre prepare(K)
+  virtual unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) = 0;
+  /// K and what belongs to its structure will not be there any more.
+  virtual void forget() {}
+};
+
+/// Adding one is adding a file: doc/how_to/add_a_solver.md.
+using SolverCatalogue = Catalogue<GroupSolver, const GroupFacts &>;
+
+} // namespace dovetail

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The iteration that fits a group, around any preconditioner of its bodies.
+
+#pragma once
+
+#include <dovetail/solve/group_solver.h>
+
+#include <functional>
+#include <string>
+
+namespace dovetail {
+
+/// z = P r, with about the inverse of GroupOperator::bodies().
+using Preconditioner = std::function<void(GroupVector &z, const GroupVector &r)>;
+
+/// Solve K x = b from x = 0 to |b - K x| <= goal: by CG if the group is symmetric, else by GMRES (100
+/// vectors, right preconditioning, so that the true residual is the one that is checked). With multipliers by
+/// GMRES with the block triangular preconditioner [A 0; B -S]^-1, A^-1 by P and S = K.schur_complement()
+/// (doc/theory/linear_solvers.md).
+/// @return the number of iterations @throw dealii::SolverControl::NoConvergence after 500 of them
+unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
+                                GroupVector &x, const GroupVector &b, double goal);
+
+/// "CG with @p preconditioner", "GMRES with @p preconditioner and Schur complement", …
+std::string describe_iteration(const GroupFacts &facts, const std::string &preconditioner);
+
+} // namespace dovetail

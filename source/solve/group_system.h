@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The equations of a group of blocks, as its solver sees them.
+
+#pragma once
+
+#include "merged_matrix.h"
+#include "saddle_point.h"
+
+#include <dovetail/solve/linear_solver.h>
+
+#include <memory>
+#include <vector>
+
+namespace dovetail {
+
+/// Owns the operators of a group, and turns what the system knows by block and unknown into facts by row.
+class GroupSystem
+{
+public:
+  using Modes = std::vector<std::vector<double>>; ///< [mode][own row]
+
+  explicit GroupSystem(SolveGroup group);
+  GroupSystem(const GroupSystem &) = delete; // the facts refer to it
+
+  const GroupFacts &facts() const { return all_facts; }
+  const SolveGroup &blocks() const { return group; }
+
+  /// The matrix has new entries.
+  void set_matrix(const BlockMatrix &matrix);
+  void forget_matrix();
+  /// Between set_matrix and the first use of scaled(). Collective.
+  void make_scaled();
+
+  const MergedMatrix &plain() const { return *merged; } ///< entries as they are
+  /// For iterations, one norm for all unknowns.
+  const GroupOperator &scaled() const;
+  void scale_multipliers(GroupVector &x) const; ///< solution or right-hand side of scaled()
+
+private:
+  Modes near_null_space() const;
+  std::vector<GroupFacts::Sum> linear_part() const;
+  double contrast() const;
+  std::vector<unsigned int> color_blocks() const;
+
+  const SolveGroup group;
+  GroupFacts all_facts;
+  const BlockMatrix *matrix = nullptr;
+  std::unique_ptr<MergedMatrix> merged;
+  std::unique_ptr<SaddlePoint> saddle; ///< with multipliers
+};
+
+} // namespace dovetail

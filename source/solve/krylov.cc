@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/solve/krylov.h>
+
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/solver_control.h>
+#include <deal.II/lac/solver_gmres.h>
+
+#include <algorithm>
+
+namespace dovetail {
+
+namespace {
+
+/// As deal.II's solvers see it.
+struct Bodies
+{
+  const Preconditioner &P;
+  void vmult(GroupVector &z, const GroupVector &r) const { P(z, r); }
+};
+
+/// z = [A 0; B -S]^-1 r
+struct BlockTriangular
+{
+  const GroupOperator &K;
+  const Preconditioner &P;
+
+  void vmult(GroupVector &z, const GroupVector &r) const
+  {
+    const std::vector<double> &schur = K.schur_complement();
+    GroupVector of_bodies = K.bodies().vector(), solved(of_bodies), product(r);
+    const unsigned int n_of_bodies = of_bodies.trilinos_vector().MyLength();
+    const double *residual = r.trilinos_vector()[0];
+    std::copy(residual, residual + n_of_bodies, of_bodies.trilinos_vector()[0]);
+    P(solved, of_bodies);
+    z = 0;
+    double *result = z.trilinos_vector()[0];
+    std::copy(solved.trilinos_vector()[0], solved.trilinos_vector()[0] + n_of_bodies, result);
+    K.vmult(product, z);
+    for (unsigned int i = 0; i < schur.size(); ++i)
+      result[n_of_bodies + i] =
+          -(residual[n_of_bodies + i] - product.trilinos_vector()[0][n_of_bodies + i]) / schur[i];
+  }
+};
+
+bool is_by_cg(const GroupFacts &facts)
+{
+  return facts.is_symmetric && !facts.has_multipliers;
+}
+
+} // namespace
+
+unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
+                                GroupVector &x, const GroupVector &b, const double goal)
+{
+  const unsigned int maximum_iterations = 500;
+  dealii::SolverControl control(maximum_iterations, goal, false, false);
+  const dealii::SolverGMRES<GroupVector>::AdditionalData data(102, true);
+  if (is_by_cg(facts))
+    dealii::SolverCG<GroupVector>(control).solve(K, x, b, Bodies{P});
+  else if (facts.has_multipliers)
+    dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, BlockTriangular{K, P});
+  else
+    dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, Bodies{P});
+  return control.last_step();
+}
+
+std::string describe_iteration(const GroupFacts &facts, const std::string &preconditioner)
+{
+  return std::string(is_by_cg(facts) ? "CG" : "GMRES") + " with " + preconditioner +
+         (facts.has_multipliers ? " and Schur complement" : "");
+}
+
+} // namespace dovetail

@@ -7,6 +7,7 @@
 
 #include <cstdio>
 #include <iostream>
+#include <sstream>
 
 namespace dovetail {
 
@@ -157,6 +158,37 @@ void Log::summary(const Model<dim> &model)
     line(row);
 }
 
+template <int dim>
+void Log::cost_of_pairing(const Model<dim> &model)
+{
+  unsigned long n_points = 0, n_segments = 0;
+  double bytes = 0;
+  for (const auto &interface : model.interfaces) {
+    const Coverage &coverage = interface->pairing().coverage();
+    n_points += coverage.n_points;
+    n_segments += coverage.n_segments;
+    // weight; on each side position, normal, and values (twice over a gap) and gradients of the shape
+    // functions
+    unsigned int n_doubles = 1;
+    for (const auto &side : interface->sides)
+      n_doubles += 2 * dim + side.domain->n_nodes() * (2 + dim);
+    bytes += static_cast<double>(coverage.n_points) * n_doubles * sizeof(double);
+  }
+  const double pairing = dealii::Utilities::MPI::max(model.pairing_seconds, model.communicator);
+  const double search = dealii::Utilities::MPI::max(model.search_seconds, model.communicator);
+  if (n_points == 0)
+    return;
+  std::ostringstream words;
+  words.precision(3);
+  words << "pairing: " << n_points << " points in " << pairing << " s, " << 1e6 * pairing / n_points
+        << " microseconds a point (the search alone " << 1e6 * search / n_points << "), " << bytes / n_points
+        << " bytes a point";
+  if (n_segments > 0)
+    words << "; " << n_segments << " segments, " << 1e6 * pairing / n_segments << " microseconds and "
+          << bytes / n_segments << " bytes a segment";
+  line(words.str());
+}
+
 void Log::plan(const Plan &plan)
 {
   line();
@@ -185,11 +217,8 @@ void Log::newton_iteration(const unsigned int iteration, const double residual,
                            const unsigned int linear_iterations, const double damping)
 {
   char text[120];
-  if (iteration == 0)
-    std::snprintf(text, sizeof(text), "  Newton  0   residual %.3e", residual);
-  else
-    std::snprintf(text, sizeof(text), "  Newton %2u   residual %.3e   linear iterations %3u", iteration,
-                  residual, linear_iterations);
+  std::snprintf(text, sizeof(text), "  Newton %2u   residual %.3e   linear iterations %3u", iteration,
+                residual, linear_iterations);
   line(text + (damping == 1 ? std::string() : "   damping " + to_text(damping)));
 }
 
@@ -242,6 +271,8 @@ void Log::finish(const nlohmann::ordered_json &report, const std::string &direct
   line("  results: " + directory);
 }
 
+template void Log::cost_of_pairing(const Model<2> &);
+template void Log::cost_of_pairing(const Model<3> &);
 template void Log::summary(const Model<2> &);
 template void Log::summary(const Model<3> &);
 

@@ -3,7 +3,6 @@
 
 #include <dovetail/output/report.h>
 #include <dovetail/output/shared_file.h>
-#include <dovetail/scene/shortened.h>
 
 #include <deal.II/base/utilities.h>
 
@@ -66,16 +65,6 @@ void Report::add_step(const double time, const std::vector<double> &residuals,
                               {"newton iterations", linear_iterations.size()},
                               {"residuals", residuals},
                               {"linear iterations", linear_iterations}});
-}
-
-bool Report::add_note(const std::string &text)
-{
-  const std::string sentence = shortened(text);
-  for (const auto &known : content["notes"])
-    if (known == sentence)
-      return false;
-  content["notes"].push_back(sentence);
-  return true;
 }
 
 void Report::leave_out(const std::string &sentence)

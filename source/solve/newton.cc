@@ -40,14 +40,81 @@ const double largest_linear_residual = 1e-3;
 
 } // namespace
 
+/// The iterates of one solve.
+class Newton::Iteration
+{
+public:
+  using Vector = NonlinearProblem::Vector;
+
+  Iteration(const Newton &settings, NonlinearProblem &problem, Vector &x, const Start start)
+      : settings(settings), problem(problem), start(start), x(x), trial(x), dx(x), correction(x)
+  {
+  }
+  NewtonResult solve();
+
+private:
+  bool solve_for_update();
+  void try_update(double factor);
+  void accept();
+  void iteration_ends(double norm, double damping);
+  double predict() const;
+  double search_line(double norm, bool with_tangent);
+  void iterate(double norm);
+  void cross_limit_point();
+  void solve_linear();
+
+  /// Of the last iteration; what the next one predicts its damping from.
+  struct Damping
+  {
+    double factor = 1, update = 0, update_before = 0, correction = 0;
+  };
+
+  const Newton &settings;
+  NonlinearProblem &problem;
+  const Start start;
+  Vector &x;
+  Vector trial, dx, correction;
+  Damping damping;
+  NewtonResult result;
+};
+
+bool Newton::Iteration::solve_for_update()
+{
+  const auto linear_iterations = problem.solve(x, dx);
+  if (linear_iterations)
+    result.linear_iterations.push_back(*linear_iterations);
+  return linear_iterations.has_value();
+}
+
+void Newton::Iteration::try_update(const double factor)
+{
+  trial = x;
+  trial.add(factor, dx);
+}
+
+void Newton::Iteration::accept()
+{
+  x = trial;
+  problem.accept_state();
+}
+
+void Newton::Iteration::iteration_ends(const double norm, const double damping)
+{
+  result.residuals.push_back(norm);
+  problem.iteration_ends(result.linear_iterations.size(), norm, result.linear_iterations.back(), damping);
+}
+
 /// The damping for which the estimate of the curvature from the last iteration allows the decrease that
 /// search_line demands (Deuflhard 2004, section 3.3.3).
-double Newton::predict(const NewtonProblem &problem, const Damping &last) const
+double Newton::Iteration::predict() const
 {
-  if (!line_search || last.factor == 1)
+  if (!settings.line_search || damping.factor == 1)
     return 1;
-  const double curvature = problem.distance_of_correction() * problem.update_norm();
-  const double predicted = curvature > 0 ? last.factor * last.update * last.correction / curvature : 1.;
+  Vector difference = correction;
+  difference -= dx;
+  const double curvature = problem.norm(difference) * problem.norm(dx);
+  const double predicted =
+      curvature > 0 ? damping.factor * damping.update * damping.correction / curvature : 1.;
   return std::min(1., std::max(predicted, smallest_damping));
 }
 
@@ -58,16 +125,15 @@ double Newton::predict(const NewtonProblem &problem, const Damping &last) const
 /// (Deuflhard's natural monotonicity test). While prescribed values move, only the share a of them does, and
 /// the residual @p norm at x says nothing.
 /// @return the norm at the trial state, NaN if no damping helps.
-double Newton::search_line(const NewtonProblem &problem, const double norm, const bool with_tangent,
-                           Damping &damping) const
+double Newton::Iteration::search_line(const double norm, const bool with_tangent)
 {
-  const double update = problem.update_norm(), before = std::max(damping.update, damping.update_before);
-  damping.factor = predict(problem, damping);
+  const double update = problem.norm(dx), before = std::max(damping.update, damping.update_before);
+  damping.factor = predict();
   damping.update_before = damping.update;
   damping.update = update;
   const bool is_first = before == 0;
-  bool is_trusted =
-      !line_search || (damping.factor == 1 && (is_first ? !problem.confirms_first_update : update <= before));
+  bool is_trusted = !settings.line_search ||
+                    (damping.factor == 1 && (is_first ? start == Start::nearby : update <= before));
   const double largest_norm =
       problem.moves_constraints() ? std::numeric_limits<double>::max() : largest_growth * norm;
   const auto reduce = [&](const double proposed) {
@@ -75,9 +141,10 @@ double Newton::search_line(const NewtonProblem &problem, const double norm, cons
   };
   for (bool may_grow = true; damping.factor >= smallest_damping;) {
     const bool is_full = damping.factor == 1;
-    problem.try_update(damping.factor);
-    const double new_norm = problem.assemble(with_tangent && is_full);
-    if (!line_search || (is_trusted && new_norm <= largest_norm))
+    try_update(damping.factor);
+    const double new_norm =
+        with_tangent && is_full ? problem.residual_and_tangent(trial) : problem.residual(trial);
+    if (!settings.line_search || (is_trusted && new_norm <= largest_norm))
       return new_norm;
     is_trusted = false;
     if (!std::isfinite(new_norm)) {
@@ -85,20 +152,22 @@ double Newton::search_line(const NewtonProblem &problem, const double norm, cons
       may_grow = false;
       continue;
     }
-    const auto correction = problem.correct(damping.factor);
-    if (!correction)
+    if (!problem.correct(x, trial, damping.factor, correction))
       return std::nan("");
-    const double best =
-        correction->distance > 0 ? 0.5 * update * damping.factor * damping.factor / correction->distance : 1.;
-    if (!(correction->norm < (is_full ? 1 : 1 - damping.factor / 4) * update)) {
+    const double size = problem.norm(correction);
+    Vector difference = correction; // from (1 - a) dx, which c is where nothing is nonlinear
+    difference.add(damping.factor - 1, dx);
+    const double distance = problem.norm(difference);
+    const double best = distance > 0 ? 0.5 * update * damping.factor * damping.factor / distance : 1.;
+    if (!(size < (is_full ? 1 : 1 - damping.factor / 4) * update)) {
       reduce(best);
       may_grow = false;
     } else if (may_grow && best >= 4 * damping.factor && !is_full) {
       damping.factor = std::min(1., best);
       may_grow = false;
     } else {
-      damping.correction = correction->norm;
-      return is_full ? new_norm : problem.assemble(true);
+      damping.correction = size;
+      return is_full ? new_norm : problem.residual_and_tangent(trial);
     }
   }
   return std::nan("");
@@ -108,30 +177,24 @@ double Newton::search_line(const NewtonProblem &problem, const double norm, cons
 /// there a body that moved slowly would fall to another solution: pseudo-transient continuation (Kelley and
 /// Keyes 1998), in which the tangent at rest takes the place of the mass, and time steps grow as the residual
 /// falls.
-void Newton::cross_limit_point(const NewtonProblem &problem, NewtonResult &result) const
+void Newton::Iteration::cross_limit_point()
 {
   const double first_share = 1, smallest_share = 1e-8, largest_share = 1e4, largest_last_share = 1e-3;
-  problem.try_update(0);
-  double norm = problem.assemble(true), share = first_share;
-  while (result.linear_iterations.size() < most_passes * maximum_iterations && share <= largest_share) {
-    if (!problem.stabilise(share))
+  double norm = problem.residual_and_tangent(x), share = first_share;
+  while (result.linear_iterations.size() < most_passes * settings.maximum_iterations &&
+         share <= largest_share) {
+    if (!problem.stabilise(x, share) || !solve_for_update())
       return;
-    const auto linear_iterations = problem.solve();
-    if (!linear_iterations)
-      return;
-    result.linear_iterations.push_back(*linear_iterations);
-    problem.try_update(1);
-    const double new_norm = problem.assemble(true);
-    result.residuals.push_back(new_norm);
-    problem.report(result.linear_iterations.size(), new_norm, *linear_iterations, 1 / (1 + share));
+    try_update(1);
+    const double new_norm = problem.residual_and_tangent(trial);
+    iteration_ends(new_norm, 1 / (1 + share));
     if (!std::isfinite(new_norm)) {
       share *= 4;
-      problem.try_update(0);
-      problem.assemble(true);
+      problem.residual_and_tangent(x);
       continue;
     }
-    problem.accept();
-    if (new_norm <= relative_tolerance && share <= largest_last_share && problem.is_update_small()) {
+    accept();
+    if (new_norm <= settings.relative_tolerance && share <= largest_last_share && problem.is_small(dx, x)) {
       result.is_converged = result.has_jumped = true;
       return;
     }
@@ -140,74 +203,81 @@ void Newton::cross_limit_point(const NewtonProblem &problem, NewtonResult &resul
   }
 }
 
-void Newton::solve_linear(const NewtonProblem &problem, NewtonResult &result) const
+void Newton::Iteration::solve_linear()
 {
-  const auto linear_iterations = problem.solve();
-  if (!linear_iterations)
+  if (!solve_for_update())
     return;
-  result.linear_iterations.push_back(*linear_iterations);
   const double norm = problem.linear_residual();
-  problem.try_update(1);
-  result.residuals.push_back(norm);
-  problem.report(1, norm, *linear_iterations, 1);
+  iteration_ends(norm, 1);
   if (!std::isfinite(norm))
     return;
-  problem.accept();
+  try_update(1);
+  accept();
   result.is_converged = norm <= largest_linear_residual;
 }
 
-NewtonResult Newton::solve(const NewtonProblem &problem) const
+void Newton::Iteration::iterate(double norm)
 {
-  NewtonResult result;
-  problem.try_update(0);
-  double norm = problem.assemble(true);
+  double first_update = 0;
+  while (result.linear_iterations.size() < settings.maximum_iterations) {
+    if (!solve_for_update())
+      return;
+    // near convergence the next tangent is probably not needed
+    const bool is_near = norm * norm <= settings.relative_tolerance;
+    if (first_update == 0)
+      first_update = problem.norm(dx);
+    norm = search_line(norm, !is_near);
+    const bool is_done =
+        norm <= settings.relative_tolerance && damping.factor == 1 && problem.is_small(dx, trial);
+    if (is_near && !is_done && std::isfinite(norm) && damping.factor == 1)
+      norm = problem.residual_and_tangent(trial);
+    iteration_ends(norm, damping.factor);
+    if (!std::isfinite(norm)) {
+      if (settings.line_search && problem.may_cross_limit_points() &&
+          damping.update > growth_at_limit_point * first_update)
+        cross_limit_point();
+      return;
+    }
+    accept();
+    if (is_done) {
+      result.is_converged = true;
+      return;
+    }
+    if (damping.factor == 1 && problem.adapt(x)) {
+      norm = problem.residual_and_tangent(x);
+      damping = {};
+      if (!std::isfinite(norm))
+        return;
+    }
+  }
+}
+
+NewtonResult Newton::Iteration::solve()
+{
+  const double norm = problem.residual_and_tangent(x);
   result.residuals.push_back(norm);
   if (!std::isfinite(norm))
     return result;
-  if (norm <= relative_tolerance && !problem.moves_constraints()) { // nothing has changed
+  if (norm <= settings.relative_tolerance && !problem.moves_constraints()) // nothing has changed
     result.is_converged = true;
-    return result;
-  }
-  if (problem.is_linear) {
-    solve_linear(problem, result);
-    return result;
-  }
-
-  Damping damping;
-  double first_update = 0;
-  while (result.linear_iterations.size() < maximum_iterations) {
-    const auto linear_iterations = problem.solve();
-    if (!linear_iterations)
-      return result;
-    result.linear_iterations.push_back(*linear_iterations);
-    // near convergence the next tangent is probably not needed
-    const bool is_near = norm * norm <= relative_tolerance;
-    if (first_update == 0)
-      first_update = problem.update_norm();
-    norm = search_line(problem, norm, !is_near, damping);
-    const bool is_done = norm <= relative_tolerance && damping.factor == 1 && problem.is_update_small();
-    if (is_near && !is_done && std::isfinite(norm) && damping.factor == 1)
-      norm = problem.assemble(true);
-    result.residuals.push_back(norm);
-    problem.report(result.linear_iterations.size(), norm, *linear_iterations, damping.factor);
-    if (!std::isfinite(norm)) {
-      if (line_search && problem.stabilise && damping.update > growth_at_limit_point * first_update)
-        cross_limit_point(problem, result);
-      return result;
-    }
-    problem.accept();
-    if (is_done) {
-      result.is_converged = true;
-      return result;
-    }
-    if (damping.factor == 1 && problem.adapt && problem.adapt()) {
-      norm = problem.assemble(true);
-      damping = {};
-      if (!std::isfinite(norm))
-        return result;
-    }
-  }
+  else if (problem.is_linear())
+    solve_linear();
+  else
+    iterate(norm);
   return result;
+}
+
+NewtonResult Newton::solve(NonlinearProblem &problem, NonlinearProblem::Vector &x, const Start start) const
+{
+  return Iteration(*this, problem, x, start).solve();
+}
+
+void NewtonResult::append(const NewtonResult &next)
+{
+  is_converged = next.is_converged;
+  residuals.insert(residuals.end(), next.residuals.begin(), next.residuals.end());
+  linear_iterations.insert(linear_iterations.end(), next.linear_iterations.begin(),
+                           next.linear_iterations.end());
 }
 
 } // namespace dovetail

@@ -301,6 +301,14 @@ Vector BlockSystem<dim>::ghosted_vector() const
 }
 
 template <int dim>
+Vector BlockSystem<dim>::ghosted(const Vector &owned) const
+{
+  Vector copy = ghosted_vector();
+  copy = owned;
+  return copy;
+}
+
+template <int dim>
 void BlockSystem<dim>::set_time(const double t)
 {
   share = 1;
@@ -353,7 +361,7 @@ bool change_active_ties(const Model<dim> &model, const double t, const Change &c
 } // namespace
 
 template <int dim>
-bool BlockSystem<dim>::refreeze(const double t, const Vector &x)
+bool BlockSystem<dim>::update_penalties(const double t, const Vector &x)
 {
   if (model.is_linear() || model.interfaces.empty())
     return false;

@@ -12,6 +12,7 @@
 #include <dovetail/solve/newton.h>
 
 #include <cmath>
+#include <functional>
 #include <iomanip>
 #include <iostream>
 #include <utility>
@@ -19,7 +20,7 @@
 using namespace dovetail;
 
 /// f(x) = 0 from x, and what Newton's method asks for.
-struct Toy
+struct Toy : NonlinearProblem
 {
   Toy(std::function<double(double)> f, std::function<double(double)> slope, double x)
       : f(f), slope(slope), x(x)
@@ -28,62 +29,77 @@ struct Toy
 
   std::function<double(double)> f, slope;
   double x;
-  bool is_linear = false, moves_constraints = false, confirms_first_update = false;
+  bool is_affine = false, moves = false;
+  Newton::Start start = Newton::Start::nearby;
   double adapts_to = 0; ///< if not 0: the factor of the equation after the first full update
-  double linear_residual = 0;
+  double residual_of_solver = 0;
   double slope_at_rest = 0;     ///< if not 0: what stabilises
   unsigned int fails_at = 1000; ///< number of the solve that fails
   unsigned int n_solves = 0, n_assemblies = 0, n_tangents = 0;
   std::vector<double> dampings;
 
-  NewtonResult solve(const std::string &settings = "")
+  double R = 0, tangent = 0, solved_with = 0, factor = 1, share = 0;
+
+  bool is_linear() const override { return is_affine; }
+  double residual(const Vector &x) override
   {
-    double trial = x, tangent = 0, residual = 0, dx = 0, solved_with = 0, correction = 0;
-    NewtonProblem problem;
-    problem.is_linear = is_linear;
-    problem.confirms_first_update = confirms_first_update;
-    double factor = 1, share = 0;
-    if (slope_at_rest != 0)
-      problem.stabilise = [&](const double share_of_rest) {
-        share = share_of_rest;
-        return true;
-      };
-    problem.adapt = [&]() { return adapts_to != 0 && std::exchange(factor, adapts_to) == 1; };
-    problem.assemble = [&](const bool with_tangent) {
-      ++n_assemblies;
-      n_tangents += with_tangent;
-      residual = factor * f(trial);
-      tangent = with_tangent ? factor * slope(trial) : 0; // a tangent that was not asked for is of no use
-      return std::abs(residual);
-    };
-    problem.solve = [&]() -> std::optional<unsigned int> {
-      if (++n_solves == fails_at)
-        return {};
-      solved_with = tangent + std::exchange(share, 0) * slope_at_rest;
-      dx = -residual / solved_with;
-      return 3;
-    };
-    problem.update_norm = [&]() { return std::abs(dx); };
-    problem.is_update_small = [&]() { return std::abs(dx) <= 1e-3 * std::max(1., std::abs(x)); };
-    problem.correct = [&](const double damping) {
-      correction = -factor * f(trial) / solved_with;
-      return NewtonProblem::Correction{std::abs(correction), std::abs(correction - (1 - damping) * dx)};
-    };
-    problem.distance_of_correction = [&]() { return std::abs(correction - dx); };
-    problem.try_update = [&](const double damping) { trial = x + (damping == 0 ? 0. : damping * dx); };
-    problem.accept = [&]() { x = trial; };
-    problem.moves_constraints = [&]() { return moves_constraints; };
-    problem.linear_residual = [&]() { return linear_residual; };
-    problem.report = [&](unsigned int, double, unsigned int, const double damping) {
-      dampings.push_back(damping);
-    };
-    return Newton(SceneText::root(SceneText::from_prm(settings))).solve(problem);
+    ++n_assemblies;
+    tangent = 0; // that was not asked for is of no use
+    R = factor * f(x(0));
+    return std::abs(R);
+  }
+  double residual_and_tangent(const Vector &x) override
+  {
+    const double size = residual(x);
+    ++n_tangents;
+    tangent = factor * slope(x(0));
+    return size;
+  }
+  std::optional<unsigned int> solve(const Vector &, Vector &dx) override
+  {
+    if (++n_solves == fails_at)
+      return {};
+    solved_with = tangent + std::exchange(share, 0) * slope_at_rest;
+    dx = -R / solved_with;
+    return 3;
+  }
+  double linear_residual() const override { return residual_of_solver; }
+  bool moves_constraints() const override { return moves; }
+  bool correct(const Vector &, const Vector &, double, Vector &correction) override
+  {
+    correction = -R / solved_with;
+    return true;
+  }
+  double norm(const Vector &dx) const override { return std::abs(dx(0)); }
+  bool is_small(const Vector &dx, const Vector &x) const override
+  {
+    return norm(dx) <= 1e-3 * std::max(1., std::abs(x(0) - dx(0)));
+  }
+  bool adapt(const Vector &) override { return adapts_to != 0 && std::exchange(factor, adapts_to) == 1; }
+  bool may_cross_limit_points() const override { return slope_at_rest != 0; }
+  bool stabilise(const Vector &, const double share_of_rest) override
+  {
+    share = share_of_rest;
+    return true;
+  }
+  void iteration_ends(unsigned int, double, unsigned int, const double damping) override
+  {
+    dampings.push_back(damping);
+  }
+
+  NewtonResult find_root(const std::string &settings = "")
+  {
+    Vector vector({dealii::complete_index_set(1)}, MPI_COMM_WORLD);
+    vector = x;
+    const auto result = Newton(SceneText::root(SceneText::from_prm(settings))).solve(*this, vector, start);
+    x = vector(0);
+    return result;
   }
 };
 
 void show(const std::string &name, Toy toy, const std::string &settings = "")
 {
-  const NewtonResult result = toy.solve(settings);
+  const NewtonResult result = toy.find_root(settings);
   std::cout << name << ": " << (result.is_converged ? "converged" : "failed") << ", x " << toy.x
             << ", residuals " << result.residuals.size() << ", linear iterations";
   for (const unsigned int n : result.linear_iterations)
@@ -106,7 +122,7 @@ int main(int argc, char **argv)
 
   show("quadratic", root);
   Toy toy = root;
-  const auto residuals = toy.solve("set Relative tolerance = 1e-13").residuals;
+  const auto residuals = toy.find_root("set Relative tolerance = 1e-13").residuals;
   std::cout << "e_k+1 / e_k^2 * 2 x_k";
   double x = 1.5;
   for (unsigned int k = 0; k + 2 < residuals.size(); ++k) {
@@ -123,7 +139,7 @@ int main(int argc, char **argv)
   toy = exponential;
   toy.x = -1; // the full update of 1.7 makes the residual grow by less than 2
   show("exponential, nearer", toy);
-  toy.confirms_first_update = true;
+  toy.start = Newton::Start::guess;
   show("exponential, nearer, from a guess", toy);
   toy = exponential;
   toy.adapts_to = 2; // as many times the equation from then on
@@ -146,16 +162,16 @@ int main(int argc, char **argv)
        Toy([](double x) { return std::exp(5 * x); }, [](double x) { return 5 * std::exp(5 * x); }, 0));
 
   toy = Toy([](double x) { return 4 * x - 2; }, [](double) { return 4.; }, 7);
-  toy.is_linear = true;
-  toy.linear_residual = 1e-11;
+  toy.is_affine = true;
+  toy.residual_of_solver = 1e-11;
   show("linear", toy);
   toy.x = 0.5;
   show("already solved", toy);
-  toy.moves_constraints = true;
+  toy.moves = true;
   show("already solved, but prescribed values move", toy);
   toy = logarithm;
   toy.x = 2;
-  toy.moves_constraints = true;
+  toy.moves = true;
   show("no damping while prescribed values move", toy, "set Maximum iterations = 1");
   toy = {[](double x) { return x * x * x - 3 * x + 3; }, [](double x) { return 3 * x * x - 3; }, 1.6};
   show("limit point", toy);

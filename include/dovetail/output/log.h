@@ -27,14 +27,17 @@ public:
   template <int dim>
   void summary(const Model<dim> &model);
 
+  /// Time and memory of the pairing by point and by segment; collective. Nothing without interfaces.
+  template <int dim>
+  void cost_of_pairing(const Model<dim> &model);
+
   /// What will be done, and what not and why.
   void plan(const Plan &plan);
 
   /// @p step may be beyond @p n_steps when steps were halved; @p time is that of its end.
   void step_begins(unsigned int step, unsigned int n_steps, double time, double end_time);
-  /// Iteration 0 is the start: no linear iterations then.
-  void newton_iteration(unsigned int iteration, double residual, unsigned int linear_iterations = 0,
-                        double damping = 1);
+  void newton_iteration(unsigned int iteration, double residual, unsigned int linear_iterations,
+                        double damping);
   /// @p remark: why the step ended otherwise than by convergence, e.g. "did not converge, half of the step is
   /// tried".
   void step_ends(const std::string &remark = "");

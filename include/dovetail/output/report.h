@@ -24,7 +24,7 @@ public:
   Report(const std::string &directory, const MPI_Comm &communicator);
 
   /// The value of one of the keys: dofs, converged, errors against, domains, interfaces, balance, probes,
-  /// steps, adaptive cycles, seconds, counters, plan, left out.
+  /// steps, adaptive cycles, seconds, counters, notes, plan, left out.
   nlohmann::ordered_json &operator[](const std::string &key);
 
   /// A key that only some scenes have.
@@ -32,7 +32,6 @@ public:
   /// One solve with Newton's method.
   void add_step(double time, const std::vector<double> &residuals,
                 const std::vector<unsigned int> &linear_iterations);
-  bool add_note(const std::string &sentence);  ///< what the user should know; @return whether it is new
   void leave_out(const std::string &sentence); ///< "what: why", what this run did not do
 
   /// Write `<Directory>/report.json`; numbers that are not finite become null. "peak memory MiB" is the sum

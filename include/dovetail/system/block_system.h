@@ -43,7 +43,7 @@ public:
   void set_time(double t);
   /// After a step has converged at @p x: freeze those weights and penalties anew that do not fit it any more.
   /// Collective. @return whether there were any; then the step must be solved on.
-  bool refreeze(double t, const Vector &x);
+  bool update_penalties(double t, const Vector &x);
   /// Within a step: let the ties change their equations at @p x. @return whether one did. Collective.
   bool adapt_ties(double t, const Vector &x);
 
@@ -122,6 +122,7 @@ public:
 
   Vector owned_vector() const;
   Vector ghosted_vector() const;
+  Vector ghosted(const Vector &owned) const; ///< a copy with ghosts
 
   double seconds_of_ties() const
   {

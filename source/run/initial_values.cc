@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/run/first_guess.h>
+#include <dovetail/run/initial_values.h>
+
+#include <dovetail/solve/convergence.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
+#include <sstream>
 
 namespace dovetail {
 
@@ -88,10 +94,11 @@ Mean mean_of(const Domain<dim> &domain, const std::string &field, const double t
       {dealii::Utilities::MPI::sum(sum[0], communicator), dealii::Utilities::MPI::sum(sum[1], communicator)}};
 }
 
-} // namespace
-
+/// For each domain the mean of those values at the beginning, over the boundaries of all bodies that are tied
+/// to it where they are active at time @p t: a start without jumps, in which no conductivity is asked at 0 K.
+/// Zero if there are none.
 template <int dim>
-std::vector<double> first_guess(const Model<dim> &model, const std::string &field, const double t)
+std::vector<double> mean_given_values(const Model<dim> &model, const std::string &field, const double t)
 {
   const unsigned int n = model.domains.size();
   std::vector<Mean> own;
@@ -117,21 +124,23 @@ std::vector<double> first_guess(const Model<dim> &model, const std::string &fiel
     for (const unsigned int i : {0, 1})
       of_group[group[d]][i] += own[d][i];
 
-  std::vector<double> guess;
+  std::vector<double> means;
   for (unsigned int d = 0; d < n; ++d) {
     const Mean &mean = of_group[group[d]];
-    guess.push_back(mean[1] > 0 ? mean[0] / mean[1] : 0.);
+    means.push_back(mean[1] > 0 ? mean[0] / mean[1] : 0.);
   }
-  return guess;
+  return means;
 }
 
+/// The smallest and the largest of those values at time @p t over all bodies, between which the solution
+/// lies; nothing with sources and given influxes, which may lead out of any range.
 template <int dim>
 std::optional<std::array<double, 2>> given_range(const Model<dim> &model, const std::string &field,
                                                  const double t)
 {
   const double infinity = std::numeric_limits<double>::infinity();
   double smallest = infinity, largest = -infinity;
-  bool has_others = false; // that may lead out of any range
+  bool has_others = false;
   for (const auto &domain : model.domains) {
     const auto &fields = domain->fields();
     for (unsigned int f = 0; f < fields.size(); ++f)
@@ -152,9 +161,74 @@ std::optional<std::array<double, 2>> given_range(const Model<dim> &model, const 
   return std::array<double, 2>{{smallest, largest}};
 }
 
-template std::optional<std::array<double, 2>> given_range(const Model<2> &, const std::string &, double);
-template std::optional<std::array<double, 2>> given_range(const Model<3> &, const std::string &, double);
-template std::vector<double> first_guess(const Model<2> &, const std::string &, double);
-template std::vector<double> first_guess(const Model<3> &, const std::string &, double);
+} // namespace
+
+template <int dim>
+void set_initial_values(const Model<dim> &model, const double t, Vector &x,
+                        const std::string &without_initial)
+{
+  std::map<std::string, std::vector<double>> guesses; // by field and domain
+  const bool may_guess = !model.is_linear();
+  for (unsigned int d = 0; d < model.domains.size(); ++d) {
+    const auto &domain = model.domains[d];
+    const unsigned int n = domain->n_nodes();
+    dealii::FEValues<dim> at_nodes(domain->mapping(), domain->scalar_element(),
+                                   domain->scalar_element().get_unit_support_points(),
+                                   dealii::update_quadrature_points);
+    std::vector<dealii::types::global_dof_index> dofs;
+    for (const Field &field : domain->fields())
+      if (const Expression *initial =
+              field.name == without_initial ? nullptr : domain->initial().find(field.name);
+          initial || (may_guess && field.n_components == 1)) {
+        if (!initial && guesses.count(field.name) == 0)
+          guesses[field.name] = mean_given_values(model, field.name, t);
+        for (const auto &cell : domain->dof_handler().active_cell_iterators())
+          if (cell->is_locally_owned()) {
+            at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+            domain->cell_dofs(cell, dofs);
+            for (unsigned int c = 0; c < field.n_components; ++c)
+              for (unsigned int a = 0; a < n; ++a)
+                if (const auto dof = dofs[(field.first_component + c) * n + a];
+                    model.numbering->owned.is_element(dof))
+                  x(dof) = initial ? initial->value(at_nodes.quadrature_point(a), 0., c)
+                                   : guesses.at(field.name)[d];
+          }
+      }
+  }
+  x.compress(dealii::VectorOperation::insert);
+}
+
+template <int dim>
+std::vector<std::string> explain_range(const Model<dim> &model, const Vector &solution, const double t)
+{
+  std::vector<std::string> sentences;
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int b = 0; b < blocks.size(); ++b) {
+    if (blocks[b].is_of_multipliers ||
+        model.domains[blocks[b].domain_index]->fields()[blocks[b].field_index].n_components > 1)
+      continue;
+    const auto range = given_range(model, blocks[b].field, t);
+    if (!range)
+      continue;
+    const double smallest = solution.block(b).min(), largest = solution.block(b).max();
+    const double allowed =
+        (*range)[1] - (*range)[0] +
+        Convergence::smallest_range * std::max(std::abs((*range)[0]), std::abs((*range)[1]));
+    if (smallest >= (*range)[0] - allowed && largest <= (*range)[1] + allowed)
+      continue;
+    std::ostringstream words;
+    words.precision(4);
+    words << "the " << blocks[b].field << " of " << blocks[b].name << " runs from " << smallest << " to "
+          << largest << ", but what is prescribed allows only " << (*range)[0] << " to " << (*range)[1]
+          << ": the result is not to be trusted. Refine the mesh where the field is steep";
+    sentences.push_back(words.str());
+  }
+  return sentences;
+}
+
+template std::vector<std::string> explain_range(const Model<2> &, const Vector &, double);
+template std::vector<std::string> explain_range(const Model<3> &, const Vector &, double);
+template void set_initial_values(const Model<2> &, double, Vector &, const std::string &);
+template void set_initial_values(const Model<3> &, double, Vector &, const std::string &);
 
 } // namespace dovetail

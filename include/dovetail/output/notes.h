@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What a user should know about a run.
+
+#pragma once
+
+#include <dovetail/output/log.h>
+#include <dovetail/scene/shortened.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// The only way of a warning: at once into the log, at the end into the report, and each sentence once.
+class Notes
+{
+public:
+  explicit Notes(Log &log) : log(log) {}
+
+  void add(const std::string &text)
+  {
+    const std::string sentence = shortened(text);
+    if (std::find(sentences.begin(), sentences.end(), sentence) != sentences.end())
+      return;
+    sentences.push_back(sentence);
+    log.line("  note: " + sentence);
+  }
+  void add(const std::vector<std::string> &texts)
+  {
+    for (const std::string &text : texts)
+      add(text);
+  }
+
+  const std::vector<std::string> &all() const { return sentences; }
+
+private:
+  Log &log;
+  std::vector<std::string> sentences;
+};
+
+} // namespace dovetail

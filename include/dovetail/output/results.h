@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Everything that a run leaves behind: pictures while it goes on, numbers at its end.
+
+#pragma once
+
+#include <dovetail/output/directory_lock.h>
+#include <dovetail/output/notes.h>
+#include <dovetail/output/paraview.h>
+#include <dovetail/output/phases.h>
+#include <dovetail/output/probes.h>
+#include <dovetail/output/reference.h>
+#include <dovetail/output/report.h>
+#include <dovetail/scene/scene_text.h>
+#include <dovetail/solve/linear_solver.h>
+#include <dovetail/system/block_system.h>
+
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// A state to look at.
+template <int dim>
+struct Solution
+{
+  BlockSystem<dim> &system; ///< whose step has begun at the time
+  const Vector &x;          ///< the last good state
+  double t;
+  bool is_last; ///< no step after it has failed
+};
+
+/// The directory of a run and what stands in it. What cannot be written ends no run, since the numbers are
+/// still wanted: problem() holds it.
+template <int dim>
+class Results
+{
+public:
+  /// Reads the section `Output` of @p text; all are kept by reference.
+  Results(const SceneText &text, const Section &output, const Model<dim> &model, Probes<dim> &probes,
+          Phases &phases, Notes &notes, Log &log);
+
+  void add_to(Plan &plan) const;
+  /// Makes the directory, locks it, and writes used.prm and a report that says that the run has not
+  /// converged. Collective. @throw UserError or OutputError
+  void begin(const Plan &plan);
+
+  /// Whether a step, counted from one, shall be written.
+  bool is_due(const unsigned int step) const { return step % every_steps == 0; }
+  void write_pictures(const Solution<dim> &solution);
+  void forget_solution() { forces.reset(); } ///< there is another one, or soon another system
+  void find_new_meshes();                    ///< after the old ones have been forgotten
+
+  /// Numbers about domains, interfaces, balance and probes. @p tolerance: of Newton's method.
+  void measure(const Solution<dim> &solution, double tolerance);
+  /// With a run that is more exact, or for runs that are less so.
+  void compare(const Solution<dim> &solution);
+  /// What a user should know about it. @pre It has been measured.
+  void explain(const Solution<dim> &solution);
+  void measure_spectrum(const Solution<dim> &solution, const std::vector<SolveGroup> &groups);
+  void finish(bool is_converged, const Plan &plan, const nlohmann::ordered_json &counters);
+
+  Report &report() { return *content; } ///< @pre begin() was called
+  unsigned int n_files() const { return paraview.n_files(); }
+  const std::exception_ptr &problem() const { return problem_of_output; }
+
+private:
+  template <typename Write>
+  void try_to_write(const Write &write);
+  void write_used() const;
+  const NodalForces<dim> &nodal_forces(const Solution<dim> &solution);
+  double last_residual() const;
+
+  const SceneText &text;
+  const Model<dim> &model;
+  Probes<dim> &probes;
+  Phases &phases;
+  Notes &notes;
+  Log &log;
+  std::string directory;
+  unsigned int every_steps;
+  bool with_spectrum;
+  Paraview<dim> paraview;
+  Reference<dim> reference;
+  std::unique_ptr<DirectoryLock> lock;
+  std::unique_ptr<Report> content;
+  std::optional<NodalForces<dim>> forces; ///< at the solution, once they are asked for
+  std::exception_ptr problem_of_output;   ///< why no more pictures are written
+};
+
+} // namespace dovetail

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// One step: the solution at a time from the last good one.
+
+#pragma once
+
+#include <dovetail/output/notes.h>
+#include <dovetail/run/step_problem.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// Owns the equations of the present meshes and what solves them, and tries single steps: which ones, and
+/// what comes after a failure, StepControl decides.
+template <int dim>
+class NonlinearStep
+{
+public:
+  /// Reads the sections `Newton` and `Linear solver` of a scene; the others are kept by reference.
+  NonlinearStep(const Section &scene, Model<dim> &model, Phases &phases, Notes &notes, Log &log);
+
+  /// The equations on the present meshes with what is active at time @p t. Collective.
+  void make_system(double t);
+  /// Before the meshes change.
+  void release_system();
+
+  /// Whether @p x solves the equations of time @p t as it is. Newton's method sees that for itself, unless
+  /// weights and penalties of ties are frozen anew in each step: here they stay as they are. Collective.
+  bool is_solution(double t, const Vector &x);
+  /// A step to time @p t from @p x begins.
+  void begin(double t, const Vector &x);
+  /// Newton's method from @p x, which becomes the last iterate.
+  NewtonResult iterate(Vector &x, Newton::Start start = Newton::Start::nearby);
+  /// Likewise, and again from there until the penalties that are frozen during a step fit the solution.
+  NewtonResult solve(Vector &x, Newton::Start start = Newton::Start::nearby);
+  /// The first step starts from a guess. If it fails from there, and by a scalar field, that begins anew:
+  /// from the mean of what conditions prescribe, which spreads through the bodies as if nothing else acted on
+  /// them. Nothing if there is no other guess.
+  std::optional<NewtonResult> solve_from_given_values(double t, Vector &x);
+
+  /// Let loads() be those of a step to time @p t from @p x.
+  void find_loads(double t, const Vector &x);
+  /// Whether a step to time @p t from @p x would begin with others than the last one did.
+  bool has_other_loads(double t, const Vector &x);
+  void allow_jumps(const bool are_allowed) { problem->allow_jumps(are_allowed); } ///< past limit points
+
+  /// What is known by now that a user should know.
+  void add_notes();
+  /// What is strange about the solution @p x at time @p t.
+  void explain_solution(double t, const Vector &x);
+  /// After the step to time @p t has failed: where the last iteration left the largest residual, and what may
+  /// help. @p x: the last good state. Perhaps a body is free; the tangent there knows.
+  void explain_failure(double t, const Vector &x);
+
+  bool is_linear() const { return model.is_linear(); }
+  double tolerance() const { return newton.residual_tolerance(); } ///< of the residual, relative
+  BlockSystem<dim> &system() { return *present_system; }
+  const LinearSolver &solver() const { return linear_solver; }
+  std::vector<SolveGroup> solve_groups() const;
+  typename BlockSystem<dim>::Assemblies assemblies() const; ///< of all systems so far
+
+private:
+  void set_up(double t);
+  std::string what_failed() const;
+  std::string what_may_help() const;
+
+  Model<dim> &model;
+  Phases &phases;
+  Notes &notes;
+  Log &log;
+  Newton newton;
+  std::unique_ptr<BlockSystem<dim>> present_system;
+  LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
+  std::unique_ptr<StepProblem<dim>> problem;
+  NewtonResult last_result;
+  std::vector<std::string> jumps;                               ///< what is noted of them
+  typename BlockSystem<dim>::Assemblies assemblies_of_released; ///< systems
+};
+
+} // namespace dovetail

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The loop over the steps: how large the next one is, and what is tried after a failure.
+
+#pragma once
+
+#include <dovetail/output/results.h>
+#include <dovetail/run/nonlinear_step.h>
+
+#include <exception>
+
+namespace dovetail {
+
+/// How the load is divided: `subsection Steps`.
+struct Steps
+{
+  explicit Steps(const Section &section);
+  double size() const { return end_time / n_steps; } ///< of a step, if none fails
+
+  double end_time;
+  unsigned int n_steps;
+  bool is_adaptive; ///< halve a step that does not converge, down to 1/1024
+};
+
+/// Goes from the time 0 to the end by steps that are halved where they fail and doubled where they do not. If
+/// nothing depends on the time, what is not in balance is divided instead. The time, the size of the next
+/// step, the number of good ones and the state after the last of them are all that a run goes on from.
+template <int dim>
+class StepControl
+{
+public:
+  /// All are kept by reference.
+  StepControl(const Steps &steps, NonlinearStep<dim> &step, Results<dim> &results, Log &log);
+
+  /// Steps from the initial state @p x up to the end or until one fails; x becomes the last good state.
+  /// @return whether the end was reached. Collective.
+  bool run(Vector &x);
+
+  double time() const { return t; } ///< of the last good step
+  unsigned int n_done() const { return n_good; }
+  /// Wrong input that a later step has found; the steps before it count.
+  const std::exception_ptr &problem() const { return problem_of_step; }
+
+private:
+  enum class Outcome { converged, failed, failed_at_any_size };
+  Outcome try_step(double next, const Vector &x, Vector &trial);
+  NewtonResult continue_in_load(double next, const Vector &x, Vector &trial);
+  void accept_step(double next, const Vector &x);
+  bool retry_smaller(Outcome outcome, double next);
+  void end_at_last_good(double failed, const Vector &x);
+
+  const Steps &steps;
+  NonlinearStep<dim> &step;
+  Results<dim> &results;
+  Log &log;
+  double t = 0, size;
+  unsigned int n_good = 0;
+  std::exception_ptr problem_of_step;
+};
+
+} // namespace dovetail

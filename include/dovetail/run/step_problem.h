@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The equations of one step, as Newton's method asks for them.
+
+#pragma once
+
+#include <dovetail/output/log.h>
+#include <dovetail/output/phases.h>
+#include <dovetail/solve/convergence.h>
+#include <dovetail/solve/linear_solver.h>
+#include <dovetail/solve/newton.h>
+#include <dovetail/system/block_system.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// The system of all domains and interfaces at the time of a step, measured by Convergence and solved by
+/// LinearSolver. Made anew with the system.
+template <int dim>
+class StepProblem : public NonlinearProblem
+{
+public:
+  StepProblem(const Model<dim> &model, BlockSystem<dim> &system, const Newton &newton, LinearSolver &solver,
+              Phases &phases, Log &log);
+
+  /// From @p x to time @p t. @pre The system has begun the step.
+  void begin_step(double t, const Vector &x);
+  /// From now on steps do not start from a guess.
+  void set_converged() { starts_from_guess = false; }
+  /// Whether solids may jump past limit points; not as long as a smaller step may find a solution nearby.
+  void allow_jumps(const bool are_allowed) { may_jump = are_allowed; }
+
+  /// Add to the scalar fields of @p x how the tangent at x answers to the prescribed values of the step, as
+  /// if nothing else acted on them: what a constant conductivity without sources would do.
+  /// @return false if x stays as it is because that cannot be found.
+  bool spread_prescribed_values(Vector &x);
+
+  double time() const { return t; }
+  /// Norms at the first state of the step: of the residual, of what is prescribed.
+  const std::array<double, 2> &loads() const { return loads_at_start; }
+  const Convergence &convergence() const { return criterion; }
+  double last_residual() const { return residual_of_last; } ///< of the last assembly, NaN if not defined
+  const std::vector<std::string> &notes() const { return all_notes; }
+
+  bool is_linear() const override { return model.is_linear(); }
+  double residual(const Vector &x) override;
+  double residual_and_tangent(const Vector &x) override;
+  std::optional<unsigned int> solve(const Vector &x, Vector &dx) override;
+  double linear_residual() const override { return residual_of_solver; }
+  bool moves_constraints() const override { return system.moves_constraints(); }
+  bool correct(const Vector &x, const Vector &trial, double damping, Vector &correction) override;
+  double norm(const Vector &dx) const override;
+  bool is_small(const Vector &dx, const Vector &x) const override;
+  void accept_state() override { system.accept_state(); }
+  bool adapt(const Vector &x) override;
+  bool may_cross_limit_points() const override { return may_jump && has_large_strain(); }
+  bool stabilise(const Vector &x, double share) override;
+  void iteration_ends(unsigned int number, double residual, unsigned int linear_iterations,
+                      double damping) override;
+
+private:
+  double measure(bool is_defined);
+  void set_matrix();
+  double refine_linear_solution(Vector &dx);
+  Vector find_moving_loads(const Vector &x);
+  void learn_scales(const Vector &x, const Vector &dx);
+  void check_is_held() const;
+  bool has_large_strain() const;
+  bool is_scalar(unsigned int block) const;
+
+  const Model<dim> &model;
+  BlockSystem<dim> &system;
+  LinearSolver &linear_solver;
+  Phases &phases;
+  Log &log;
+  Convergence criterion;
+
+  // of a step
+  double t = 0;
+  Vector start;
+  std::vector<double> smallest_at_start, largest_at_start; ///< values, by block
+  std::vector<double> scales;                              ///< of the updates, by block
+  std::array<double, 2> loads_at_start{};
+  bool is_first_assembly = true;
+  bool may_adapt_penalties = true; ///< once, in a step from a guess
+  bool may_jump = false;           ///< past limit points
+  bool starts_from_guess = true;   ///< before the first step has converged
+  BlockMatrix tangent_at_rest;     ///< without displacements; empty until a step needs it
+
+  // of the last assembly and of the last update
+  double residual_of_last = 0, residual_of_solver = 0;
+  bool has_new_tangent = false; ///< that the linear solver has not seen
+  bool update_moves = false;    ///< prescribed values
+  Vector update_loads;
+  std::optional<Vector> moving_loads;
+  std::vector<std::string> all_notes;
+};
+
+} // namespace dovetail

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What Newton's method asks of a system of equations.
+
+#pragma once
+
+#include <deal.II/lac/trilinos_parallel_block_vector.h>
+
+#include <optional>
+
+namespace dovetail {
+
+/// A nonlinear system R(x) = 0 with linear constraints, its tangent K = dR/dx and the solver for
+/// @f[ K(x)\, \Delta x = -R(x). @f]
+/// Newton's method owns the vectors; the system keeps what was assembled last: one R and one K.
+class NonlinearProblem
+{
+public:
+  using Vector = dealii::TrilinosWrappers::MPI::BlockVector;
+
+  virtual ~NonlinearProblem() = default;
+
+  virtual bool is_linear() const = 0; ///< one iteration is exact
+
+  /// Assemble R(x). @return its size relative to the forces at work, NaN if it is not defined.
+  virtual double residual(const Vector &x) = 0;
+  /// Likewise with K.
+  virtual double residual_and_tangent(const Vector &x) = 0;
+
+  /// The update @p dx at @p x. @pre The last assembly was that of the tangent at x.
+  /// @return the number of linear iterations; nothing if the solver failed.
+  virtual std::optional<unsigned int> solve(const Vector &x, Vector &dx) = 0;
+  /// Of the last solve() of a linear problem: ||K dx + R|| relative to the forces at work.
+  virtual double linear_residual() const = 0;
+  /// Whether the constraints move prescribed values at the state of the last assembly. Then the residual
+  /// there says nothing about a good damping.
+  virtual bool moves_constraints() const = 0;
+
+  /// The simplified Newton correction c, K c = -R(x + damping dx), with the tangent that dx was solved with
+  /// and the share 1 - damping of what the constraints have still to move. @pre R(@p trial) was assembled
+  /// last, at trial = x + damping dx. @return whether the solver succeeded.
+  virtual bool correct(const Vector &x, const Vector &trial, double damping, Vector &correction) = 0;
+
+  /// The size of an update, each field in units of its own, the same during a step.
+  virtual double norm(const Vector &dx) const = 0;
+  /// Whether the last @p dx was small enough for @p x, where it led to, to be a solution.
+  virtual bool is_small(const Vector &dx, const Vector &x) const = 0;
+
+  /// The state of the last assembly is the iterate from now on.
+  virtual void accept_state() {}
+  /// At the iterate @p x, after each full update that does not end the iteration: whether the equations have
+  /// changed, what is frozen in them being adapted to x.
+  virtual bool adapt(const Vector & /*x*/) { return false; }
+
+  /// Whether a limit point may be crossed; then stabilise() is called.
+  virtual bool may_cross_limit_points() const { return false; }
+  /// Add @p share of a tangent that is positive definite to K(@p x). @return false if there is none.
+  virtual bool stabilise(const Vector & /*x*/, double /*share*/) { return false; }
+
+  /// Told of each iteration.
+  virtual void iteration_ends(unsigned int /*number*/, double /*residual*/,
+                              unsigned int /*linear_iterations*/, double /*damping*/)
+  {
+  }
+};
+
+} // namespace dovetail

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/output/results.h>
+
+#include <dovetail/output/balance.h>
+#include <dovetail/output/jumps.h>
+#include <dovetail/output/measures.h>
+#include <dovetail/output/resolution.h>
+#include <dovetail/output/shared_file.h>
+#include <dovetail/output/spectrum.h>
+
+#include <sstream>
+
+namespace dovetail {
+
+namespace {
+
+std::string read_directory(const Section &output, const SceneText &text)
+{
+  const auto directory = output.read<std::string>(
+      "Directory", "", "Where the results go; output/ and the name of the scene's file if empty [-]");
+  return directory.empty() ? "output/" + text.name() : directory;
+}
+
+} // namespace
+
+template <int dim>
+Results<dim>::Results(const SceneText &text, const Section &output, const Model<dim> &model,
+                      Probes<dim> &probes, Phases &phases, Notes &notes, Log &log)
+    : text(text), model(model), probes(probes), phases(phases), notes(notes), log(log),
+      directory(read_directory(output, text)),
+      every_steps(output.read<unsigned int>(
+          "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1))),
+      with_spectrum(output.read<bool>("Spectrum", false,
+                                      "Report eigenvalues and condition number of the matrix, up to " +
+                                          std::to_string(largest_spectrum) + " unknowns [-]")),
+      paraview(output, model, directory), reference(output, model)
+{
+}
+
+template <int dim>
+void Results<dim>::add_to(Plan &plan) const
+{
+  const std::string pictures = "ParaView files: ";
+  if (!paraview.is_on())
+    plan.left_out.push_back(pictures + "Paraview = false");
+  else
+    plan.needed.push_back(pictures + (every_steps == 1
+                                          ? "every step"
+                                          : "every " + std::to_string(every_steps) + " steps, and the last"));
+}
+
+template <int dim>
+void Results<dim>::begin(const Plan &plan)
+{
+  make_directory(directory, model.communicator);
+  lock = lock_directory(directory, model.communicator);
+  content = std::make_unique<Report>(directory, model.communicator);
+  report()["plan"] = plan.needed;
+  report()["left out"] = plan.left_out;
+  report().write(); // so that an interrupted run does not look like the one before it
+  write_used();
+}
+
+template <int dim>
+void Results<dim>::write_used() const
+{
+  const std::string first_line = "# Every entry of a run of Dovetail with its value; ";
+  std::ostringstream used;
+  used << first_line << "the next run into this directory replaces this file.\n\n";
+  text.print_used(used);
+  if (const Obstacle obstacle =
+          write_on_first_rank(directory + "/used.prm", first_line, used.str(), model.communicator))
+    obstacle.raise(set_another_directory);
+}
+
+/// What all ranks find alike is kept, and noted; any other exception ends the run.
+template <int dim>
+template <typename Write>
+void Results<dim>::try_to_write(const Write &write)
+{
+  const auto keep = [this](const std::exception &error) {
+    problem_of_output = std::current_exception();
+    notes.add(error.what());
+  };
+  try {
+    write();
+  } catch (const UserError &error) {
+    keep(error);
+  } catch (const OutputError &error) {
+    keep(error);
+  }
+}
+
+/// With the multipliers of the ties; nobody needs those of a step that is not looked at.
+template <int dim>
+const NodalForces<dim> &Results<dim>::nodal_forces(const Solution<dim> &solution)
+{
+  if (!forces) {
+    forces.emplace(solution.system.nodal_forces(solution.x));
+    solution.system.find_multipliers(solution.x, *forces);
+  }
+  return *forces;
+}
+
+template <int dim>
+void Results<dim>::write_pictures(const Solution<dim> &solution)
+{
+  if (!paraview.is_on() || problem_of_output)
+    return;
+  const Phases::Scope scope(phases, "output");
+  if (solution.system.has_multipliers())
+    nodal_forces(solution);
+  const Vector ghosted = solution.system.ghosted(solution.x);
+  try_to_write([&]() { paraview.write(solution.t, ghosted); });
+}
+
+template <int dim>
+void Results<dim>::find_new_meshes()
+{
+  probes.locate_again();
+  paraview.forget_meshes();
+}
+
+/// Relative, of the last step; zero if it took no iteration.
+template <int dim>
+double Results<dim>::last_residual() const
+{
+  const auto &residuals = content->all()["steps"].back()["residuals"];
+  return residuals.empty() || !residuals.back().is_number() ? 0 : residuals.back().template get<double>();
+}
+
+template <int dim>
+void Results<dim>::measure(const Solution<dim> &solution, const double tolerance)
+{
+  const Phases::Scope scope(phases, "output");
+  const Vector ghosted = solution.system.ghosted(solution.x);
+  const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
+  std::vector<std::string> sentences;
+  report()["dofs"] = model.numbering->n_dofs();
+  report()["domains"] = measure_domains(model, ghosted, solution.t);
+  report()["interfaces"] = measure_interfaces(model, ghosted, reactions);
+  report()["balance"] = measure_balance(model, reactions, ghosted,
+                                        model.is_linear() ? 10 * last_residual() : tolerance, sentences);
+  report()["probes"] = probes.evaluate(ghosted, reactions);
+  if (solution.is_last) // else the ties are those of the step that failed
+    notes.add(sentences);
+}
+
+template <int dim>
+void Results<dim>::compare(const Solution<dim> &solution)
+{
+  if (!reference.is_on())
+    return;
+  const Phases::Scope scope(phases, "comparison");
+  const Vector ghosted = solution.system.ghosted(solution.x);
+  try_to_write([&]() {
+    reference.compare(ghosted, solution.t, solution.is_last, report()["domains"], report()["interfaces"]);
+  });
+  if (reference.has_reference())
+    report()["errors against"] = reference.file();
+}
+
+template <int dim>
+void Results<dim>::explain(const Solution<dim> &solution)
+{
+  notes.add(explain_resolution(model, solution.system.ghosted(solution.x), solution.t));
+  notes.add(explain_jumps(model, solution.t, report()["domains"], report()["interfaces"]));
+}
+
+template <int dim>
+void Results<dim>::measure_spectrum(const Solution<dim> &solution, const std::vector<SolveGroup> &groups)
+{
+  if (!with_spectrum)
+    return;
+  if (!solution.is_last) {
+    report().leave_out("spectrum: the last step did not converge");
+    return;
+  }
+  const Phases::Scope scope(phases, "output");
+  std::vector<std::string> sentences;
+  report().add("spectrum", dovetail::measure_spectrum(solution.system, *model.numbering, groups,
+                                                      model.communicator, sentences));
+  for (const std::string &sentence : sentences)
+    report().leave_out(sentence);
+}
+
+template <int dim>
+void Results<dim>::finish(const bool is_converged, const Plan &plan, const nlohmann::ordered_json &counters)
+{
+  report()["converged"] = is_converged;
+  report()["plan"] = plan.needed;
+  report()["counters"] = counters;
+  report()["seconds"] = phases.largest_of_ranks(model.communicator);
+  report()["notes"] = notes.all();
+  try_to_write([&]() { report().write(); });
+  log.finish(report().all(), directory);
+}
+
+template class Results<2>;
+template class Results<3>;
+
+} // namespace dovetail

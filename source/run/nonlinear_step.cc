@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/run/nonlinear_step.h>
+
+#include <dovetail/run/initial_values.h>
+#include <dovetail/system/place.h>
+#include <dovetail/system/solve_groups.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace dovetail {
+
+template <int dim>
+NonlinearStep<dim>::NonlinearStep(const Section &scene, Model<dim> &model, Phases &phases, Notes &notes,
+                                  Log &log)
+    : model(model), phases(phases), notes(notes), log(log), newton(scene.subsection("Newton")),
+      linear_solver(scene.subsection("Linear solver"), solve_groups())
+{
+}
+
+template <int dim>
+std::vector<SolveGroup> NonlinearStep<dim>::solve_groups() const
+{
+  return make_solve_groups<dim>(model, [this]() -> const BlockSystem<dim> & { return *present_system; });
+}
+
+template <int dim>
+void NonlinearStep<dim>::make_system(const double t)
+{
+  present_system = std::make_unique<BlockSystem<dim>>(model);
+  set_up(t);
+  problem = std::make_unique<StepProblem<dim>>(model, *present_system, newton, linear_solver, phases, log);
+}
+
+template <int dim>
+void NonlinearStep<dim>::release_system()
+{
+  phases.add("tie", present_system->seconds_of_ties());
+  assemblies_of_released = assemblies();
+  linear_solver.forget_matrix();
+  problem.reset();
+  present_system.reset();
+}
+
+template <int dim>
+typename BlockSystem<dim>::Assemblies NonlinearStep<dim>::assemblies() const
+{
+  auto sum = assemblies_of_released;
+  sum.of_tangent += present_system->assemblies().of_tangent;
+  sum.of_residual += present_system->assemblies().of_residual;
+  return sum;
+}
+
+template <int dim>
+void NonlinearStep<dim>::set_up(const double t)
+{
+  const Phases::Scope scope(phases, "setup");
+  linear_solver.forget_matrix();
+  model.check_ties(t);
+  present_system->set_up(t);
+  add_notes();
+}
+
+template <int dim>
+void NonlinearStep<dim>::add_notes()
+{
+  notes.add(present_system->notes());
+  notes.add(linear_solver.notes());
+  if (problem)
+    notes.add(problem->notes());
+  notes.add(jumps);
+}
+
+template <int dim>
+bool NonlinearStep<dim>::is_solution(const double t, const Vector &x)
+{
+  if (model.is_linear() || model.interfaces.empty() || present_system->is_outdated(t))
+    return false;
+  present_system->set_time(t);
+  problem->begin_step(t, x);
+  return problem->residual(x) <= tolerance() && !present_system->moves_constraints();
+}
+
+template <int dim>
+void NonlinearStep<dim>::begin(const double t, const Vector &x)
+{
+  if (present_system->is_outdated(t))
+    set_up(t);
+  const Phases::Scope scope(phases, "setup");
+  present_system->begin_step(t, x);
+  problem->begin_step(t, x);
+}
+
+template <int dim>
+NewtonResult NonlinearStep<dim>::iterate(Vector &x, const Newton::Start start)
+{
+  last_result = newton.solve(*problem, x, start);
+  if (last_result.is_converged)
+    problem->set_converged();
+  if (last_result.has_jumped) {
+    std::ostringstream words;
+    words.precision(4);
+    words
+        << "in the step to t = " << problem->time()
+        << " the solution jumps: the tangent became singular on the way, as where bodies or single cells "
+           "snap through. What comes after depends on the path; compare with smaller steps and a finer mesh";
+    jumps.push_back(words.str());
+  }
+  return last_result;
+}
+
+template <int dim>
+NewtonResult NonlinearStep<dim>::solve(Vector &x, const Newton::Start start)
+{
+  if (model.is_linear())
+    present_system->constrain(x);
+  NewtonResult result = iterate(x, start);
+  const unsigned int largest_number_of_passes = 5;
+  for (unsigned int pass = 1; pass < largest_number_of_passes && result.is_converged &&
+                              present_system->update_penalties(problem->time(), x);
+       ++pass) {
+    log.line("  penalties no longer fit the solution: solved again from here");
+    result.append(iterate(x));
+  }
+  return result;
+}
+
+template <int dim>
+std::optional<NewtonResult> NonlinearStep<dim>::solve_from_given_values(const double t, Vector &x)
+{
+  const std::string &name = model.numbering->blocks()[problem->convergence().worst_part()].field;
+  const bool is_scalar = std::any_of(model.domains.begin(), model.domains.end(), [&](const auto &domain) {
+    const Field *field = domain->material.find_field(name);
+    return field != nullptr && field->n_components == 1;
+  });
+  if (!is_scalar)
+    return {};
+  log.line("  did not converge from the first guess; the " + name + " begins at what is prescribed");
+  set_initial_values(model, t, x, name);
+  begin(t, x);
+  const bool is_guess = problem->spread_prescribed_values(x);
+  begin(t, x);
+  return solve(x, is_guess ? Newton::Start::guess : Newton::Start::nearby);
+}
+
+template <int dim>
+void NonlinearStep<dim>::find_loads(const double t, const Vector &x)
+{
+  begin(t, x);
+  problem->residual_and_tangent(x); // moving prescribed values are loads by the tangent
+}
+
+template <int dim>
+bool NonlinearStep<dim>::has_other_loads(const double t, const Vector &x)
+{
+  if (present_system->is_outdated(t))
+    return true;
+  const auto of_last = problem->loads();
+  find_loads(t, x);
+  for (const unsigned int i : {0, 1})
+    if (std::abs(problem->loads()[i] - of_last[i]) > 1e-12 * of_last[i])
+      return true;
+  return false;
+}
+
+/// As the beginning of "… of the temperature of left".
+template <int dim>
+std::string NonlinearStep<dim>::what_failed() const
+{
+  const double residual = problem->last_residual();
+  if (!std::isfinite(residual))
+    return "the last state that was tried is not defined; the largest residual is that";
+  if (!std::isfinite(last_result.residuals.back()))
+    return "no share of the last update leads on; the largest residual is that";
+  std::ostringstream words;
+  words.precision(2);
+  words << "the largest residual, " << residual << " of the forces at work, is that";
+  return words.str();
+}
+
+template <int dim>
+std::string NonlinearStep<dim>::what_may_help() const
+{
+  if (last_result.linear_iterations.size() == newton.largest_number())
+    return "Raise Maximum iterations in the subsection Newton, or give an Initial that is nearer to the "
+           "solution.";
+  return "Let the load grow with t in more steps, or give an Initial that is nearer to the solution.";
+}
+
+template <int dim>
+void NonlinearStep<dim>::explain_solution(const double t, const Vector &x)
+{
+  notes.add(explain_range(model, x, t));
+}
+
+template <int dim>
+void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
+{
+  const unsigned int part = problem->convergence().worst_part();
+  const Block &block = model.numbering->blocks()[part];
+  std::ostringstream words;
+  words.precision(3);
+  words << "the step to t = " << t << " did not converge: " << what_failed() << " of the " << block.field
+        << (block.is_of_multipliers ? " at " : " of ") << block.name;
+  if (const auto place = place_of_largest(model, present_system->negative_residual(), part)) {
+    words << ", in the cell at (" << (*place)[0];
+    for (unsigned int d = 1; d < dim; ++d)
+      words << ", " << (*place)[d];
+    words << ')';
+  }
+  notes.add(words.str() + ". " + what_may_help());
+  if (const Undefined &why = present_system->why_undefined())
+    notes.add("a state was tried that is not defined: " + why.reason);
+
+  if (!present_system->assemble(x, true))
+    return;
+  if (const auto motion = present_system->find_free_motion(true))
+    notes.add("nothing holds " + motion->in_words());
+}
+
+template class NonlinearStep<2>;
+template class NonlinearStep<3>;
+
+} // namespace dovetail

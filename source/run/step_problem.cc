@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/run/step_problem.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace dovetail {
+
+namespace {
+
+std::vector<bool> blocks_of_multipliers(const Numbering &numbering)
+{
+  std::vector<bool> are;
+  for (const Block &block : numbering.blocks())
+    are.push_back(block.is_of_multipliers);
+  return are;
+}
+
+} // namespace
+
+template <int dim>
+StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system, const Newton &newton,
+                              LinearSolver &solver, Phases &phases, Log &log)
+    : model(model), system(system), linear_solver(solver), phases(phases), log(log),
+      criterion(system.fields_of_blocks(), blocks_of_multipliers(*model.numbering),
+                newton.residual_tolerance(), newton.absolute_tolerance())
+{
+}
+
+template <int dim>
+void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
+{
+  t = t_of_step;
+  start = x;
+  tangent_at_rest.clear(); // ties and conditions may have changed
+  may_adapt_penalties = starts_from_guess;
+  is_first_assembly = true;
+  criterion.begin_step();
+  smallest_at_start.clear();
+  largest_at_start.clear();
+  for (unsigned int b = 0; b < x.n_blocks(); ++b) {
+    smallest_at_start.push_back(x.block(b).min());
+    largest_at_start.push_back(x.block(b).max());
+  }
+  scales.assign(x.n_blocks(), 0.);
+}
+
+template <int dim>
+double StepProblem<dim>::residual(const Vector &x)
+{
+  const Phases::Scope scope(phases, "assembly");
+  return measure(system.assemble(x, false));
+}
+
+template <int dim>
+double StepProblem<dim>::residual_and_tangent(const Vector &x)
+{
+  const Phases::Scope scope(phases, "assembly");
+  const bool with_tangent = !system.keeps_tangent();
+  has_new_tangent = has_new_tangent || with_tangent;
+  return measure(system.assemble(x, with_tangent));
+}
+
+/// What has been assembled.
+template <int dim>
+double StepProblem<dim>::measure(const bool is_defined)
+{
+  if (is_first_assembly)
+    loads_at_start = {{system.negative_residual().l2_norm(), system.largest_move()}};
+  is_first_assembly = false;
+  residual_of_last = is_defined ? criterion.residual({system.residuals(), system.forces(), system.rounding()})
+                                : std::numeric_limits<double>::quiet_NaN();
+  return residual_of_last;
+}
+
+/// A linear scene needs no iteration to know that a body is free; a nonlinear one may hold it once it has
+/// moved.
+template <int dim>
+void StepProblem<dim>::check_is_held() const
+{
+  if (const auto motion = system.find_free_motion())
+    motion->bodies[0]->section.fail("Boundary conditions",
+                                    "and interfaces do not hold " + motion->in_words() +
+                                        ". Add a condition of Type = value, or a tie, that does.");
+}
+
+template <int dim>
+std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
+{
+  const Phases::Scope scope(phases, "solve");
+  if (has_new_tangent) {
+    linear_solver.set_matrix(system.tangent());
+    if (model.is_linear())
+      check_is_held();
+  }
+  has_new_tangent = false;
+  const auto n_iterations = linear_solver.solve(dx, system.negative_residual());
+  if (model.is_linear() && n_iterations)
+    residual_of_solver = refine_linear_solution(dx);
+  update_moves = system.moves_constraints();
+  update_loads = system.negative_residual();
+  moving_loads.reset();
+  system.distribute(dx);
+  if (!model.is_linear())
+    learn_scales(x, dx);
+  return n_iterations;
+}
+
+/// The linear solver sees one norm for all bodies; a body that carries little beside one that carries much
+/// may be left unsolved. The rest is solved for once more, then directly.
+/// @return the relative residual of dx, the largest of all parts
+template <int dim>
+double StepProblem<dim>::refine_linear_solution(Vector &dx)
+{
+  const double usual = 1e-8;
+  Vector rest = system.owned_vector(), correction = rest;
+  double relative = system.linear_residual_norm(dx, rest);
+  for (unsigned int pass = 0; pass < 2 && relative > usual; ++pass) {
+    if (pass == 1)
+      linear_solver.prefer_direct();
+    if (!linear_solver.solve(correction, rest))
+      break;
+    Vector trial = dx;
+    trial += correction;
+    if (const double refined = system.linear_residual_norm(trial, rest); refined < relative) {
+      dx = trial;
+      relative = refined;
+    }
+  }
+  if (relative > usual) {
+    std::ostringstream words;
+    words.precision(2);
+    words << "the linear system is solved to " << relative
+          << " of the forces at work only, by the direct solver too: its matrix is close to singular. Check "
+             "what holds the bodies, and how far their stiffnesses and penalties differ";
+    all_notes.push_back(words.str());
+  }
+  return relative;
+}
+
+/// Updates of different fields are compared in the ranges of their values, which a step does not shrink.
+template <int dim>
+void StepProblem<dim>::learn_scales(const Vector &x, const Vector &dx)
+{
+  const unsigned int n_blocks = scales.size();
+  const auto &field = system.fields_of_blocks();
+  std::vector<double> smallest(n_blocks, std::numeric_limits<double>::infinity()),
+      largest(n_blocks, -std::numeric_limits<double>::infinity()); // by field
+  Vector state = x;
+  if (std::all_of(scales.begin(), scales.end(), [](const double scale) { return scale == 0; }))
+    state += dx; // where prescribed values have not moved yet, all may be zero
+  for (unsigned int b = 0; b < n_blocks; ++b) {
+    const unsigned int f = field[b];
+    smallest[f] = std::min({smallest[f], smallest_at_start[b], state.block(b).min()});
+    largest[f] = std::max({largest[f], largest_at_start[b], state.block(b).max()});
+  }
+  for (unsigned int b = 0; b < n_blocks; ++b) {
+    const unsigned int f = field[b];
+    const double range =
+        std::max(largest[f] - smallest[f],
+                 Convergence::smallest_range * std::max(std::abs(largest[f]), std::abs(smallest[f])));
+    scales[b] = std::max(scales[b], range);
+  }
+}
+
+/// Multipliers follow the bodies: they do not count.
+template <int dim>
+double StepProblem<dim>::norm(const Vector &dx) const
+{
+  double square = 0;
+  for (unsigned int b = 0; b < scales.size(); ++b)
+    if (scales[b] > 0 && !model.numbering->blocks()[b].is_of_multipliers)
+      square += std::pow(dx.block(b).l2_norm() / scales[b], 2);
+  return std::sqrt(square);
+}
+
+/// What the moving prescribed values do to the right-hand side, if they move from @p x by as much as in dx.
+/// Leaves R(x) assembled.
+template <int dim>
+Vector StepProblem<dim>::find_moving_loads(const Vector &x)
+{
+  system.assemble(x, false);
+  Vector loads = update_loads;
+  loads -= system.negative_residual();
+  return loads;
+}
+
+template <int dim>
+bool StepProblem<dim>::correct(const Vector &x, const Vector &trial, const double damping, Vector &correction)
+{
+  const bool has_to_move = update_moves && damping < 1;
+  if (has_to_move && !moving_loads) {
+    const Phases::Scope scope(phases, "assembly");
+    moving_loads = find_moving_loads(x);
+    system.assemble(trial, false);
+  }
+  const Phases::Scope scope(phases, "solve");
+  Vector loads = system.negative_residual();
+  if (has_to_move)
+    loads.add(1 - damping, *moving_loads);
+  if (!linear_solver.solve(correction, loads))
+    return false;
+  system.distribute(correction);
+  return true;
+}
+
+/// Of unknowns that are free; the others follow them or are prescribed.
+template <int dim>
+bool StepProblem<dim>::is_small(const Vector &dx, const Vector &x) const
+{
+  const unsigned int n_blocks = dx.n_blocks();
+  std::vector<double> largest(n_blocks, 0.), energies(n_blocks, 0.);
+  WorkingUpdate sizes;
+  for (unsigned int b = 0; b < n_blocks; ++b) {
+    const Block &block = model.numbering->blocks()[b];
+    const double *of_update = dx.block(b).trilinos_vector()[0],
+                 *of_loads = update_loads.block(b).trilinos_vector()[0];
+    for (unsigned int i = 0; i < block.owned.n_elements(); ++i)
+      if (!system.is_constrained(block.begin + block.owned.nth_index_in_set(i))) {
+        largest[b] = std::max(largest[b], std::abs(of_update[i]));
+        energies[b] += of_update[i] * of_loads[i];
+      }
+    sizes.smallest_value.push_back(std::min(smallest_at_start[b], x.block(b).min()));
+    sizes.largest_value.push_back(std::max(largest_at_start[b], x.block(b).max()));
+    sizes.n_unknowns.push_back(dx.block(b).size());
+  }
+  dealii::Utilities::MPI::max(largest, model.communicator, largest);
+  dealii::Utilities::MPI::sum(energies, model.communicator, energies);
+  for (double &energy : energies)
+    energy = std::abs(energy);
+  sizes.largest = largest;
+  sizes.energies = energies;
+  return criterion.is_small(sizes);
+}
+
+/// After an update. The first step of a run starts from a guess. Penalties that were frozen there may be
+/// decades off where Newton's method ends, and next to far too large ones rounding drowns all fluxes: they
+/// are frozen anew after its first full update. Only for scalars, of which a conductivity asks; a
+/// displacement starts from rest, and one update of a slender body tells nothing.
+template <int dim>
+bool StepProblem<dim>::adapt(const Vector &x)
+{
+  bool has_changed = false;
+  if (may_adapt_penalties) {
+    may_adapt_penalties = false;
+    Vector state = start;
+    for (unsigned int b = 0; b < state.n_blocks(); ++b)
+      if (is_scalar(b))
+        state.block(b) = x.block(b);
+    has_changed = system.update_penalties(t, state);
+  }
+  return system.adapt_ties(t, x) || has_changed;
+}
+
+/// Of some solid: only then limit points are looked for.
+template <int dim>
+bool StepProblem<dim>::has_large_strain() const
+{
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int b = 0; b < blocks.size(); ++b)
+    if (!blocks[b].is_of_multipliers && !is_scalar(b) &&
+        !model.domains[blocks[b].domain_index]->material.is_linear(blocks[b].field_index))
+      return true;
+  return false;
+}
+
+/// @return false if the laws are not defined at rest.
+template <int dim>
+bool StepProblem<dim>::stabilise(const Vector &x, const double share)
+{
+  if (tangent_at_rest.n_block_rows() == 0) {
+    Vector rest = x;
+    for (unsigned int b = 0; b < rest.n_blocks(); ++b)
+      if (!is_scalar(b))
+        rest.block(b) = 0;
+    const bool is_defined = std::isfinite(residual_and_tangent(rest));
+    if (is_defined)
+      tangent_at_rest.copy_from(system.tangent());
+    residual_and_tangent(x);
+    if (!is_defined)
+      return false;
+  }
+  system.add_to_tangent(share, tangent_at_rest);
+  return true;
+}
+
+/// Of a domain, not of multipliers.
+template <int dim>
+bool StepProblem<dim>::is_scalar(const unsigned int b) const
+{
+  const Block &block = model.numbering->blocks()[b];
+  return !block.is_of_multipliers &&
+         model.domains[block.domain_index]->fields()[block.field_index].n_components == 1;
+}
+
+template <int dim>
+bool StepProblem<dim>::spread_prescribed_values(Vector &x)
+{
+  if (!std::isfinite(residual_and_tangent(x)))
+    return false;
+  linear_solver.set_matrix(system.tangent());
+  has_new_tangent = false;
+  update_loads = system.negative_residual();
+  Vector dx = x;
+  if (!linear_solver.solve(dx, find_moving_loads(x)))
+    return false;
+  system.distribute(dx);
+  for (unsigned int b = 0; b < x.n_blocks(); ++b)
+    if (is_scalar(b))
+      x.block(b) += dx.block(b);
+  return true;
+}
+
+template <int dim>
+void StepProblem<dim>::iteration_ends(const unsigned int number, const double residual,
+                                      const unsigned int linear_iterations, const double damping)
+{
+  log.newton_iteration(number, residual, linear_iterations, damping);
+}
+
+template class StepProblem<2>;
+template class StepProblem<3>;
+
+} // namespace dovetail

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/system/solve_groups.h>
+
+#include <algorithm>
+
+namespace dovetail {
+
+namespace {
+
+/// Model::linear_part, where constrained unknowns are the sum of those they follow.
+template <int dim>
+std::vector<SolveGroup::Sum> linear_part(const Model<dim> &model, const BlockSystem<dim> &system,
+                                         const unsigned int block_number)
+{
+  const Block &block = model.numbering->blocks()[block_number];
+  auto sums = model.linear_part(block);
+  for (unsigned int i = 0; i < sums.size(); ++i)
+    if (const auto dof = block.begin + block.owned.nth_index_in_set(i);
+        system.all_constraints().is_constrained(dof)) {
+      const auto *entries = system.all_constraints().get_constraint_entries(dof);
+      sums[i] = entries == nullptr ? SolveGroup::Sum() : SolveGroup::Sum(entries->begin(), entries->end());
+    }
+  return sums;
+}
+
+} // namespace
+
+template <int dim>
+std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
+                                          const std::function<const BlockSystem<dim> &()> &system)
+{
+  std::vector<SolveGroup> groups;
+  for (const auto &fields : model.field_groups()) {
+    SolveGroup group;
+    group.name = comma_separated(fields);
+    group.dim = dim;
+    group.degree = model.degree();
+    group.is_symmetric = fields.size() == 1 && model.is_symmetric(fields[0]);
+    group.allows_jumps = std::any_of(fields.begin(), fields.end(),
+                                     [&model](const auto &field) { return model.allows_jumps(field); });
+    group.near_null_space = [&model](const unsigned int block, const bool of_all_blocks) {
+      return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
+    };
+    group.linear_part = [&model, system](const unsigned int block) {
+      return linear_part(model, system(), block);
+    };
+    group.dropped = [&model, system](const unsigned int block) {
+      std::vector<bool> of_own;
+      for (const auto i : model.numbering->blocks()[block].owned)
+        of_own.push_back(system().is_dropped(model.numbering->blocks()[block].begin + i));
+      return of_own;
+    };
+    const auto &blocks = model.numbering->blocks();
+    for (unsigned int b = 0; b < blocks.size(); ++b)
+      if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end()) {
+        (blocks[b].is_of_multipliers ? group.multiplier_blocks : group.blocks).push_back(b);
+        group.n_unknowns += blocks[b].end - blocks[b].begin;
+      }
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+template std::vector<SolveGroup> make_solve_groups(const Model<2> &,
+                                                   const std::function<const BlockSystem<2> &()> &);
+template std::vector<SolveGroup> make_solve_groups(const Model<3> &,
+                                                   const std::function<const BlockSystem<3> &()> &);
+
+} // namespace dovetail

@@ -174,11 +174,6 @@ const QGauss<1> &rule_of_arcs()
   return rule;
 }
 
-double cross(const Tensor<1, 2> &a, const Tensor<1, 2> &b)
-{
-  return a[0] * b[1] - a[1] * b[0];
-}
-
 /// The corners of the convex hull, counter-clockwise (Andrew, 1979).
 Region<2> hull(std::vector<Point<2>> points)
 {

@@ -34,7 +34,7 @@ namespace {
 using dealii::Point;
 using dealii::Tensor;
 
-constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_amplification = 4;
 
 /// A point of an interface in the numbers that are sent to the rank that owns a cell behind it: weight, X, N,
@@ -221,7 +221,7 @@ bool CellProblem<dim>::find_tangent(const std::vector<double> &unknowns)
   evaluate_state<dim>(domain.n_components(), n_nodes, shape.data(), gradient.data(), unknowns.data(), state);
   for (unsigned int c = 0; c < domain.n_components(); ++c)
     if (std::find(components.begin(), components.end(), c) == components.end())
-      state.value[c] = undefined;
+      state.value[c] = no_number;
   return domain.material.evaluate(state, true, response) &&
          tangent.reinit(response, field.first_component, domain.n_components());
 }
@@ -432,7 +432,7 @@ private:
   {
     cell_iterator cell;
     std::vector<FacePoint<dim>> points;
-    Pair lambda = {{undefined, undefined}};
+    Pair lambda = {{no_number, no_number}};
   };
   std::map<unsigned int, OfCell> unpack(const OfRanks &packed_of_rank) const;
 

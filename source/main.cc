@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <fcntl.h>
 #include <iostream>
 #include <poll.h>
@@ -140,20 +139,6 @@ std::string reason(const std::exception &error)
   text << exception->get_exc_name() << ": ";
   exception->print_info(text);
   return text.str();
-}
-
-/// A process that mpirun did not start is alone: Open MPI need not look for networks or start a daemon, which
-/// would take it 0.3 s. What the environment says already stays.
-void skip_network_if_alone()
-{
-  if (is_launched())
-    return;
-  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-  setenv("OMPI_MCA_pml", "ob1", 0);
-  setenv("OMPI_MCA_btl", "self", 0);
-  // all such processes would share one directory, and one that ends removes it while another starts
-  setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
-  setenv("OMPI_MCA_sharedfp", "^sm", 0); // it would look for that directory
 }
 
 void ignore_signals_of_writing()

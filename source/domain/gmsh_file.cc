@@ -13,13 +13,13 @@ namespace dovetail {
 
 namespace {
 
-struct ElementType
+struct GmshType
 {
   unsigned int dim, n_vertices, n_nodes;
 };
 
 /// Gmsh's types of elements up to second order.
-const std::map<int, ElementType> types = {
+const std::map<int, GmshType> gmsh_types = {
     {1, {1, 2, 2}},   {2, {2, 3, 3}},   {3, {2, 4, 4}},   {4, {3, 4, 4}},   {5, {3, 8, 8}},
     {6, {3, 6, 6}},   {7, {3, 5, 5}},   {8, {1, 2, 3}},   {9, {2, 3, 6}},   {10, {2, 4, 9}},
     {11, {3, 4, 10}}, {12, {3, 8, 27}}, {13, {3, 6, 18}}, {14, {3, 5, 14}}, {15, {0, 1, 1}},
@@ -168,7 +168,7 @@ private:
   void read_element_of_version_2()
   {
     const auto number = text.integer("the number of an element", 0, largest_mesh_number);
-    const ElementType &type = read_type();
+    const GmshType &type = read_type();
     std::int64_t id = 0;
     const auto n_tags = text.integer("the number of tags of an element", 0, 1000);
     for (std::int64_t t = 0; t < n_tags; ++t) {
@@ -183,7 +183,7 @@ private:
   {
     const auto entity_dim = text.integer("the dimension of an entity", 0, 3);
     const auto tag = text.integer("the tag of an entity", INT32_MIN, INT32_MAX);
-    const ElementType &type = read_type();
+    const GmshType &type = read_type();
     text.check(type.dim == entity_dim, "an entity of dimension " + std::to_string(entity_dim) +
                                            " has elements of dimension " + std::to_string(type.dim));
     const std::size_t n = text.count("the number of elements of a block");
@@ -205,17 +205,18 @@ private:
     return found->second[0];
   }
 
-  const ElementType &read_type()
+  const GmshType &read_type()
   {
     const auto number = text.integer("the type of an element", 1, INT32_MAX);
-    const auto found = types.find(number);
-    text.check(found != types.end(), "elements of Gmsh's type " + std::to_string(number) +
-                                         " are not read. Make a mesh of first order (or, of triangles or "
-                                         "tetrahedra, of second order)");
+    const auto found = gmsh_types.find(number);
+    text.check(found != gmsh_types.end(),
+               "elements of Gmsh's type " + std::to_string(number) +
+                   " are not read. Make a mesh of first order (or, of triangles or "
+                   "tetrahedra, of second order)");
     return found->second;
   }
 
-  void read_element(const std::int64_t number, const ElementType &type, const std::int64_t id)
+  void read_element(const std::int64_t number, const GmshType &type, const std::int64_t id)
   {
     std::vector<unsigned int> nodes(type.n_nodes);
     for (auto &node : nodes)

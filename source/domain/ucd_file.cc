@@ -13,12 +13,12 @@ namespace dovetail {
 
 namespace {
 
-struct ElementType
+struct UcdType
 {
   unsigned int dim, n_nodes;
 };
 
-const std::map<std::string, ElementType, std::less<>> types = {
+const std::map<std::string, UcdType, std::less<>> ucd_types = {
     {"pt", {0, 1}}, {"line", {1, 2}}, {"tri", {2, 3}}, {"quad", {2, 4}}, {"tet", {3, 4}}, {"hex", {3, 8}}};
 
 } // namespace
@@ -45,9 +45,9 @@ MeshFile read_ucd(MeshText &text, const unsigned int dim)
   for (std::size_t i = 0; i < n_elements; ++i) {
     const auto number = text.integer("the number of an element", 0, largest_mesh_number);
     const auto id = text.integer("the id of the element " + std::to_string(number), 0, largest_mesh_id);
-    const auto type = types.find(text.word());
-    text.check(type != types.end(), "the type of the element " + std::to_string(number) +
-                                        " is not read. Use line, tri, quad, tet and hex");
+    const auto type = ucd_types.find(text.word());
+    text.check(type != ucd_types.end(), "the type of the element " + std::to_string(number) +
+                                            " is not read. Use line, tri, quad, tet and hex");
     std::vector<unsigned int> nodes(type->second.n_nodes);
     for (auto &node : nodes)
       node = collector.node(text.integer("the number of a node", 0, largest_mesh_number));

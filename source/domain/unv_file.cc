@@ -14,13 +14,13 @@ namespace dovetail {
 
 namespace {
 
-struct ElementType
+struct UnvType
 {
   unsigned int dim, n_nodes;
 };
 
 /// By the number of the finite element: rods and beams, triangles, quadrilaterals, solids of first order.
-const std::map<std::int64_t, ElementType> types = {
+const std::map<std::int64_t, UnvType> unv_types = {
     {11, {1, 2}}, {21, {1, 2}}, {22, {1, 2}}, {41, {2, 3}}, {51, {2, 3}}, {61, {2, 3}},  {74, {2, 3}},
     {91, {2, 3}}, {44, {2, 4}}, {54, {2, 4}}, {64, {2, 4}}, {94, {2, 4}}, {111, {3, 4}}, {115, {3, 8}}};
 
@@ -81,8 +81,8 @@ private:
     while (text.peek() != "-1") {
       Element element;
       element.number = text.integer("the number of an element", 1, largest_mesh_number);
-      const auto type = types.find(text.integer("the type of an element", 1, INT32_MAX));
-      text.check(type != types.end(),
+      const auto type = unv_types.find(text.integer("the type of an element", 1, INT32_MAX));
+      text.check(type != unv_types.end(),
                  "the type of the element " + std::to_string(element.number) +
                      " is not read. Use lines, triangles, quadrilaterals, tetrahedra and hexahedra of first "
                      "order");

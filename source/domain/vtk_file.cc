@@ -19,8 +19,8 @@ struct CellType
   unsigned int dim, n_nodes;
 };
 
-const std::map<std::int64_t, CellType> types = {{1, {0, 1}}, {3, {1, 2}},  {5, {2, 3}},
-                                                {9, {2, 4}}, {10, {3, 4}}, {12, {3, 8}}};
+const std::map<std::int64_t, CellType> vtk_types = {{1, {0, 1}}, {3, {1, 2}},  {5, {2, 3}},
+                                                    {9, {2, 4}}, {10, {3, 4}}, {12, {3, 8}}};
 
 class VtkReader
 {
@@ -150,9 +150,9 @@ private:
   void add_elements()
   {
     for (std::size_t i = 0; i < node_lists.size(); ++i) {
-      const auto type = types.find(cell_types[i]);
+      const auto type = vtk_types.find(cell_types[i]);
       const std::string cell = "the cell " + std::to_string(i) + " has VTK's type ";
-      if (type == types.end())
+      if (type == vtk_types.end())
         throw MeshError(cell + std::to_string(cell_types[i]) +
                         ", which is not read. Use lines (3), triangles (5), quadrilaterals (9), tetrahedra "
                         "(10) and hexahedra (12).");

@@ -180,11 +180,6 @@ const QGauss<1> &rule_of_arcs()
   return rule;
 }
 
-double cross(const Tensor<1, 2> &a, const Tensor<1, 2> &b)
-{
-  return a[0] * b[1] - a[1] * b[0];
-}
-
 } // namespace
 
 CurvedWindow::CurvedWindow(const Chart<3> &chart) : chart(chart)

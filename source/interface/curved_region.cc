@@ -23,11 +23,11 @@ using dealii::Tensor;
 namespace {
 
 /// Distances below this are none.
-constexpr double tolerance = 1e-13;
+constexpr double smallest_distance = 1e-13;
 
 double snapped(const double distance)
 {
-  return std::abs(distance) <= tolerance ? 0. : distance;
+  return std::abs(distance) <= smallest_distance ? 0. : distance;
 }
 
 /// The zero between two parameters with values of different signs.
@@ -201,7 +201,7 @@ CurvedRegion clip(const CurvedRegion &region, const WindowSide &side)
   for (unsigned int i = 0; i < parts.size(); ++i) {
     const Arc &part = parts[i], &next = parts[(i + 1) % parts.size()];
     result.push_back(part);
-    if (part.at(part.end).distance(next.at(next.begin)) > tolerance)
+    if (part.at(part.end).distance(next.at(next.begin)) > smallest_distance)
       result.push_back(side.join(part, part.end, next, next.begin));
   }
   return result;

@@ -11,14 +11,14 @@ namespace dovetail {
 using dealii::Point;
 using dealii::Tensor;
 
-namespace {
-
-constexpr double tolerance = 1e-14;
-
 double cross(const Tensor<1, 2> &a, const Tensor<1, 2> &b)
 {
   return a[0] * b[1] - a[1] * b[0];
 }
+
+namespace {
+
+constexpr double tolerance = 1e-14;
 
 double signed_area(const Region<2> &corners)
 {

@@ -36,7 +36,7 @@ namespace {
 using dealii::Point;
 using dealii::Tensor;
 
-constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_amplification = 4;
 
 /// A point of an interface and the shape functions of a cell behind it there.
@@ -211,7 +211,7 @@ bool CellProblem<dim>::find_tangent()
 {
   for (unsigned int c = 0; c < domain.n_components(); ++c)
     if (std::find(components.begin(), components.end(), c) == components.end())
-      point.state.value[c] = undefined;
+      point.state.value[c] = no_number;
   return point.evaluate(true) && tangent.reinit(point.response, field.first_component, domain.n_components());
 }
 
@@ -445,7 +445,7 @@ OfRanks<std::vector<Pair>> SideProblems<dim>::solve(const double t,
   for (const auto &[cell, points] : points_of_cell) {
     domain.cell_dofs(domain.dof_cell(cell), dofs);
     unknowns(dofs, values);
-    Pair &of_cell = lambda[cell] = {{undefined, undefined}};
+    Pair &of_cell = lambda[cell] = {{no_number, no_number}};
     if (!problem.reinit(cell, points, values))
       continue;
     of_cell = eigenvalues.largest(problem.problem, problem.positive_S);

@@ -18,7 +18,7 @@ using nlohmann::ordered_json;
 
 constexpr double worth_a_note = 0.01;
 constexpr double flux_worth_a_note = 0.9, least_in_bodies = 0.05;
-constexpr double rounding = 1e-10; ///< range of a constant field, relative to its size
+constexpr double rounding_of_range = 1e-10; ///< range of a constant field, relative to its size
 
 /// NaN if the field is constant.
 template <int dim>
@@ -30,7 +30,7 @@ double range(const Interface<dim> &interface, const std::string &field, const or
     largest = std::max(largest, of_domain.at("maximum").at(field).get<double>());
     smallest = std::min(smallest, of_domain.at("minimum").at(field).get<double>());
   }
-  return largest - smallest > rounding * std::max(std::abs(largest), std::abs(smallest))
+  return largest - smallest > rounding_of_range * std::max(std::abs(largest), std::abs(smallest))
              ? largest - smallest
              : std::numeric_limits<double>::quiet_NaN();
 }

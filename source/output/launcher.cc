@@ -4,6 +4,7 @@
 #include <dovetail/output/launcher.h>
 
 #include <cstdlib>
+#include <initializer_list>
 
 namespace dovetail {
 
@@ -13,6 +14,18 @@ bool is_launched()
     if (std::getenv(of_launcher) != nullptr)
       return true;
   return false;
+}
+
+void skip_network_if_alone()
+{
+  if (is_launched())
+    return;
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  setenv("OMPI_MCA_pml", "ob1", 0);
+  setenv("OMPI_MCA_btl", "self", 0);
+  // all such processes would share one directory, and one that ends removes it while another starts
+  setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
+  setenv("OMPI_MCA_sharedfp", "^sm", 0); // it would look for that directory
 }
 
 } // namespace dovetail

@@ -60,7 +60,7 @@ share_points(const CellSearch<dim> &search, const std::vector<double> &numbers, 
 }
 
 /// Squares of the L2 norms of error and reference, and of their gradients, by field.
-struct Squares
+struct SquaresOfField
 {
   double error = 0, error_of_gradient = 0, norm = 0, norm_of_gradient = 0;
 };
@@ -77,7 +77,7 @@ struct Task
 template <int dim>
 void add_squares(const Domain<dim> &domain, const std::vector<double> &unknowns,
                  const std::vector<double> &values, const std::vector<dealii::Tensor<1, dim>> &gradients,
-                 const double *sample, std::vector<Squares> &squares)
+                 const double *sample, std::vector<SquaresOfField> &squares)
 {
   const unsigned int n = domain.n_nodes();
   const double weight = sample[dim];
@@ -246,7 +246,7 @@ void Reference<dim>::compare_domain(const Domain<dim> &domain, const Samples::Pa
                                     const Vector &solution, ordered_json &result) const
 {
   const CellSearch<dim> search(domain);
-  std::vector<Squares> squares(domain.fields().size());
+  std::vector<SquaresOfField> squares(domain.fields().size());
   ShapeEvaluator<dim> shapes(domain);
   std::vector<double> values(domain.n_nodes()), unknowns;
   std::vector<dealii::Tensor<1, dim>> gradients(domain.n_nodes());

@@ -13,7 +13,7 @@ namespace dovetail {
 
 namespace {
 
-std::string quoted(const std::string &text)
+std::string csv_text(const std::string &text)
 {
   if (text.find_first_of(",\"\n\r") == std::string::npos)
     return text;
@@ -23,7 +23,7 @@ std::string quoted(const std::string &text)
   return result + "\"";
 }
 
-std::string to_text(const double value, const char *format)
+std::string number_text(const double value, const char *format)
 {
   if (!std::isfinite(value))
     return "";
@@ -80,9 +80,9 @@ std::string align(const std::vector<Row> &rows)
 
 std::string seconds_text(const StudyPoint &point)
 {
-  std::string text = to_text(point.seconds, "%.3g");
+  std::string text = number_text(point.seconds, "%.3g");
   if (point.slowest > point.fastest)
-    text += " (" + to_text(point.fastest, "%.3g") + " to " + to_text(point.slowest, "%.3g") + ")";
+    text += " (" + number_text(point.fastest, "%.3g") + " to " + number_text(point.slowest, "%.3g") + ")";
   return text;
 }
 
@@ -106,26 +106,26 @@ void write_csv(std::ostream &out, const std::vector<VariedEntries> &vary,
   out << "variant";
   for (const VariedEntries &list : vary)
     for (const std::string &path : list.paths)
-      out << ',' << quoted(path);
+      out << ',' << csv_text(path);
   out << ",level,ranks,repeat,status,message";
   for (const std::string &column : columns)
-    out << ',' << quoted(column);
+    out << ',' << csv_text(column);
   out << '\n';
 
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     const StudyRun &run = *sorted[i];
     const Variant &variant = variants[run.variant];
-    out << quoted(variant.name);
+    out << csv_text(variant.name);
     for (const VariedEntries &list : vary)
       for (const std::string &path : list.paths) {
         const auto entry = std::find_if(variant.entries.begin(), variant.entries.end(),
                                         [&](const auto &candidate) { return candidate.first == path; });
-        out << ',' << (entry == variant.entries.end() ? "" : quoted(entry->second));
+        out << ',' << (entry == variant.entries.end() ? "" : csv_text(entry->second));
       }
     out << ',' << run.level << ',' << run.ranks << ',' << run.repeat << ','
-        << (run.is_done() ? run.status : "not done") << ',' << quoted(run.message);
+        << (run.is_done() ? run.status : "not done") << ',' << csv_text(run.message);
     for (const std::string &column : columns)
-      out << ',' << to_text(find_number(numbers[i], column), "%.12g");
+      out << ',' << number_text(find_number(numbers[i], column), "%.12g");
     out << '\n';
   }
 }
@@ -138,24 +138,24 @@ std::string table_of(const std::vector<StudyCurve> &curves, const std::string &m
     const StudyPoint *coarser = nullptr;
     for (const StudyPoint &point : curve.points) {
       const auto number = [&](const std::string &name, const char *format) {
-        return to_text(find_number(point.numbers, name), format);
+        return number_text(find_number(point.numbers, name), format);
       };
       Row row = {&point == &curve.points.front() ? curve.name : "",
                  std::to_string(point.level),
                  number("dofs", "%.0f"),
                  seconds_text(point),
-                 to_text(100 * point.tie_share, "%.0f"),
+                 number_text(100 * point.tie_share, "%.0f"),
                  number("peak memory MiB", "%.0f"),
                  number("newton iterations", "%.0f"),
                  number("linear iterations", "%.0f"),
-                 point.is_converged() ? to_text(point.error, "%.3e") : "",
+                 point.is_converged() ? number_text(point.error, "%.3e") : "",
                  "",
                  ""};
       if (!point.is_converged())
         row.back() = point.status;
       else {
         if (coarser != nullptr)
-          row[9] = to_text(rate(coarser->error, point.error, point.level - coarser->level), "%.2f");
+          row[9] = number_text(rate(coarser->error, point.error, point.level - coarser->level), "%.2f");
         coarser = &point;
       }
       rows.push_back(row);

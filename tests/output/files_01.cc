@@ -103,6 +103,20 @@ void print_names(const std::string &file)
   std::cout << std::endl;
 }
 
+void print_results(const std::string &directory, const std::string &report_file)
+{
+  std::cout << contents(directory + "/solution.pvd") << contents(directory + "/steps/step.0001.vtm");
+  for (const std::string name : {"a_b.0000", "a_b_2.0001", "seam.0001"})
+    print_names(directory + "/steps/" + name + ".vtu");
+  const auto read = nlohmann::ordered_json::parse(contents(report_file));
+  for (const auto &[key, value] : read.items())
+    std::cout << key << std::endl;
+  std::cout << "keys of an interface:";
+  for (const auto &[key, value] : read["interfaces"]["seam"].items())
+    std::cout << " '" << key << "'";
+  std::cout << std::endl << "steps: " << read["steps"].dump() << std::endl;
+}
+
 } // namespace
 
 int main(int argc, char **argv)
@@ -138,16 +152,6 @@ int main(int argc, char **argv)
   report.leave_out("cake: nobody is hungry");
   report.write();
 
-  if (!speaks)
-    return 0;
-  std::cout << contents(directory + "/solution.pvd") << contents(directory + "/steps/step.0001.vtm");
-  for (const std::string name : {"a_b.0000", "a_b_2.0001", "seam.0001"})
-    print_names(directory + "/steps/" + name + ".vtu");
-  const auto read = nlohmann::ordered_json::parse(contents(report.file_name));
-  for (const auto &[key, value] : read.items())
-    std::cout << key << std::endl;
-  std::cout << "keys of an interface:";
-  for (const auto &[key, value] : read["interfaces"]["seam"].items())
-    std::cout << " '" << key << "'";
-  std::cout << std::endl << "steps: " << read["steps"].dump() << std::endl;
+  if (speaks)
+    print_results(directory, report.file_name);
 }

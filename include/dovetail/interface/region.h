@@ -17,6 +17,9 @@ namespace dovetail {
 template <int dim>
 using Region = std::vector<dealii::Point<dim>>;
 
+/// What a × b is perpendicular to the plane.
+double cross(const dealii::Tensor<1, 2> &a, const dealii::Tensor<1, 2> &b);
+
 /// Length or area.
 double measure(const Region<1> &region);
 double measure(const Region<2> &region);

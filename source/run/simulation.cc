@@ -735,11 +735,15 @@ void Simulation<dim>::write_output(const double t, const unsigned int step, cons
   if (!paraview->is_on() || problem_of_output || (step % every_steps != 0 && !is_last))
     return;
   const Phases::Scope scope(phases, "output");
-  if (system->has_multipliers())
+  const bool with_reactions = paraview->needs_reactions();
+  if (system->has_multipliers() || with_reactions)
     find_forces();
   Vector ghosted = system->ghosted_vector();
   ghosted = solution;
-  try_to_write([&]() { paraview->write(t, ghosted); });
+  std::optional<Reactions<dim>> reactions;
+  if (with_reactions)
+    reactions.emplace(model, *forces, ghosted);
+  try_to_write([&]() { paraview->write(t, ghosted, with_reactions ? &*reactions : nullptr); });
 }
 
 /// What all ranks find alike ends no run: the numbers are still wanted.

@@ -69,13 +69,14 @@ std::unique_ptr<Quantity<dim>> read_quantity(const Section &section, const Domai
                                              const bool is_on_boundary)
 {
   const auto name = section.require<std::string>(
-      "Quantity", "Instead of a Field, one of what Output / Fields can show, for instance von Mises [-]");
+      "Quantity", "Instead of a Field: one of those that Output/Fields lists, for instance von Mises [-]");
   if (domain == nullptr)
     return nullptr;
   const auto &member = QuantityCatalogue<dim>::find(name, section, "Quantity");
   section.check(member.field.empty() || domain->material.find_field(member.field) != nullptr, "Quantity",
                 "asks for " + name + " in the domain " + domain->name + ", but its material " +
-                    domain->material.name + " has no " + law_of_field(member.field) + ".");
+                    domain->material.name + " has no " + law_of_field(member.field) +
+                    ". Choose another quantity or domain.");
   auto quantity = member.create(name, *domain);
   section.check(!quantity->is_of_nodes(), "Quantity",
                 "asks for " + name +
@@ -94,7 +95,9 @@ std::optional<Reduce> read_reduce(const Section &section)
   for (const std::string &name : names)
     alternatives += (alternatives.empty() ? "" : "|") + name;
   const auto name = section.require<std::string>(
-      "Reduce", "One number for the whole Domain or Boundary, of each component by itself [-]",
+      "Reduce",
+      "What of the whole Domain or Boundary, of each component by itself: of a field minimum and maximum of "
+      "the nodes, of a quantity of Gauss points; mean and integral over the undeformed volume or area [-]",
       Patterns::Selection(alternatives));
   return static_cast<Reduce>(std::find(names.begin(), names.end(), name) - names.begin());
 }
@@ -147,23 +150,25 @@ void Probes<dim>::read_place(Probe &probe, const Section &section, const Model<d
   section.check(!has_point || !has_boundary, "Boundary",
                 "cannot be combined with Point: a probe is one number or vector. Make two probes.");
   section.check(!has_boundary || !section.is_set("Domain"), "Domain",
-                "belongs to a Point or to Reduce; a Boundary names its domain itself (domain : boundary "
-                "ids).");
+                "cannot be combined with Boundary, which names its domain itself (domain : boundary ids). "
+                "Remove it.");
   if (!has_boundary || documents) {
     const auto domain =
         section.require<std::string>("Domain", "The domain in which the point lies or that is reduced [-]");
     probe.region.domain = find_domain(domain, section, "Domain", model);
   }
   if (has_point || documents) {
-    const auto point =
-        section.require_point("Point", "Where the field is evaluated, in material coordinates [m]");
+    const auto point = section.require_point(
+        "Point", "Where the field or quantity is evaluated, in material coordinates [m]");
     probe.X.emplace();
     for (unsigned int d = 0; d < dim; ++d)
       (*probe.X)[d] = point[d];
   }
   if (has_boundary || documents) {
     const auto boundary = section.require_boundary(
-        "Boundary", "Instead of Domain and Point: where the flux is added up, domain : boundary ids [-]");
+        "Boundary",
+        "Instead of Domain and Point: where the field's flux is added up, or what is reduced, domain : "
+        "boundary ids [-]");
     probe.region.domain = find_domain(boundary.domain, section, "Boundary", model);
     if (!documents)
       for (const unsigned int id : boundary.ids)
@@ -188,10 +193,11 @@ typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Sec
   section.check(!has_quantity || !section.is_set("Field"), "Quantity",
                 "cannot be combined with Field: a probe is of one of them. Make two probes.");
   section.check(!has_quantity || !has_boundary || probe.reduce, "Quantity",
-                "of a Boundary needs Reduce = " + comma_separated(names_of_reduce()) +
-                    "; without it the flux of a Field is added up.");
+                "of a Boundary needs a Reduce (" + comma_separated(names_of_reduce()) +
+                    "); without one the flux of a Field is added up.");
   if (!has_quantity || section.documenting()) {
-    probe.field = find_field(section.require<std::string>("Field", "The field, for instance temperature [-]"),
+    probe.field = find_field(section.require<std::string>(
+                                 "Field", "The field, for instance temperature; else give a Quantity [-]"),
                              section, probe.region.domain);
     if (probe.region.domain != nullptr)
       probe.quantity = std::make_unique<ValueOfField<dim>>(*probe.field, *probe.region.domain);

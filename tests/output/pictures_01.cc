@@ -32,7 +32,7 @@ void print_picture(const std::string &title, const Shown<Picture> &picture)
   for (const auto &patch : picture.get_patches())
     for (unsigned int i = 0; i < names.size(); ++i)
       for (unsigned int q = 0; q < patch.data.n_cols(); ++q) {
-        largest[2 * i] = std::max(largest[2 * i], -patch.data(i, q));
+        largest[2 * i] = std::max(largest[2 * i], -double(patch.data(i, q)));
         largest[2 * i + 1] = std::max(largest[2 * i + 1], double(patch.data(i, q)));
       }
   dealii::Utilities::MPI::max(largest, MPI_COMM_WORLD, largest);

@@ -76,7 +76,8 @@ int main(int argc, char **argv)
       probes);
 
   const Probes<3> all(given.scene, given.model);
-  for (const auto &[name, value] : all.evaluate(given.solution, *given.reactions).items())
+  const auto values = all.evaluate(given.solution, *given.reactions);
+  for (const auto &[name, value] : values.items())
     print(name,
           value.is_array() ? value.get<std::vector<double>>() : std::vector<double>{value.get<double>()});
 

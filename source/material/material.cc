@@ -108,13 +108,24 @@ void Material<dim>::curvature(const State<dim> &state, const std::vector<Tensor<
 }
 
 template <int dim>
-Tensor<2, 3> Material<dim>::cauchy_stress(const State<dim> &state) const
+const SolidTerm<dim> &Material<dim>::solid_term() const
 {
   for (const auto &term : terms)
     if (const auto *solid = dynamic_cast<const SolidTerm<dim> *>(term.get()))
-      return solid->cauchy_stress(state);
-  Assert(false, dealii::ExcMessage("A material without a solid law has no stress."));
-  return {};
+      return *solid;
+  AssertThrow(false, dealii::ExcMessage("A material without a solid law has no stress and does not deform."));
+}
+
+template <int dim>
+Tensor<2, 3> Material<dim>::cauchy_stress(const State<dim> &state) const
+{
+  return solid_term().cauchy_stress(state);
+}
+
+template <int dim>
+Tensor<2, 3> Material<dim>::displacement_gradient(const State<dim> &state) const
+{
+  return solid_term().full_displacement_gradient(state);
 }
 
 template <int dim>

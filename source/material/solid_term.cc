@@ -105,6 +105,13 @@ Tensor<2, 3> SolidTerm<dim>::cauchy_stress(const State<dim> &state) const
   return law->is_linear() ? local.P : local.P * transpose(deformation.F) / deformation.J;
 }
 
+template <int dim>
+Tensor<2, 3> SolidTerm<dim>::full_displacement_gradient(const State<dim> &state) const
+{
+  const auto full = law->full_gradient(displacement_gradient(state), thermal_strain(state));
+  return full ? *full : std::numeric_limits<double>::quiet_NaN() * dealii::unit_symmetric_tensor<3>();
+}
+
 template class SolidTerm<2>;
 template class SolidTerm<3>;
 

@@ -14,13 +14,6 @@ namespace dovetail {
 
 namespace {
 
-template <int dim>
-bool some_domain_has(const Model<dim> &model, const std::string &field)
-{
-  return std::any_of(model.domains.begin(), model.domains.end(),
-                     [&](const auto &domain) { return domain->material.find_field(field) != nullptr; });
-}
-
 dealii::DataOutBase::VtkFlags flags_at(const double time)
 {
   dealii::DataOutBase::VtkFlags result;
@@ -60,16 +53,15 @@ Paraview<dim>::Paraview(const Section &output, const Model<dim> &model, const st
 template <int dim>
 void Paraview<dim>::prepare()
 {
-  for (const auto &domain : model.domains) {
-    blocks.emplace_back();
-    blocks.back().name = domain->name;
-    blocks.back().domain = domain.get();
-  }
+  for (const auto &domain : model.domains)
+    add_block(*domain, false);
   for (const auto &interface : model.interfaces) {
     blocks.emplace_back();
     blocks.back().name = interface->name;
     blocks.back().surface = std::make_unique<InterfaceSurface<dim>>(*interface);
   }
+  for (const auto &domain : model.domains)
+    add_block(*domain, true);
   name_files();
   make_directory(directory + "/steps", model.communicator);
   if (times.empty() && dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
@@ -96,21 +88,45 @@ Paraview<dim>::~Paraview() = default;
 template <int dim>
 void Paraview<dim>::read_fields(const Section &output)
 {
-  const std::vector<std::string> known = {"solution", "heat flux", "Cauchy stress", "von Mises"};
   const auto asked = output.read<std::vector<std::string>>(
-      "Fields", {"solution"},
-      "The fields in the files, any of: solution, heat flux, Cauchy stress, von Mises [-]");
-  for (const std::string &field : asked) {
-    output.check(std::find(known.begin(), known.end(), field) != known.end(), "Fields",
-                 "has '" + field + "', but known are " + comma_separated(known) + ". " +
-                     did_you_mean(field, known));
-    output.check(field == "solution" || field == "heat flux" || some_domain_has(model, "displacement"),
-                 "Fields",
-                 "asks for " + field + ", but no material has a solid law. Remove it from the list.");
-    output.check(field != "heat flux" || some_domain_has(model, "temperature"), "Fields",
-                 "asks for heat flux, but no material has a heat law. Remove it from the list.");
+      "Fields", {"solution"}, "What the files show: " + QuantityCatalogue<dim>::help() + " [-]");
+  for (auto name = asked.begin(); name != asked.end(); ++name) {
+    if (std::find(asked.begin(), name, *name) != name)
+      continue; // a second time
+    const auto &member = QuantityCatalogue<dim>::find(*name, output, "Fields");
+    bool has_domain = false;
+    for (const auto &domain : model.domains)
+      if (member.field.empty() || domain->material.find_field(member.field) != nullptr) {
+        quantities.push_back(member.create(*name, *domain));
+        quantities_of[domain.get()].push_back(quantities.back().get());
+        has_domain = true;
+      }
+    output.check(has_domain, "Fields",
+                 "asks for " + *name + ", but no material has a " + law_of_field(member.field) +
+                     ". Remove it from the list.");
   }
-  fields = {asked.begin(), asked.end()};
+}
+
+/// A block for the quantities of the boundary only if there are some.
+template <int dim>
+void Paraview<dim>::add_block(const Domain<dim> &domain, const bool is_of_boundary)
+{
+  Block block;
+  block.name = is_of_boundary ? domain.name + " boundary" : domain.name;
+  block.domain = &domain;
+  block.is_of_boundary = is_of_boundary;
+  for (const Quantity<dim> *quantity : quantities_of[&domain])
+    if (quantity->is_of_boundary() == is_of_boundary)
+      block.quantities.push_back(quantity);
+  if (!is_of_boundary || !block.quantities.empty())
+    blocks.push_back(std::move(block));
+}
+
+template <int dim>
+bool Paraview<dim>::needs_reactions() const
+{
+  return writes && std::any_of(quantities.begin(), quantities.end(),
+                               [](const auto &quantity) { return quantity->is_of_nodes(); });
 }
 
 /// Letters, digits, '-' and '_' only, not too many for a file, and no name twice, also where upper and lower
@@ -163,7 +179,20 @@ void Paraview<dim>::write_picture(const std::string &file, const dealii::DataOut
 }
 
 template <int dim>
-void Paraview<dim>::write(const double time, const Vector &solution)
+PieceOfPicture Paraview<dim>::show(Block &block, const dealii::DataOutBase::VtkFlags &flags,
+                                   const double time, const Vector &solution) const
+{
+  if (block.surface) {
+    block.surface->update(solution, time);
+    return block.surface->piece(flags);
+  }
+  return block.is_of_boundary
+             ? BoundaryPicture<dim>(*block.domain, block.quantities, solution, time).piece(flags)
+             : DomainPicture<dim>(*block.domain, block.quantities, solution, time).piece(flags);
+}
+
+template <int dim>
+void Paraview<dim>::write(const double time, const Vector &solution, const Reactions<dim> *reactions)
 {
   if (!writes)
     return;
@@ -171,14 +200,14 @@ void Paraview<dim>::write(const double time, const Vector &solution)
     prepare();
   if (!times.empty() && times.back() == time)
     times.pop_back();
+  Assert(reactions != nullptr || !needs_reactions(), dealii::ExcMessage("The reactions are asked for."));
+  for (const auto &quantity : quantities)
+    if (quantity->is_of_nodes())
+      quantity->take(*reactions);
   const auto flags = flags_at(time);
-  for (const Block &block : blocks)
-    write_picture(directory + "/steps/" + file_of(block.stem, times.size(), ".vtu"), flags, [&]() {
-      if (block.domain != nullptr)
-        return DomainPicture<dim>(*block.domain, fields, solution, time).piece(flags);
-      block.surface->update(solution, time);
-      return block.surface->piece(flags);
-    });
+  for (Block &block : blocks)
+    write_picture(directory + "/steps/" + file_of(block.stem, times.size(), ".vtu"), flags,
+                  [&]() { return show(block, flags, time, solution); });
   times.push_back(time);
   write_indices();
 }

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/domain/shapes.h>
 #include <dovetail/output/probes.h>
 
-#include <deal.II/base/geometry_info.h>
-
-#include <limits>
-#include <sstream>
+#include <algorithm>
 
 namespace dovetail {
 
@@ -45,62 +41,92 @@ Field find_field(const std::string &name, const Section &section, const Domain<d
   return {name, 1, 0};
 }
 
+/// A field as a quantity.
 template <int dim>
-std::string to_text(const dealii::Point<dim> &X)
+class ValueOfField : public Quantity<dim>
 {
-  std::ostringstream text;
-  for (unsigned int d = 0; d < dim; ++d)
-    text << (d == 0 ? "" : "; ") << X[d];
-  return text.str();
-}
+public:
+  ValueOfField(const Field &field, const Domain<dim> &domain)
+      : Quantity<dim>(field.name, domain), field(field)
+  {
+  }
 
-/// The point of a cell that is nearest to X, as far as the reference cell tells.
-template <int dim>
-struct Nearest
-{
-  typename Domain<dim>::cell_iterator cell;
-  dealii::Point<dim> unit_point;
-  double distance = std::numeric_limits<double>::max(); ///< in units of the cell's diameter
+  unsigned int n_components() const override { return field.n_components; }
+
+  void evaluate(DomainPoint<dim> &point, std::vector<double> &numbers) const override
+  {
+    const auto first = point.state().value.begin() + field.first_component;
+    numbers.insert(numbers.end(), first, first + field.n_components);
+  }
+
+private:
+  const Field field;
 };
 
-/// Where X is in the reference cell, or at its surface if X is outside.
+/// @return nullptr while documenting.
 template <int dim>
-dealii::Point<dim> find_in_cell(const Domain<dim> &domain, const typename Domain<dim>::cell_iterator &cell,
-                                const dealii::Point<dim> &X)
+std::unique_ptr<Quantity<dim>> read_quantity(const Section &section, const Domain<dim> *domain,
+                                             const bool is_on_boundary)
 {
-  if (!domain.has_simplices())
-    return dealii::GeometryInfo<dim>::project_to_unit_cell(
-        domain.mapping().transform_real_to_unit_cell(cell, X));
-  const typename dealii::Triangulation<dim>::active_cell_iterator mesh_cell(cell);
-  dealii::Point<dim> unit_point =
-      domain.mapping_degree() > 1
-          ? domain.mapping().transform_real_to_unit_cell(cell, X)
-          : dealii::Point<dim>(dealii::invert(jacobian_of_simplex<dim>(mesh_cell)) * (X - cell->vertex(0)));
-  double first = 1, sum = 0; // barycentric coordinates
-  for (unsigned int d = 0; d < dim; ++d) {
-    first -= unit_point[d];
-    unit_point[d] = std::max(unit_point[d], 0.);
-    sum += unit_point[d];
-  }
-  return dealii::Point<dim>(unit_point / (sum + std::max(first, 0.)));
+  const auto name = section.require<std::string>(
+      "Quantity", "Instead of a Field: one of those that Output/Fields lists, for instance von Mises [-]");
+  if (domain == nullptr)
+    return nullptr;
+  const auto &member = QuantityCatalogue<dim>::find(name, section, "Quantity");
+  section.check(member.field.empty() || domain->material.find_field(member.field) != nullptr, "Quantity",
+                "asks for " + name + " in the domain " + domain->name + ", but its material " +
+                    domain->material.name + " has no " + law_of_field(member.field) +
+                    ". Choose another quantity or domain.");
+  auto quantity = member.create(name, *domain);
+  section.check(!quantity->is_of_nodes(), "Quantity",
+                "asks for " + name +
+                    ", which only pictures show: they act on nodes. Give Boundary and Field for their sum.");
+  section.check(is_on_boundary || !quantity->is_of_boundary(), "Quantity",
+                "asks for " + name + ", which only boundaries have: give Boundary and Reduce.");
+  return quantity;
 }
 
-template <int dim>
-void compare_with_cell(const Domain<dim> &domain, const typename Domain<dim>::cell_iterator &cell,
-                       const dealii::Point<dim> &X, Nearest<dim> &nearest)
+std::optional<Reduce> read_reduce(const Section &section)
 {
-  const double diameter = cell->diameter();
-  if (X.distance(cell->center()) > 1.5 * diameter)
-    return;
-  try {
-    const auto unit_point = find_in_cell(domain, cell, X);
-    const double distance =
-        X.distance(domain.mapping().transform_unit_to_real_cell(cell, unit_point)) / diameter;
-    if (distance < nearest.distance)
-      nearest = {cell, unit_point, distance};
-  } catch (const typename dealii::Mapping<dim>::ExcTransformationFailed &) {
-    // too far away for this curved cell
+  if (!section.is_set("Reduce") && !section.documenting())
+    return {};
+  const auto &names = names_of_reduce();
+  std::string alternatives;
+  for (const std::string &name : names)
+    alternatives += (alternatives.empty() ? "" : "|") + name;
+  const auto name = section.require<std::string>(
+      "Reduce",
+      "What of the whole Domain or Boundary, of each component by itself: of a field minimum and maximum of "
+      "the nodes, of a quantity of Gauss points; mean and integral over the undeformed volume or area [-]",
+      Patterns::Selection(alternatives));
+  return static_cast<Reduce>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+/// Each number of a quantity at a point: the mean of the cells that have it.
+template <int dim>
+std::vector<double> value_at(const std::vector<PointInCell<dim>> &places, const Domain<dim> &domain,
+                             const Quantity<dim> &quantity, const Vector &solution, const double t)
+{
+  std::vector<double> sums(quantity.n_numbers() + 1, 0.), numbers; // the last one: of cells
+  DomainPoint<dim> point(domain, solution, t);
+  for (const auto &[cell, unit_point] : places) {
+    dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
+                                 dealii::Quadrature<dim>(unit_point), DomainPoint<dim>::needed());
+    values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+    point.enter(values);
+    point.move_to(0);
+    numbers.clear();
+    quantity.evaluate(point, numbers);
+    for (unsigned int i = 0; i < numbers.size(); ++i)
+      sums[i] += numbers[i];
+    sums.back() += 1;
   }
+  dealii::Utilities::MPI::sum(sums, solution.block(0).get_mpi_communicator(), sums);
+  const double n_cells = sums.back();
+  sums.pop_back();
+  for (double &sum : sums)
+    sum /= n_cells;
+  return sums;
 }
 
 } // namespace
@@ -113,42 +139,73 @@ Probes<dim>::Probes(const Section &scene, const Model<dim> &model) : model(model
     probes.push_back(read(name, scene.subsection("Probe " + name), model));
 }
 
+/// Where.
+template <int dim>
+void Probes<dim>::read_place(Probe &probe, const Section &section, const Model<dim> &model)
+{
+  const bool documents = section.documenting();
+  const bool has_point = section.is_set("Point"), has_boundary = section.is_set("Boundary");
+  section.check(has_point || has_boundary || section.is_set("Reduce"), "",
+                "needs a Point (with its Domain), a Boundary, or a Domain with Reduce.");
+  section.check(!has_point || !has_boundary, "Boundary",
+                "cannot be combined with Point: a probe is one number or vector. Make two probes.");
+  section.check(!has_boundary || !section.is_set("Domain"), "Domain",
+                "cannot be combined with Boundary, which names its domain itself (domain : boundary ids). "
+                "Remove it.");
+  if (!has_boundary || documents) {
+    const auto domain =
+        section.require<std::string>("Domain", "The domain in which the point lies or that is reduced [-]");
+    probe.region.domain = find_domain(domain, section, "Domain", model);
+  }
+  if (has_point || documents) {
+    const auto point = section.require_point(
+        "Point", "Where the field or quantity is evaluated, in material coordinates [m]");
+    probe.X.emplace();
+    for (unsigned int d = 0; d < dim; ++d)
+      (*probe.X)[d] = point[d];
+  }
+  if (has_boundary || documents) {
+    const auto boundary = section.require_boundary(
+        "Boundary",
+        "Instead of Domain and Point: where the field's flux is added up, or what is reduced, domain : "
+        "boundary ids [-]");
+    probe.region.domain = find_domain(boundary.domain, section, "Boundary", model);
+    if (!documents)
+      for (const unsigned int id : boundary.ids)
+        probe.region.domain->check_boundary_id(id, section, "Boundary");
+    probe.region.boundary_ids = {boundary.ids.begin(), boundary.ids.end()};
+  }
+  probe.reduce = read_reduce(section);
+  section.check(!has_point || !probe.reduce, "Reduce",
+                "cannot be combined with Point: it is of a whole Domain or Boundary.");
+}
+
 template <int dim>
 typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Section &section,
                                               const Model<dim> &model)
 {
   Probe probe;
   probe.name = name;
-  const bool has_point = section.is_set("Point"), has_boundary = section.is_set("Boundary");
-  section.check(has_point || has_boundary, "", "needs a Point (with its Domain) or a Boundary.");
-  section.check(!has_point || !has_boundary, "Boundary",
-                "cannot be combined with Point: a probe is one number or vector. Make two probes.");
-  section.check(!has_boundary || !section.is_set("Domain"), "Domain",
-                "belongs to a Point; a Boundary names its domain itself (domain : boundary ids).");
-
   probe.section = section;
-  if (has_point || section.documenting()) {
-    const auto domain = section.require<std::string>("Domain", "The domain in which the point lies [-]");
-    const auto point = section.require_point(
-        "Point", "The point at which the field is evaluated, in material coordinates [m]");
-    for (unsigned int d = 0; d < dim; ++d)
-      probe.X[d] = point[d];
-    probe.domain = find_domain(domain, section, "Domain", model);
+  read_place(probe, section, model);
+  const bool has_boundary = !probe.region.boundary_ids.empty();
+  const bool has_quantity = section.is_set("Quantity");
+  section.check(!has_quantity || !section.is_set("Field"), "Quantity",
+                "cannot be combined with Field: a probe is of one of them. Make two probes.");
+  section.check(!has_quantity || !has_boundary || probe.reduce, "Quantity",
+                "of a Boundary needs a Reduce (" + comma_separated(names_of_reduce()) +
+                    "); without one the flux of a Field is added up.");
+  if (!has_quantity || section.documenting()) {
+    probe.field = find_field(section.require<std::string>(
+                                 "Field", "The field, for instance temperature; else give a Quantity [-]"),
+                             section, probe.region.domain);
+    if (probe.region.domain != nullptr)
+      probe.quantity = std::make_unique<ValueOfField<dim>>(*probe.field, *probe.region.domain);
   }
-  if (has_boundary || section.documenting()) {
-    const auto boundary =
-        section.require_boundary("Boundary", "Instead of Domain and Point: the boundary over which the flux "
-                                             "is integrated, domain : boundary ids [-]");
-    probe.domain = find_domain(boundary.domain, section, "Boundary", model);
-    if (!section.documenting())
-      for (const unsigned int id : boundary.ids)
-        probe.domain->check_boundary_id(id, section, "Boundary");
-    probe.boundary_ids = {boundary.ids.begin(), boundary.ids.end()};
-  }
-  probe.field = find_field(section.require<std::string>("Field", "The field, for instance temperature [-]"),
-                           section, probe.domain);
-  if (has_point && !section.documenting())
-    locate(probe, model.communicator);
+  if (has_quantity || section.documenting())
+    probe.quantity = read_quantity(section, probe.region.domain, has_boundary);
+  if (probe.X && !section.documenting())
+    probe.places = find_cells(*probe.region.domain, *probe.X, section, model.communicator);
   return probe;
 }
 
@@ -156,63 +213,22 @@ template <int dim>
 void Probes<dim>::locate_again()
 {
   for (Probe &probe : probes)
-    if (probe.boundary_ids.empty())
-      locate(probe, model.communicator);
+    if (probe.X)
+      probe.places = find_cells(*probe.region.domain, *probe.X, *probe.section, model.communicator);
 }
 
 template <int dim>
-void Probes<dim>::locate(Probe &probe, const MPI_Comm &communicator)
+std::vector<double> Probes<dim>::evaluate(const Probe &probe, const Vector &solution,
+                                          const Reactions<dim> &reactions)
 {
-  probe.dofs.clear();
-  probe.shape_values.clear();
-  const Domain<dim> &domain = *probe.domain;
-  Nearest<dim> nearest;
-  for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned())
-      compare_with_cell(domain, cell, probe.X, nearest);
-
-  const double least = dealii::Utilities::MPI::min(nearest.distance, communicator);
-  if (least > (is_straight(domain.mesh()) ? tolerance_of_straight : tolerance_of_curved))
-    fail_outside(probe, communicator);
-
-  // several ranks may have it on a common face; the fields are continuous there
-  const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(communicator);
-  const bool is_candidate = nearest.distance <= least + 1e-9;
-  const auto winner = dealii::Utilities::MPI::min(
-      is_candidate ? rank : std::numeric_limits<unsigned int>::max(), communicator);
-  if (rank != winner)
-    return;
-  domain.cell_dofs(nearest.cell, probe.dofs);
-  for (unsigned int a = 0; a < domain.n_nodes(); ++a)
-    probe.shape_values.push_back(domain.scalar_element().shape_value(a, nearest.unit_point));
-}
-
-template <int dim>
-void Probes<dim>::fail_outside(const Probe &probe, const MPI_Comm &communicator)
-{
-  double distance = std::numeric_limits<double>::max();
-  std::vector<double> corners(2 * dim, std::numeric_limits<double>::max()); // smallest, minus largest
-  for (const auto &cell : probe.domain->mesh().active_cell_iterators())
-    if (cell->is_locally_owned())
-      for (const unsigned int v : cell->vertex_indices()) {
-        distance = std::min(distance, probe.X.distance(cell->vertex(v)));
-        for (unsigned int d = 0; d < dim; ++d) {
-          corners[d] = std::min(corners[d], cell->vertex(v)[d]);
-          corners[dim + d] = std::min(corners[dim + d], -cell->vertex(v)[d]);
-        }
-      }
-  distance = dealii::Utilities::MPI::min(distance, communicator);
-  dealii::Utilities::MPI::min(corners, communicator, corners);
-  dealii::Point<dim> lower, upper;
-  for (unsigned int d = 0; d < dim; ++d) {
-    lower[d] = corners[d];
-    upper[d] = -corners[dim + d];
-  }
-  std::ostringstream message;
-  message << "is outside the domain " << probe.domain->name << ": the nearest vertex of its mesh is "
-          << distance << " away, and the domain extends from " << to_text(lower) << " to " << to_text(upper)
-          << ".";
-  probe.section->fail("Point", message.str());
+  const Region<dim> &region = probe.region;
+  const double t = reactions.forces().t;
+  if (probe.X)
+    return value_at(probe.places, *region.domain, *probe.quantity, solution, t);
+  if (!probe.reduce)
+    return reactions.resultant(*region.domain, region.boundary_ids, *probe.field);
+  return probe.field ? reduce(region, *probe.field, *probe.reduce, solution)
+                     : reduce(region, *probe.quantity, *probe.reduce, solution, t);
 }
 
 template <int dim>
@@ -220,16 +236,7 @@ nlohmann::ordered_json Probes<dim>::evaluate(const Vector &solution, const React
 {
   auto result = nlohmann::ordered_json::object();
   for (const Probe &probe : probes) {
-    std::vector<double> value(probe.field.n_components);
-    if (!probe.boundary_ids.empty())
-      value = reactions.resultant(*probe.domain, probe.boundary_ids, probe.field);
-    else {
-      const unsigned int n = probe.shape_values.size();
-      for (unsigned int c = 0; c < value.size(); ++c)
-        for (unsigned int a = 0; a < n; ++a)
-          value[c] += probe.shape_values[a] * solution(probe.dofs[(probe.field.first_component + c) * n + a]);
-      dealii::Utilities::MPI::sum(value, model.communicator, value);
-    }
+    const std::vector<double> value = evaluate(probe, solution, reactions);
     if (value.size() == 1)
       result[probe.name] = value[0];
     else

@@ -110,10 +110,14 @@ void Results<dim>::write_pictures(const Solution<dim> &solution)
   if (!paraview.is_on() || problem_of_output)
     return;
   const Phases::Scope scope(phases, "output");
-  if (solution.system.has_multipliers())
+  const bool with_reactions = paraview.needs_reactions();
+  if (solution.system.has_multipliers() || with_reactions)
     nodal_forces(solution);
   const Vector ghosted = solution.system.ghosted(solution.x);
-  try_to_write([&]() { paraview.write(solution.t, ghosted); });
+  std::optional<Reactions<dim>> reactions;
+  if (with_reactions)
+    reactions.emplace(model, nodal_forces(solution), ghosted);
+  try_to_write([&]() { paraview.write(solution.t, ghosted, with_reactions ? &*reactions : nullptr); });
 }
 
 template <int dim>

@@ -182,8 +182,8 @@ ordered_json spectrum(const Dense &dense)
 using Index = dealii::types::global_dof_index;
 using Entries = std::map<std::pair<Index, Index>, double>; ///< by row and column
 
-/// Of the rows of the group that this rank owns: the entries, and whether each row is taken by a constraint or
-/// is of a multiplier that was dropped.
+/// Of the rows of the group that this rank owns: the entries, and whether each row is taken by a constraint
+/// or is of a multiplier that was dropped.
 template <int dim>
 void collect(const BlockSystem<dim> &system, const Numbering &numbering, const SolveGroup &group,
              Entries &entries, std::map<Index, bool> &rows)

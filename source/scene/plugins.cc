@@ -18,10 +18,11 @@ std::vector<std::string> &names_registered_twice()
 
 void load_plugins(const Section &scene)
 {
-  for (const std::string &name : scene.read<std::vector<std::string>>(
-           "Plugins", {},
-           "Shared libraries with your own laws, conditions or ties, see doc/how_to/write_a_plugin.md [-]",
-           Patterns::List(Patterns::Anything()))) {
+  for (const std::string &name :
+       scene.read<std::vector<std::string>>("Plugins", {},
+                                            "Shared libraries with your own laws, conditions, ties, solvers "
+                                            "or quantities, see doc/how_to/write_a_plugin.md [-]",
+                                            Patterns::List(Patterns::Anything()))) {
     const std::string path = std::filesystem::absolute(name).string(); // else the linker looks elsewhere
     const std::string obstacle = obstacle_to_reading(path);
     scene.check(obstacle.empty(), "Plugins", "names '" + name + "', which " + obstacle);

@@ -14,6 +14,9 @@
 
 namespace dovetail {
 
+template <int dim>
+class SolidTerm;
+
 /// The terms of one material. Its parts (material_part.h) bring the fields, ordered displacement,
 /// temperature, species; a part that the scene does not name gives no field.
 template <int dim>
@@ -42,6 +45,9 @@ public:
   /// The force per deformed area, three-dimensional also in plane strain (SolidTerm::cauchy_stress). @pre The
   /// material has a displacement.
   dealii::Tensor<2, 3> cauchy_stress(const State<dim> &state) const;
+  /// H = F - I = grad u, also across the plane of a scene in 2D. NaN where the solid law is not defined.
+  /// @pre likewise.
+  dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;
 
   /// How component c depends on component d.
   const Coupling &coupling(const unsigned int c, const unsigned int d) const
@@ -65,6 +71,7 @@ public:
   unsigned long evaluations(const std::string &law) const;
 
 private:
+  const SolidTerm<dim> &solid_term() const;
   template <typename Predicate>
   bool all_terms(unsigned int field, const Predicate &does) const;
   Coupling coupling_of_fields(unsigned int field, unsigned int on_field) const;

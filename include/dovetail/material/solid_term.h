@@ -45,6 +45,8 @@ public:
   /// sigma = P F^T / J, the force per deformed area (P itself for a linear law, which knows no deformed
   /// area); three-dimensional also in plane strain. NaN where the law is not defined.
   dealii::Tensor<2, 3> cauchy_stress(const State<dim> &state) const;
+  /// grad u, with the part that the law itself finds (plane stress); NaN where it is not defined.
+  dealii::Tensor<2, 3> full_displacement_gradient(const State<dim> &state) const;
 
 private:
   dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;

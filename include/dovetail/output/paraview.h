@@ -9,8 +9,8 @@
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
+#include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -20,8 +20,10 @@ namespace dovetail {
 /// named as in the scene. Each block of a step is one file in `<Directory>/steps`, and a .vtm file there
 /// holds them together.
 ///
-/// A domain shows what DomainPicture lists, an interface what InterfaceSurface lists. Everything is shown on
-/// the undeformed bodies: "Warp By Vector" with displacement deforms them.
+/// A domain shows the quantities that `Fields` names and that its material can have (quantity.h), an
+/// interface what InterfaceSurface lists. Quantities that are known only on the boundary make one more block,
+/// "NAME boundary". Everything is shown on the undeformed bodies: "Warp By Vector" with displacement deforms
+/// them.
 ///
 /// The points of an interface that face nothing, if there are any, stand in `<Directory>/uncovered_NAME.vtu`.
 ///
@@ -37,9 +39,10 @@ public:
   bool is_on() const { return writes; }
 
   /// Add a time step, or write the last one anew if it has this time; solution.pvd is whole after each.
-  /// Collective; @p solution is ghosted. @pre The model is paired. @throw UserError or OutputError on all
-  /// ranks if a file cannot be written.
-  void write(double time, const Vector &solution);
+  /// Collective; @p solution is ghosted. @p reactions: of this solution, if they are needed. @pre The model
+  /// is paired. @throw UserError or OutputError on all ranks if a file cannot be written.
+  void write(double time, const Vector &solution, const Reactions<dim> *reactions = nullptr);
+  bool needs_reactions() const;
   unsigned int n_files() const { return n_written; } ///< so far, those written anew counted again
 
   void forget_meshes() { blocks.clear(); } ///< they have changed
@@ -51,9 +54,14 @@ private:
     std::string stem;                               ///< of its files
     const Domain<dim> *domain = nullptr;            ///< or
     std::unique_ptr<InterfaceSurface<dim>> surface; ///< of an interface
+    QuantityList<dim> quantities;                   ///< of a domain
+    bool is_of_boundary = false;                    ///< it shows the faces of the domain
   };
 
   void read_fields(const Section &output);
+  void add_block(const Domain<dim> &domain, bool is_of_boundary);
+  PieceOfPicture show(Block &block, const dealii::DataOutBase::VtkFlags &flags, double time,
+                      const Vector &solution) const;
   void prepare(); ///< blocks and the directory, before the first step is written
   void name_files();
   void show_uncovered_points(unsigned int interface);
@@ -65,7 +73,8 @@ private:
   const Model<dim> &model;
   const std::string directory;
   bool writes = true;
-  std::set<std::string> fields;
+  std::vector<std::unique_ptr<Quantity<dim>>> quantities; ///< of all domains
+  std::map<const Domain<dim> *, QuantityList<dim>> quantities_of;
   std::vector<Block> blocks;
   std::vector<double> times;
   unsigned int n_written = 0;

@@ -5,7 +5,8 @@
 
 #pragma once
 
-#include <dovetail/output/reactions.h>
+#include <dovetail/output/point_in_domain.h>
+#include <dovetail/output/reduction.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
@@ -15,10 +16,11 @@
 
 namespace dovetail {
 
-/// All probes of a scene: values of a field at points, and resultants of its flux over boundaries
-/// (Reactions::resultant).
+/// All probes of a scene: values of a field or a quantity (quantity.h) at points, what reduce() makes of them
+/// in a domain or on a boundary, and resultants of a field's flux over boundaries (Reactions::resultant). At
+/// a point that several cells have, a quantity is the mean of theirs.
 ///
-///     set Probes = tip, heat out
+///     set Probes = tip, heat out, worst
 ///     subsection Probe tip
 ///       set Domain = blade
 ///       set Point  = 0; 0.2; 0
@@ -27,6 +29,11 @@ namespace dovetail {
 ///     subsection Probe heat out
 ///       set Boundary = disk : 3, 4
 ///       set Field    = temperature
+///     end
+///     subsection Probe worst
+///       set Domain   = blade
+///       set Reduce   = maximum
+///       set Quantity = von Mises
 ///     end
 template <int dim>
 class Probes
@@ -39,30 +46,26 @@ public:
   /// Find the points again after the meshes have changed. Collective.
   void locate_again();
 
-  /// A number for scalars, an array for vectors. Collective; @p solution is ghosted.
+  /// A number, or an array of components. Collective; @p solution is ghosted.
   nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
 
 private:
-  /// A body is found at a point up to this fraction of the cell's size: typed coordinates are rounded, and
-  /// the facets of a curved body leave a part of it out.
-  static constexpr double tolerance_of_straight = 1e-3, tolerance_of_curved = 0.1;
-
   struct Probe
   {
     std::string name;
-    const Domain<dim> *domain = nullptr;
-    Field field;
-    std::set<dealii::types::boundary_id> boundary_ids; ///< empty: a point
-    std::optional<Section> section;                    ///< for error messages
-    dealii::Point<dim> X;
-    // of a point, on the one rank that evaluates it:
-    std::vector<dealii::types::global_dof_index> dofs; ///< component, node; empty on the others
-    std::vector<double> shape_values;
+    Region<dim> region;           ///< of a point only its domain
+    std::optional<Reduce> reduce; ///< over the region; of its flux the resultant if there is none
+    std::optional<Field> field;   ///< this one, or else
+    std::unique_ptr<Quantity<dim>> quantity;
+    std::optional<dealii::Point<dim>> X;
+    std::vector<PointInCell<dim>> places; ///< of X, on this rank
+    std::optional<Section> section;       ///< for error messages
   };
 
   static Probe read(const std::string &name, const Section &section, const Model<dim> &model);
-  static void locate(Probe &probe, const MPI_Comm &communicator);
-  [[noreturn]] static void fail_outside(const Probe &probe, const MPI_Comm &communicator);
+  static void read_place(Probe &probe, const Section &section, const Model<dim> &model);
+  static std::vector<double> evaluate(const Probe &probe, const Vector &solution,
+                                      const Reactions<dim> &reactions);
 
   const Model<dim> &model;
   std::vector<Probe> probes;

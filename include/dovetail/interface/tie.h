@@ -28,6 +28,7 @@ class Interface;
 struct TiedField
 {
   std::string name;
+  unsigned int index; ///< among Interface::fields
   unsigned int n_components;
   std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
   std::array<unsigned int, 2> first_component; ///< among the components of each side's domain

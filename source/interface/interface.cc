@@ -191,12 +191,14 @@ void Interface<dim>::read_fields()
     section.check(std::count(asked.begin(), asked.end(), field) <= 1, "Fields", "has '" + field + "' twice.");
     TiedField tied;
     tied.name = field;
-    for (const unsigned int side : {source, destination}) {
-      const Field *of_side = sides[side].domain->material.find_field(field);
-      tied.n_components = of_side->n_components;
-      tied.first_component[side] = of_side->first_component;
-      tied.field[side] = of_side - sides[side].domain->fields().data();
-    }
+    tied.index = fields.size();
+    for (const unsigned int side : {source, destination})
+      for (unsigned int f = 0; f < sides[side].domain->fields().size(); ++f)
+        if (const Field &of_side = sides[side].domain->fields()[f]; of_side.name == field) {
+          tied.n_components = of_side.n_components;
+          tied.first_component[side] = of_side.first_component;
+          tied.field[side] = f;
+        }
     fields.push_back(tied);
   }
 }
@@ -313,7 +315,7 @@ void Interface<dim>::report_uncovered(const MPI_Comm &communicator) const
           << " of the face size), or set Uncovered = allow if this is meant.";
   if (uncovered == "error")
     section.fail("Uncovered", "is error: " + message.str());
-  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
     std::cerr << "Warning: interface " << name << ": " << message.str() << std::endl;
 }
 
@@ -337,7 +339,7 @@ void Interface<dim>::jump(const TiedField &field, const unsigned int q, const st
   result.assign(field.n_components, 0.);
   for (const unsigned int side : {source, destination}) {
     const unsigned int n = sides[side].domain->n_nodes();
-    const double *trial = pairing().trial(side, q, &field - fields.data());
+    const double *trial = pairing().trial(side, q, field.index);
     const double sign = side == source ? 1 : -1;
     const unsigned int first =
         (side == source ? 0 : n_local(source)) + position(side, field.first_component[side]) * n;

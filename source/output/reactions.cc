@@ -42,11 +42,9 @@ Reactions<dim>::Reactions(const Model<dim> &model, const NodalForces<dim> &force
     auto &all = all_transmissions[interface.get()];
     if (interface->is_active(nodal.t)) {
       all = nodal.of_groups(*interface);
-      if (const auto *transmits = dynamic_cast<const Transmits *>(&interface->tie())) {
-        const auto others = transmits->transmissions();
-        all.insert(all.end(), others.begin(), others.end());
-        share_with_held(*interface, transmits->held());
-      }
+      const auto others = interface->tie().transmissions();
+      all.insert(all.end(), others.begin(), others.end());
+      share_with_held(*interface, interface->tie().held());
     }
     add_up(*interface);
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/interface/elastic_joint.h>
 #include <dovetail/system/free_motion.h>
 #include <dovetail/system/joined_domains.h>
 #include <dovetail/system/rigid_motions.h>
@@ -42,9 +41,7 @@ template <int dim>
 std::vector<Group<dim>> groups_of(const Model<dim> &model, const std::string &field, const double t)
 {
   const auto first = joined_domains<dim>(model, field, [t](const auto &interface, const TiedField &tied) {
-    const auto *joint = dynamic_cast<const ElasticJoint *>(&interface.tie());
-    return interface.is_active(t) &&
-           (joint == nullptr ? !interface.tie().allows_jump(tied) : joint->surely_holds(tied, t));
+    return interface.is_active(t) && interface.tie().surely_holds(tied, t);
   });
   std::map<unsigned int, std::vector<unsigned int>> blocks_of;
   const auto &blocks = model.numbering->blocks();

@@ -7,6 +7,7 @@
 
 #include <dovetail/domain/constraint_lines.h>
 #include <dovetail/interface/pairing.h>
+#include <dovetail/interface/transmission.h>
 #include <dovetail/scene/catalogue.h>
 
 #include <deal.II/lac/full_matrix.h>
@@ -28,6 +29,7 @@ class Interface;
 struct TiedField
 {
   std::string name;
+  unsigned int index; ///< among Interface::fields
   unsigned int n_components;
   std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
   std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
@@ -155,6 +157,14 @@ public:
                                 const Owned & /*force*/, const MPI_Comm & /*communicator*/)
   {
   }
+  /// After find_multipliers: what it gives the sides by constraints and multipliers, this rank's.
+  virtual std::vector<Transmission> transmissions() const { return {}; }
+  /// After add_constraints: unknowns of this rank that miss in them because they are prescribed.
+  virtual const std::vector<HeldUnknown> &held() const
+  {
+    static const std::vector<HeldUnknown> none;
+    return none;
+  }
 
   /// What a user should know about this tie, if anything; after add_constraints, the same on all ranks.
   virtual std::vector<std::string> notes() const { return {}; }
@@ -175,6 +185,8 @@ public:
   virtual bool holds(const TiedField & /*field*/) const { return true; }
   /// Whether the sides may come apart, for which the linear solver must know the modes of each body.
   virtual bool allows_jump(const TiedField & /*field*/) const { return false; }
+  /// Whether at time @p t it surely resists every motion of one side against the other, rotations too.
+  virtual bool surely_holds(const TiedField &field, double /*t*/) const { return !allows_jump(field); }
   /// Whether the integral of numerical_flux is what each side gets, exactly.
   virtual bool has_flux() const { return adds_terms(); }
   /// Whether both sides get the same flux at every point; else each gets that of the points on its own faces.

@@ -182,12 +182,13 @@ void CellTerms<dim>::add_tangent_at_point(const Response<dim> &response, const d
       if (coupling.source_by_value)
         v += JxW * shape[a] * response.source_by_value[index];
       double *row = &tangent(c * n_nodes + a, d * n_nodes);
-      if (coupling.flux_by_gradient || coupling.source_by_gradient)
+      if (coupling.flux_by_gradient || coupling.source_by_gradient) {
         for (unsigned int b = 0; b < n_nodes; ++b)
           if constexpr (dim == 3)
             row[b] += g[0] * x[b] + g[1] * y[b] + g[2] * z[b];
           else
             row[b] += g[0] * x[b] + g[1] * y[b];
+      }
       if (coupling.flux_by_value || coupling.source_by_value)
         for (unsigned int b = 0; b < n_nodes; ++b)
           row[b] += v * shape[b];

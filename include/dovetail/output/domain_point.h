@@ -6,7 +6,6 @@
 #pragma once
 
 #include <dovetail/domain/cell_points.h>
-#include <dovetail/domain/domain.h>
 #include <dovetail/system/vector.h>
 
 #include <deal.II/fe/fe_values.h>

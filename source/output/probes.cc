@@ -29,7 +29,7 @@ template <int dim>
 Field find_field(const std::string &name, const Section &section, const Domain<dim> *domain)
 {
   if (domain == nullptr) // documenting
-    return {name, 1, 0};
+    return {name, 1, 0, "", ""};
   if (const Field *field = domain->material.find_field(name))
     return *field;
   std::vector<std::string> known;
@@ -38,7 +38,7 @@ Field find_field(const std::string &name, const Section &section, const Domain<d
   section.check(false, "Field",
                 "names '" + name + "', but the domain " + domain->name + " has " + comma_separated(known) +
                     ". " + did_you_mean(name, known));
-  return {name, 1, 0};
+  return {name, 1, 0, "", ""};
 }
 
 /// A field as a quantity.

@@ -10,7 +10,8 @@
 //         T = x^2 on cells of 1/2, k = 2: q_x = -1 and -3 in the cells left and right of x = 1/2, where the
 //         probe lies on the edge of four cells: their mean is -2
 // bar,    linear elastic with E = 200, nu = 0.3 in uniaxial tension e = 0.01: sigma_11 = von Mises = E e,
-//         strain (e, -nu e, -nu e), J = (1 + e)(1 - nu e)^2
+//         strain (e, -nu e, -nu e), J = (1 + e)(1 - nu e)^2; the ids 1 and 4 have areas of 1 and 3, so the
+//         integral of the boundary id is 13
 //
 // ranks: 1 2 3
 

@@ -17,7 +17,8 @@ template <int dim>
 NonlinearStep<dim>::NonlinearStep(const Section &scene, Model<dim> &model, Phases &phases, Notes &notes,
                                   Log &log)
     : model(model), phases(phases), notes(notes), log(log), newton(scene.subsection("Newton")),
-      linear_solver(scene.subsection("Linear solver"), solve_groups())
+      linear_solver(scene.subsection("Linear solver"),
+                    scene.documenting() ? std::vector<SolveGroup>() : solve_groups())
 {
 }
 

@@ -41,6 +41,8 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
       step_control(steps, step, results, log), adaptive_cycles(scene, model, step, results, phases, log)
 {
   StudyOptions(scene.subsection("Study")); // must be right in every run
+  if (scene.documenting())
+    return;
   text->check_all_read();
   check_formulas();
 

@@ -19,7 +19,7 @@ namespace {
 std::string read_directory(const Section &output, const SceneText &text)
 {
   const auto directory = output.read<std::string>(
-      "Directory", "", "Where the results go; output/ and the name of the scene's file if empty [-]");
+      "Directory", "", "Directory of the results; if empty, output/ and the name of the scene's file [-]");
   return directory.empty() ? "output/" + text.name() : directory;
 }
 
@@ -30,8 +30,8 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
                       Probes<dim> &probes, Phases &phases, Notes &notes, Log &log)
     : text(text), model(model), probes(probes), phases(phases), notes(notes), log(log),
       directory(read_directory(output, text)),
-      every_steps(output.read<unsigned int>(
-          "Every steps", 1, "Write every that many steps, and the last one [-]", Patterns::Integer(1))),
+      every_steps(output.read<unsigned int>("Every steps", 1, "Write every n-th step, and the last step [-]",
+                                            Patterns::Integer(1))),
       with_spectrum(output.read<bool>("Spectrum", false,
                                       "Report eigenvalues and condition number of the matrix, up to " +
                                           std::to_string(largest_spectrum) + " unknowns [-]")),

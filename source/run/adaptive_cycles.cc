@@ -11,12 +11,12 @@ template <int dim>
 AdaptiveCycles<dim>::AdaptiveCycles(const Section &scene, Model<dim> &model, NonlinearStep<dim> &step,
                                     Results<dim> &results, Phases &phases, Log &log)
     : model(model), step(step), results(results), phases(phases), log(log),
-      n_cycles(scene.read<unsigned int>(
-          "Adaptive cycles", 0,
-          "Refine where the estimated error is largest and solve the end time again, so often [-]",
-          Patterns::Integer(0, 50))),
+      n_cycles(scene.read<unsigned int>("Adaptive cycles", 0,
+                                        "Number of cycles, each of which refines where the estimated error "
+                                        "is largest and solves the end time again [-]",
+                                        Patterns::Integer(0, 50))),
       share(scene.read<double>("Adaptive share", 0.5,
-                               "The refined cells hold this share of the estimated error squared [-]",
+                               "Share of the squared estimated error in the cells to be refined [-]",
                                Patterns::Double(0, 1)))
 {
   scene.check(share > 0, "Adaptive share", "is 0, but must be larger: nothing would be refined.");

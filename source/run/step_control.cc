@@ -15,7 +15,8 @@ const double smallest_size = 1. / 1024; ///< of a step or of a share of the load
 
 Steps::Steps(const Section &section)
     : end_time(
-          (section.choose("Kind", {"static"}, 0, "static: loads follow the time t, nothing is inert [-]"),
+          (section.choose("Kind", {"static"}, 0,
+                          "static: loads follow the time t, and inertia is neglected [-]"),
            section.read<double>("End time", 1., "The time t of the last step; the first step starts at 0 [s]",
                                 Patterns::Double(1e-300)))),
       n_steps(section.read<unsigned int>("Number of steps", 1, "Equal steps up to the end time [-]",

@@ -36,7 +36,7 @@ public:
   }
 
 protected:
-  IsochoricEnergy isochoric(double, double) const override
+  IsochoricEnergy isochoric(const IsochoricInvariants &) const override
   {
     IsochoricEnergy W;
     W.W_1 = C10;

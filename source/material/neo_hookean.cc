@@ -25,7 +25,7 @@ public:
   explicit NeoHookean(const Section &section) : moduli(section) {}
 
 protected:
-  IsochoricEnergy isochoric(double, double) const override
+  IsochoricEnergy isochoric(const IsochoricInvariants &) const override
   {
     IsochoricEnergy W;
     W.W_1 = moduli.shear / 2;

@@ -26,17 +26,17 @@ void check(const unsigned int degree)
   GridGenerator::hyper_shell(triangulation, Point<dim>(), 0.5, 1., dim == 2 ? 3 : 6, true);
   const MappingQ<dim> mapping(degree);
   std::vector<Point<dim>> sample;
-  for (const auto &point : test::queries_of_side<dim>(
+  for (const auto &point : locator_test::queries_of_side<dim>(
            triangulation, mapping, 1, QIterated<dim - 1>(QTrapezoid<1>(), dim == 2 ? 1000 : 30)))
     sample.push_back(point.X);
 
-  const dovetail::FaceLocator<dim> locator(test::faces_with(1, triangulation, mapping, degree), 1., 0.,
-                                           MPI_COMM_SELF);
+  const dovetail::FaceLocator<dim> locator(locator_test::faces_with(1, triangulation, mapping, degree), 1.,
+                                           0., MPI_COMM_SELF);
   unsigned int found = 0, points = 0;
   double closer = -1, farther = -1;
   for (const double radius : {0.6, 0.9, 1.3, 1.8}) {
-    test::Queries<dim> queries =
-        test::queries_of_side<dim>(triangulation, mapping, 1, QGauss<dim - 1>(dim == 2 ? 4 : 2));
+    locator_test::Queries<dim> queries =
+        locator_test::queries_of_side<dim>(triangulation, mapping, 1, QGauss<dim - 1>(dim == 2 ? 4 : 2));
     for (auto &query : queries) {
       query.X *= radius;
       query.N *= -1;
@@ -50,10 +50,10 @@ void check(const unsigned int degree)
         closer = std::max(closer, distance - matches[i].distance);
       }
   }
-  test::print(std::to_string(dim) + "D, degree " + std::to_string(degree) + ": found " +
-              std::to_string(found) + " of " + std::to_string(points) + ", never farther " +
-              std::to_string(farther < 1e-14) + ", hardly closer " +
-              std::to_string(closer < (dim == 2 ? 1e-5 : 1e-2)));
+  locator_test::print(std::to_string(dim) + "D, degree " + std::to_string(degree) + ": found " +
+                      std::to_string(found) + " of " + std::to_string(points) + ", never farther " +
+                      std::to_string(farther < 1e-14) + ", hardly closer " +
+                      std::to_string(closer < (dim == 2 ? 1e-5 : 1e-2)));
 }
 
 int main(int argc, char *argv[])

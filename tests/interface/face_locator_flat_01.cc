@@ -27,8 +27,8 @@ void check(const std::string &name, const double gap, const double shift, const 
   GridTools::shift(offset, right);
 
   const MappingQ<dim> mapping(1);
-  const auto queries = test::queries_of_side<dim>(left, mapping, 1, QGauss<dim - 1>(2));
-  const dovetail::FaceLocator<dim> locator(test::faces_with(partner_id, right, mapping, 1), 0.2, 0.,
+  const auto queries = locator_test::queries_of_side<dim>(left, mapping, 1, QGauss<dim - 1>(2));
+  const dovetail::FaceLocator<dim> locator(locator_test::faces_with(partner_id, right, mapping, 1), 0.2, 0.,
                                            MPI_COMM_WORLD);
   const auto matches = locator.locate(queries);
 
@@ -38,13 +38,14 @@ void check(const std::string &name, const double gap, const double shift, const 
     if (matches[i].found)
       error = std::max(error, (matches[i].X - queries[i].X - gap * Point<dim>::unit_vector(0)).norm());
   error = Utilities::MPI::max(error, MPI_COMM_WORLD);
-  const auto [position, normal] = test::difference_from_mapping(locator, matches, mapping);
-  const test::Summary summary = test::summarise<dim>(matches);
-  test::print(std::to_string(dim) + "D " + name + ": found " + std::to_string(summary.found) + " of " +
-              std::to_string(summary.points) + ", distance " + test::digits(summary.largest_distance) +
-              ", angle " + test::digits(summary.largest_angle) + ", closest " +
-              std::to_string(error < 1e-14) + ", unit point " + std::to_string(position < 1e-14) +
-              ", normal " + std::to_string(normal < 1e-13));
+  const auto [position, normal] = locator_test::difference_from_mapping(locator, matches, mapping);
+  const locator_test::Summary summary = locator_test::summarise<dim>(matches);
+  locator_test::print(std::to_string(dim) + "D " + name + ": found " + std::to_string(summary.found) +
+                      " of " + std::to_string(summary.points) + ", distance " +
+                      locator_test::digits(summary.largest_distance) + ", angle " +
+                      locator_test::digits(summary.largest_angle) + ", closest " +
+                      std::to_string(error < 1e-14) + ", unit point " + std::to_string(position < 1e-14) +
+                      ", normal " + std::to_string(normal < 1e-13));
 }
 
 template <int dim>

@@ -21,10 +21,10 @@ void check()
   GridTools::shift(Point<dim>::unit_vector(0), distorted);
 
   const MappingQ<dim> mapping(1);
-  const auto queries = test::queries_of_side<dim>(straight, mapping, 1, QGauss<dim - 1>(3));
-  const dovetail::FaceLocator<dim> special(test::faces_with(0, distorted, mapping, 1), 0.3, 0.,
+  const auto queries = locator_test::queries_of_side<dim>(straight, mapping, 1, QGauss<dim - 1>(3));
+  const dovetail::FaceLocator<dim> special(locator_test::faces_with(0, distorted, mapping, 1), 0.3, 0.,
                                            MPI_COMM_SELF);
-  const dovetail::FaceLocator<dim> general(test::faces_with(0, distorted, mapping, 3), 0.3, 0.,
+  const dovetail::FaceLocator<dim> general(locator_test::faces_with(0, distorted, mapping, 3), 0.3, 0.,
                                            MPI_COMM_SELF);
   const auto matches = special.locate(queries);
   const auto other_matches = general.locate(queries);
@@ -39,9 +39,9 @@ void check()
       difference = std::max({difference, one.X.distance(other.X), one.unit_point.distance(other.unit_point),
                              (one.N - other.N).norm(), std::abs(one.angle - other.angle)});
   }
-  test::print(std::to_string(dim) + "D: found more than 90 % " +
-              std::to_string(found > 0.9 * queries.size()) + ", different partners " +
-              std::to_string(different) + ", equal " + std::to_string(difference < 1e-11));
+  locator_test::print(std::to_string(dim) + "D: found more than 90 % " +
+                      std::to_string(found > 0.9 * queries.size()) + ", different partners " +
+                      std::to_string(different) + ", equal " + std::to_string(difference < 1e-11));
 }
 
 int main(int argc, char *argv[])

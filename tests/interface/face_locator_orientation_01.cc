@@ -13,13 +13,14 @@ template <int dim>
 void check(const std::string &name, const Triangulation<dim> &triangulation, const unsigned int degree)
 {
   const MappingQ<dim> mapping(degree);
-  test::Queries<dim> queries = test::queries_of_side<dim>(triangulation, mapping, 0, QGauss<dim - 1>(3));
+  locator_test::Queries<dim> queries =
+      locator_test::queries_of_side<dim>(triangulation, mapping, 0, QGauss<dim - 1>(3));
   for (auto &query : queries)
     query.N *= -1;
-  const dovetail::FaceLocator<dim> locator(test::faces_with(0, triangulation, mapping, degree), 0.1, 0.,
-                                           MPI_COMM_SELF);
+  const dovetail::FaceLocator<dim> locator(locator_test::faces_with(0, triangulation, mapping, degree), 0.1,
+                                           0., MPI_COMM_SELF);
   const auto matches = locator.locate(queries);
-  const auto [position, normal] = test::difference_from_mapping(locator, matches, mapping);
+  const auto [position, normal] = locator_test::difference_from_mapping(locator, matches, mapping);
   const unsigned int lost =
       std::count_if(matches.begin(), matches.end(), [](const auto &match) { return !match.found; });
   const auto largest =
@@ -29,11 +30,11 @@ void check(const std::string &name, const Triangulation<dim> &triangulation, con
   std::set<unsigned int> face_numbers;
   for (const auto &match : matches)
     face_numbers.insert(locator.side().faces[match.face].face_no);
-  test::print(name + ", degree " + std::to_string(degree) + ": lost " + std::to_string(lost) + " of " +
-              std::to_string(queries.size()) + ", on " + std::to_string(face_numbers.size()) +
-              " faces of cells, itself " +
-              std::to_string(largest->distance < 1e-14 && largest->angle < 1e-12) + ", unit point " +
-              std::to_string(position < 1e-13) + ", normal " + std::to_string(normal < 1e-12));
+  locator_test::print(name + ", degree " + std::to_string(degree) + ": lost " + std::to_string(lost) +
+                      " of " + std::to_string(queries.size()) + ", on " +
+                      std::to_string(face_numbers.size()) + " faces of cells, itself " +
+                      std::to_string(largest->distance < 1e-14 && largest->angle < 1e-12) + ", unit point " +
+                      std::to_string(position < 1e-13) + ", normal " + std::to_string(normal < 1e-12));
 }
 
 int main(int argc, char *argv[])

@@ -14,7 +14,7 @@ using namespace dealii;
 
 /// The queries of all ranks, on the last rank.
 template <int dim>
-test::Queries<dim> gather(const test::Queries<dim> &queries)
+locator_test::Queries<dim> gather(const locator_test::Queries<dim> &queries)
 {
   std::vector<double> flat;
   for (const auto &query : queries) {
@@ -22,7 +22,7 @@ test::Queries<dim> gather(const test::Queries<dim> &queries)
     flat.insert(flat.end(), query.N.begin_raw(), query.N.end_raw());
   }
   const unsigned int last = Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) - 1;
-  test::Queries<dim> result;
+  locator_test::Queries<dim> result;
   for (const std::vector<double> &of_rank : Utilities::MPI::gather(MPI_COMM_WORLD, flat, last))
     for (unsigned int i = 0; i < of_rank.size(); i += 2 * dim) {
       result.emplace_back();
@@ -33,7 +33,7 @@ test::Queries<dim> gather(const test::Queries<dim> &queries)
 }
 
 template <int dim>
-void report(const std::string &name, const test::Matches<dim> &matches, const double scale)
+void report(const std::string &name, const locator_test::Matches<dim> &matches, const double scale)
 {
   double unit_points = 0, sizes = 0, lost_distance = 0, lost = 0;
   for (const auto &match : matches) {
@@ -45,13 +45,14 @@ void report(const std::string &name, const test::Matches<dim> &matches, const do
       ++lost;
     }
   }
-  const test::Summary summary = test::summarise<dim>(matches);
+  const locator_test::Summary summary = locator_test::summarise<dim>(matches);
   const double n = summary.points;
-  test::print(name + ": found " + std::to_string(summary.found) + " of " + std::to_string(summary.points) +
-              ", distance " + test::digits(summary.largest_distance) + ", mean unit point " +
-              test::digits(Utilities::MPI::sum(unit_points, MPI_COMM_WORLD) / n) + ", mean size " +
-              test::digits(Utilities::MPI::sum(sizes, MPI_COMM_WORLD) / n) + ", mean distance of lost " +
-              test::digits(Utilities::MPI::sum(lost_distance, MPI_COMM_WORLD) /
+  locator_test::print(
+      name + ": found " + std::to_string(summary.found) + " of " + std::to_string(summary.points) +
+      ", distance " + locator_test::digits(summary.largest_distance) + ", mean unit point " +
+      locator_test::digits(Utilities::MPI::sum(unit_points, MPI_COMM_WORLD) / n) + ", mean size " +
+      locator_test::digits(Utilities::MPI::sum(sizes, MPI_COMM_WORLD) / n) + ", mean distance of lost " +
+      locator_test::digits(Utilities::MPI::sum(lost_distance, MPI_COMM_WORLD) /
                            std::max(1., Utilities::MPI::sum(lost, MPI_COMM_WORLD))));
 }
 
@@ -84,8 +85,9 @@ void check(const std::string &name, const double scale, const double origin, con
   GridTools::shift(offset, right);
 
   const MappingQ<dim> mapping(1);
-  const auto queries = test::queries_of_side<dim>(left, mapping, 1, QTrapezoid<dim - 1>());
-  const dovetail::FaceLocator<dim> locator(test::faces_with(0, right, mapping, 1), 0.2, 0., MPI_COMM_WORLD);
+  const auto queries = locator_test::queries_of_side<dim>(left, mapping, 1, QTrapezoid<dim - 1>());
+  const dovetail::FaceLocator<dim> locator(locator_test::faces_with(0, right, mapping, 1), 0.2, 0.,
+                                           MPI_COMM_WORLD);
   report<dim>(name, locator.locate(queries), scale);
   report<dim>(name + ", the last rank asks", locator.locate(gather<dim>(queries)), scale);
 }

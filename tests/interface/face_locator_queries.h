@@ -18,7 +18,7 @@
 #include <iostream>
 #include <string>
 
-namespace test {
+namespace locator_test {
 
 using namespace dealii;
 
@@ -117,4 +117,4 @@ inline std::string digits(const double value)
   return text;
 }
 
-} // namespace test
+} // namespace locator_test

@@ -39,7 +39,7 @@ void check(const std::string &name, const Triangulation<dim> &asking, const Tria
            const unsigned int degree)
 {
   const MappingQ<dim> mapping(degree);
-  const auto queries = test::queries_of_side<dim>(asking, mapping, 1, QGauss<dim - 1>(2));
+  const auto queries = locator_test::queries_of_side<dim>(asking, mapping, 1, QGauss<dim - 1>(2));
   std::vector<Point<dim>> points;
   for (const auto &query : queries)
     points.push_back(query.X);
@@ -47,7 +47,7 @@ void check(const std::string &name, const Triangulation<dim> &asking, const Tria
   evaluation.reinit(points, partner, mapping);
   const auto positions = evaluate_positions<dim>(evaluation, partner, mapping);
 
-  const dovetail::FaceLocator<dim> locator(test::faces_with(0, partner, mapping, degree), 0.2, 0.,
+  const dovetail::FaceLocator<dim> locator(locator_test::faces_with(0, partner, mapping, degree), 0.2, 0.,
                                            MPI_COMM_WORLD);
   const auto matches = locator.locate(queries);
   unsigned int both = 0, only_one = 0, next = 0;
@@ -61,10 +61,10 @@ void check(const std::string &name, const Triangulation<dim> &asking, const Tria
     only_one += found != matches[i].found;
     next += found;
   }
-  test::print(name + ", degree " + std::to_string(degree) + ": both found " +
-              std::to_string(Utilities::MPI::sum(both, MPI_COMM_WORLD)) + ", only one " +
-              std::to_string(Utilities::MPI::sum(only_one, MPI_COMM_WORLD)) + ", equal " +
-              std::to_string(Utilities::MPI::max(difference, MPI_COMM_WORLD) < 1e-10));
+  locator_test::print(name + ", degree " + std::to_string(degree) + ": both found " +
+                      std::to_string(Utilities::MPI::sum(both, MPI_COMM_WORLD)) + ", only one " +
+                      std::to_string(Utilities::MPI::sum(only_one, MPI_COMM_WORLD)) + ", equal " +
+                      std::to_string(Utilities::MPI::max(difference, MPI_COMM_WORLD) < 1e-10));
 }
 
 template <int dim>

@@ -15,17 +15,19 @@ void ask(const std::string &name, const Triangulation<dim> &asking, const types:
          const Triangulation<dim> &partner, const types::boundary_id partner_id, const unsigned int degree)
 {
   const MappingQ<dim> mapping(degree);
-  const auto queries = test::queries_of_side<dim>(asking, mapping, asking_id, QGauss<dim - 1>(degree + 1));
-  const dovetail::FaceLocator<dim> locator(test::faces_with(partner_id, partner, mapping, degree), 0.2, 0.,
-                                           MPI_COMM_WORLD);
+  const auto queries =
+      locator_test::queries_of_side<dim>(asking, mapping, asking_id, QGauss<dim - 1>(degree + 1));
+  const dovetail::FaceLocator<dim> locator(locator_test::faces_with(partner_id, partner, mapping, degree),
+                                           0.2, 0., MPI_COMM_WORLD);
   const auto matches = locator.locate(queries);
-  const auto [position, normal] = test::difference_from_mapping(locator, matches, mapping);
-  const test::Summary summary = test::summarise<dim>(matches);
-  test::print(name + ", degree " + std::to_string(degree) + ": lost " +
-              std::to_string(summary.points - summary.found) + " of " + std::to_string(summary.points) +
-              ", distance " + test::digits(summary.largest_distance) + ", angle " +
-              test::digits(summary.largest_angle) + ", unit point " + std::to_string(position < 1e-13) +
-              ", normal " + std::to_string(normal < 1e-12));
+  const auto [position, normal] = locator_test::difference_from_mapping(locator, matches, mapping);
+  const locator_test::Summary summary = locator_test::summarise<dim>(matches);
+  locator_test::print(name + ", degree " + std::to_string(degree) + ": lost " +
+                      std::to_string(summary.points - summary.found) + " of " +
+                      std::to_string(summary.points) + ", distance " +
+                      locator_test::digits(summary.largest_distance) + ", angle " +
+                      locator_test::digits(summary.largest_angle) + ", unit point " +
+                      std::to_string(position < 1e-13) + ", normal " + std::to_string(normal < 1e-12));
 }
 
 template <int dim>

@@ -11,6 +11,8 @@
 
 #include "../system/scene_model.h"
 
+#include <dovetail/interface/side_points.h>
+
 using namespace test;
 
 struct Case

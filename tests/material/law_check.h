@@ -31,7 +31,7 @@ Material<dim> make_material(const std::string &solid, const std::string &heat, c
                             const std::string &scene = "")
 {
   const std::string text = "set Dimension = " + std::to_string(dim) + "\n" + scene +
-                           "\nsubsection Material steel\n" + others + "\n" +
+                           "subsection Material steel\n" + others +
                            (solid.empty() ? "" : "subsection Solid\n" + solid + "\nend\n") +
                            (heat.empty() ? "" : "subsection Heat\n" + heat + "\nend\n") + "end\n";
   return Material<dim>("steel", SceneText::root(SceneText::from_prm(text)).subsection("Material steel"));

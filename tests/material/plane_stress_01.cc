@@ -10,7 +10,7 @@ namespace {
 
 Material<2> sheet(const std::string &solid, const std::string &heat = "")
 {
-  return make_material<2>(solid, heat, "", "set Geometry = plane stress");
+  return make_material<2>(solid, heat, "", "set Geometry = plane stress\n");
 }
 
 void check_hooke()

@@ -28,7 +28,7 @@ public:
   explicit Nitsche(const Section &section) : Tie(section)
   {
     section.read<double>("Theta", 1, "1 symmetric | 0 nonsymmetric [-]", Patterns::Double(-1, 1));
-    section.require_expression("Value", {1}, "Penalty [Pa/m]", true);
+    section.require_expression("Value", {1}, "Penalty [Pa/m]", {"T"});
   }
 };
 

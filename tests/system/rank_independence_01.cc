@@ -12,6 +12,7 @@
 
 #include "scene_model.h"
 
+#include <dovetail/interface/side_points.h>
 #include <dovetail/solve/linear_solver.h>
 
 #include <array>

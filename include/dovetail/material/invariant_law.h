@@ -9,6 +9,15 @@
 
 namespace dovetail {
 
+/// The two invariants without change of volume minus 3, exact where they are small; computed when asked for.
+struct IsochoricInvariants
+{
+  double first_minus_3() const;
+  double second_minus_3() const;
+
+  const Deformation &deformation;
+};
+
 /// The isochoric part of an energy by the two invariants without change of volume,
 /// @f[ \bar I_1 = J^{-2/3} I_1,\quad \bar I_2 = J^{-4/3} I_2,\qquad I_1 = \mathrm{tr}\,C,\quad
 ///     I_2 = \tfrac12 (I_1^2 - \mathrm{tr}\,C^2). @f]
@@ -33,8 +42,7 @@ struct VolumetricEnergy
 class InvariantLaw : public HyperelasticLaw
 {
 protected:
-  /// @param I_1_minus_3 and @p I_2_minus_3: the invariants above minus 3, exact where they are small
-  virtual IsochoricEnergy isochoric(double I_1_minus_3, double I_2_minus_3) const = 0;
+  virtual IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const = 0;
   /// @p J_minus_1 is exact where it is small.
   virtual VolumetricEnergy volumetric(double J_minus_1) const = 0;
 

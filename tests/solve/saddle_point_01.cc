@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// [A B^T; B -C] by GMRES with multigrid and Schur complement: A a chain of 400 springs of stiffness 1e6, B
-// ties each tenth to its neighbour, C a compliance (a pressure has one). Every fourth multiplier was dropped:
-// it is alone, with a number on the diagonal, and marked. At most 45 iterations, as without C: what a
-// diagonal is for is known from the mark. The solution is that of MUMPS.
+// [A B^T; B -C] by GMRES with multigrid and Schur complement: A a chain of 400 springs, B ties each tenth to
+// its neighbour, by numbers over six decades, C a compliance (a pressure has one). Every fourth multiplier
+// was dropped: it is alone, with a number on the diagonal, and marked. The iterations are few with C, too:
+// what a diagonal is for is known from the mark. The solution is that of MUMPS.
 //
 // ranks: 1, 2, 3
 
@@ -20,6 +20,12 @@ using Index = BlockMatrix::size_type;
 
 const Index n_springs = 400, n_multipliers = 40;
 const double stiffness = 1e6;
+
+/// The entries of a row of B, up to the sign.
+double tie(const Index multiplier)
+{
+  return std::pow(10., 6. * multiplier / n_multipliers - 3);
+}
 
 bool was_dropped(const Index multiplier)
 {
@@ -50,13 +56,13 @@ void for_each_entry(const std::vector<dealii::IndexSet> &owned, const double com
     if (i + 1 < n_springs)
       add(i, i + 1, -stiffness);
     if (i % 10 < 2 && !was_dropped(i / 10))
-      add(i, n_springs + i / 10, i % 10 == 0 ? 1. : -1.);
+      add(i, n_springs + i / 10, i % 10 == 0 ? tie(i / 10) : -tie(i / 10));
   }
   for (const Index i : owned[1]) {
-    add(n_springs + i, n_springs + i, was_dropped(i) ? 1. : -compliance);
+    add(n_springs + i, n_springs + i, was_dropped(i) ? 1. : -compliance * tie(i) * tie(i));
     if (!was_dropped(i)) {
-      add(n_springs + i, 10 * i, 1.);
-      add(n_springs + i, 10 * i + 1, -1.);
+      add(n_springs + i, 10 * i, tie(i));
+      add(n_springs + i, 10 * i + 1, -tie(i));
     }
   }
 }
@@ -106,7 +112,7 @@ void check(const double compliance)
     const auto n_iterations = solver.solve(x[i], b);
     if (is_rank_0())
       std::cout << solver.description()[0] << std::endl;
-    report("at most 45 iterations", n_iterations ? *n_iterations : 1e3, 45);
+    report("at most 10 iterations", n_iterations ? *n_iterations : 1e3, 10);
     report("no notes", solver.notes().empty());
   }
   for (unsigned int block = 0; block < 2; ++block) {

@@ -75,7 +75,7 @@ public:
       throw std::bad_alloc();
     x = b;
     if (how == "gives no number")
-      x *= std::numeric_limits<double>::quiet_NaN();
+      x.trilinos_vector().PutScalar(std::numeric_limits<double>::quiet_NaN());
     return 7;
   }
 

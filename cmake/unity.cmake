@@ -4,6 +4,9 @@
 # compile_together(TARGET N FILES): up to N files of a folder at a time are one for the compiler. Names in their
 # anonymous namespaces must differ, but for `registered`, of which each file may have its own.
 function(compile_together target n files)
+  if(CMAKE_VERSION VERSION_LESS 3.20)
+    message(FATAL_ERROR "DOVETAIL_UNITY needs CMake 3.20 or newer.")
+  endif()
   foreach(file ${files})
     get_filename_component(folder ${file} DIRECTORY)
     get_filename_component(folder ${folder} NAME)

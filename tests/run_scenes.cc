@@ -34,7 +34,7 @@ int main(int argc, char **argv)
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   std::vector<std::string> overrides;
   for (int i = 1; i < argc; ++i)
-    if (std::string(argv[i]) == "--set")
+    if (std::string(argv[i]) == "--set" && i + 1 < argc)
       overrides.push_back(argv[++i]);
     else
       try {
@@ -45,4 +45,8 @@ int main(int argc, char **argv)
         std::cerr << argv[i] << ": " << error.what() << std::endl;
         MPI_Abort(MPI_COMM_WORLD, 1);
       }
+  if (!overrides.empty()) {
+    std::cerr << "--set must come before its scene" << std::endl;
+    return 1;
+  }
 }

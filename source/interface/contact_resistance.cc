@@ -122,6 +122,18 @@ void ContactResistance<dim>::set_fields(const Section &section, const std::vecto
             (entry == "Conductance" ? "scalar fields such as the temperature" : "the displacement") +
             ", which this interface does not tie. Remove it, or change Fields.");
   }
+  unsigned int n_scalars = 0;
+  for (const TiedField &field : fields)
+    if (field.n_components == 1) {
+      ++n_scalars;
+      section.check(!conductance.depends_on_scalars() || field.name == "temperature", "Conductance",
+                    "depends on the temperature T, but belongs to the " + field.name +
+                        ": give it in x, y, z and t.");
+    }
+  section.check(
+      n_scalars < 2, "Conductance",
+      "is one number, but the interface ties several scalars, whose conductances have different units. Set "
+      "Fields to one of them, and tie the others by interfaces of their own.");
   for (const TiedField &field : fields) {
     const Expression &law = law_of(field);
     if (!law.depends_on_position() && !law.depends_on_time() && !law.depends_on_scalars())

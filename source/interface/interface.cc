@@ -183,7 +183,7 @@ void Interface<dim>::read_fields()
       "Fields", {}, "The fields that are tied; all that both domains have if empty [-]");
   section.check(!common.empty(), "Source",
                 "and Destination have no field in common: " + sides[source].domain->name + " and " +
-                    sides[destination].domain->name + " share no kind of law.");
+                    sides[destination].domain->name + " share no field.");
   for (const std::string &field : asked.empty() ? common : asked) {
     if (!section.documenting() && std::find(common.begin(), common.end(), field) == common.end())
       section.fail("Fields", "names '" + field + "', but the fields that both domains have are " +

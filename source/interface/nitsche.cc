@@ -101,12 +101,9 @@ void Nitsche<dim>::set_fields(const Section &section, const std::vector<TiedFiel
   for (const TiedField &field : fields)
     names += (names.empty() ? "the " : " and the ") + field.name +
              (field.n_components == 1 ? " [W/(m^2 K)]" : " [Pa/m]");
-  section.check(
-      std::all_of(fields.begin(), fields.end(),
-                  [&](const TiedField &field) { return field.n_components == fields[0].n_components; }),
-      "Value",
-      "is one number, but the interface ties " + names +
-          ". Set Fields to one of them, and tie the other by an interface of its own.");
+  section.check(fields.size() == 1, "Value",
+                "is one number, but the interface ties " + names +
+                    ". Set Fields to one of them, and tie the other by an interface of its own.");
   if (!value.depends_on_position() && !value.depends_on_time())
     check_value(section, value.value(dealii::Point<dim>(), 0));
 }
@@ -204,9 +201,14 @@ void Nitsche<dim>::evaluate_stiffness(const Interface<dim> &interface,
                                       const double t, const std::vector<double> &unknowns)
 {
   for (const unsigned int side : {source, destination})
-    if (!sides.evaluate(interface, group, side, q, t, unknowns, true))
-      for (auto &derivative : sides.response[side].by_gradient)
-        derivative[0][0] = undefined;
+    if (!sides.evaluate(interface, group, side, q, t, unknowns, true)) {
+      const Material<dim> &material = interface.sides[side].domain->material;
+      const unsigned int n = material.n_components();
+      for (unsigned int c = 0; c < n; ++c) // the others are not touched by the next evaluation
+        for (unsigned int d = 0; d < n; ++d)
+          if (material.coupling(c, d).of_flux())
+            sides.response[side].by_gradient[c * n + d][0][0] = undefined;
+    }
 }
 
 /// Largest eigenvalue of N.(dA/dgrad B).N, the acoustic tensor of a solid, the conductivity k_N of a scalar.

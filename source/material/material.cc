@@ -25,7 +25,7 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
   for (const auto &part : parts)
     part->add_terms(all_fields, terms);
   section.check(!all_fields.empty(), "",
-                "has no law: set Type in its subsection Solid, in its subsection Heat, or both.");
+                "has no law: set Type in its subsection Solid or Heat, or name Species.");
 
   const unsigned int n = n_components();
   couplings.resize(n * n);
@@ -34,6 +34,17 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
          c < term->field.first_component + term->field.n_components; ++c)
       for (unsigned int d = 0; d < n; ++d)
         couplings[c * n + d] |= term->coupling(c, d);
+  }
+  for (const auto &term : terms) {
+    const unsigned int first = term->field.first_component;
+    needed_by.emplace_back();
+    for (unsigned int d = 0; d < n; ++d) {
+      bool is_needed = d >= first && d < first + term->field.n_components;
+      for (unsigned int c = first; c < first + term->field.n_components; ++c)
+        is_needed = is_needed || term->coupling(c, d).any();
+      if (is_needed)
+        needed_by.back().push_back(d);
+    }
   }
   for (unsigned int pair = 0; pair < n * n; ++pair) {
     if (couplings[pair].of_flux())
@@ -76,13 +87,17 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
       response.source_by_value[pair] = 0;
     }
   }
-  for (const auto &term : terms) {
+  for (unsigned int i = 0; i < terms.size(); ++i) {
+    const auto &term = terms[i];
     const unsigned int first = term->field.first_component;
-    if (std::isnan(state.value[first])) {
+    if (std::any_of(needed_by[i].begin(), needed_by[i].end(),
+                    [&](const unsigned int c) { return std::isnan(state.value[c]); })) {
+      const double not_known = std::numeric_limits<double>::quiet_NaN();
       for (unsigned int c = first; c < first + term->field.n_components; ++c) {
-        response.source[c] = std::numeric_limits<double>::quiet_NaN();
-        for (unsigned int d = 0; d < dim; ++d)
-          response.flux[c][d] = std::numeric_limits<double>::quiet_NaN();
+        if (term->has_source())
+          response.source[c] = not_known;
+        for (unsigned int d = 0; term->has_flux() && d < dim; ++d)
+          response.flux[c][d] = not_known;
       }
       continue;
     }

@@ -5,6 +5,7 @@
 #include <dovetail/scene/undefined.h>
 
 #include <cmath>
+#include <limits>
 
 namespace dovetail {
 
@@ -18,27 +19,36 @@ Tensor<2, 3> across(const Tensor<4, 3> &D)
 }
 } // namespace
 
-/// Newton's method, halved where the law is not defined; z is exact when an update no longer changes it.
+/// Newton's method, halved where the law is not defined. It ends with a whole update that changes nothing any
+/// more, or that rounding alone keeps alive.
 bool PlaneStress::find_thickness(Tensor<2, 3> &H, const double e, Response &response) const
 {
   const unsigned int most_iterations = 50, most_halvings = 30;
+  const double smallest_stretch = 1e-6, rounding = 1e-15, last_digits = 1e-12;
   H[2][2] = 0;
   if (!law->evaluate(H, e, true, response))
     return false;
+  double last_size = std::numeric_limits<double>::infinity();
   for (unsigned int iteration = 0; iteration < most_iterations; ++iteration) {
     double update = -response.P[2][2] / response.dP_dF[2][2][2][2];
     const double z = H[2][2];
-    bool is_defined = false;
-    for (unsigned int halving = 0; halving < most_halvings && !is_defined; ++halving, update /= 2) {
+    unsigned int n_halvings = 0;
+    for (bool is_defined = false; !is_defined; ++n_halvings, update /= 2) {
       H[2][2] = z + update;
-      is_defined = law->evaluate(H, e, true, response);
+      is_defined =
+          (law->is_linear() || 1 + H[2][2] > smallest_stretch) && law->evaluate(H, e, true, response);
+      if (n_halvings == most_halvings)
+        return undefined(
+            "no thickness was found at which the stress across the plane vanishes (plane stress)");
     }
-    if (!is_defined)
-      return false;
-    if (law->is_linear() || !(std::abs(H[2][2] - z) > 1e-15 * (std::abs(z) + H.norm())))
+    const double size = std::abs(H[2][2] - z), scale = std::abs(z) + H.norm();
+    const bool is_whole = n_halvings == 1;
+    if (is_whole && (law->is_linear() || !(size > rounding * scale) ||
+                     (size <= last_digits * scale && size >= last_size)))
       return std::isfinite(H[2][2]) || undefined("the strain across the plane is not a finite number");
+    last_size = is_whole ? size : std::numeric_limits<double>::infinity();
   }
-  return undefined("no strain across the plane was found at which the stress vanishes there (plane stress)");
+  return undefined("no thickness was found at which the stress across the plane vanishes (plane stress)");
 }
 
 bool PlaneStress::evaluate(const Tensor<2, 3> &H, const double e, const bool with_derivatives,

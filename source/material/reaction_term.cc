@@ -44,9 +44,14 @@ bool ReactionTerm<dim>::add(const State<dim> &state, const bool with_derivatives
                      !reaction.depends_on_scalars());
   response.source[c] -= r;
   for (unsigned int s = 0; with_derivatives && s < scalars.size(); ++s)
-    if (reaction.depends_on_scalar(s))
-      response.source_by_value[c * n + scalars.component(s)] -=
-          reaction.derivative(state.X, state.t, 0, values, s);
+    if (reaction.depends_on_scalar(s)) {
+      const double slope = reaction.derivative(state.X, state.t, 0, values, s);
+      if (!std::isfinite(slope))
+        return undefined(sentence_about(section, entry,
+                                        "has a derivative that is not a finite number at " +
+                                            in_words(state.X) + " and t = " + in_words(state.t) + "."));
+      response.source_by_value[c * n + scalars.component(s)] -= slope;
+    }
   return true;
 }
 

@@ -21,6 +21,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 
 namespace dovetail {
 
@@ -50,6 +51,10 @@ public:
               "', but a species is a field and a variable of formulas: its name begins with a letter, holds "
               "letters, digits and underscores only (spaces become underscores in formulas), and is none of "
               "x, y, z, t, T, pi, inf, displacement, temperature.");
+    std::set<std::string> symbols;
+    for (const std::string &name : names)
+      material.check(symbols.insert(symbol_of(name)).second, "Species",
+                     "has two names that formulas write as " + symbol_of(name) + ". Change one of them.");
   }
 
   std::vector<Field> fields() const override

@@ -8,6 +8,7 @@
 
 #include <cctype>
 #include <iomanip>
+#include <set>
 #include <sstream>
 
 namespace dovetail {
@@ -104,6 +105,14 @@ void Paraview<dim>::read_fields(const Section &output)
     output.check(has_domain, "Fields",
                  "asks for " + *name + ", but no material has a " + law_of_field(member.field) +
                      ". Remove it from the list.");
+  }
+  for (const auto &[domain, shown] : quantities_of) {
+    std::set<std::string> names;
+    for (const Quantity<dim> *quantity : shown)
+      for (const auto &array : quantity->arrays())
+        output.check(names.insert(array.name).second, "Fields",
+                     "shows two arrays with the name " + array.name + " for the domain " + domain->name +
+                         ": a field and a quantity. Leave one of them out.");
   }
 }
 

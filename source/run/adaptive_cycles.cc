@@ -59,16 +59,37 @@ bool AdaptiveCycles<dim>::run(const double t, Vector &x)
       break;
     }
 
-    const NewtonResult result = solve_on_refined_meshes(estimate, t, x);
-    if (!result.is_converged) {
-      log.step_ends("did not converge; the results are those before this cycle");
+    const auto result = try_cycle(estimate, t, x);
+    if (!result || !result->is_converged) {
+      log.step_ends(std::string(result ? "did not converge" : "cannot be done") +
+                    "; the results are those before this cycle");
       return false;
     }
-    n_newton_iterations = result.linear_iterations.size();
+    n_newton_iterations = result->linear_iterations.size();
     results.write_pictures({step.system(), x, t, true});
     results.measure({step.system(), x, t, true}, step.tolerance());
+    results.compare({step.system(), x, t, true});
   }
   return true;
+}
+
+/// Nothing if the refined meshes show that the input is wrong.
+template <int dim>
+std::optional<NewtonResult> AdaptiveCycles<dim>::try_cycle(const ErrorEstimate &estimate, const double t,
+                                                           Vector &x)
+{
+  try {
+    const NewtonResult result = solve_on_refined_meshes(estimate, t, x);
+    step.add_notes();
+    if (result.is_converged)
+      step.explain_solution(t, x);
+    else
+      step.explain_failure(t, x);
+    return result;
+  } catch (const UserError &) {
+    problem_of_cycle = std::current_exception();
+    return {};
+  }
 }
 
 template <int dim>

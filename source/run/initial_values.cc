@@ -203,11 +203,15 @@ std::vector<std::string> explain_range(const Model<dim> &model, const Vector &so
 {
   std::vector<std::string> sentences;
   const auto &blocks = model.numbering->blocks();
+  std::map<std::string, std::optional<std::array<double, 2>>> range_of_field;
   for (unsigned int b = 0; b < blocks.size(); ++b) {
     if (blocks[b].is_of_multipliers ||
         model.domains[blocks[b].domain_index]->fields()[blocks[b].field_index].n_components > 1)
       continue;
-    const auto range = given_range(model, blocks[b].field, t);
+    const auto [entry, is_new] = range_of_field.try_emplace(blocks[b].field);
+    if (is_new)
+      entry->second = given_range(model, blocks[b].field, t);
+    const auto &range = entry->second;
     if (!range)
       continue;
     const double smallest = solution.block(b).min(), largest = solution.block(b).max();

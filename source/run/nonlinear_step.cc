@@ -50,6 +50,8 @@ template <int dim>
 typename BlockSystem<dim>::Assemblies NonlinearStep<dim>::assemblies() const
 {
   auto sum = assemblies_of_released;
+  if (!present_system)
+    return sum;
   sum.of_tangent += present_system->assemblies().of_tangent;
   sum.of_residual += present_system->assemblies().of_residual;
   return sum;
@@ -72,7 +74,6 @@ void NonlinearStep<dim>::add_notes()
   notes.add(linear_solver.notes());
   if (problem)
     notes.add(problem->notes());
-  notes.add(jumps);
 }
 
 template <int dim>
@@ -91,6 +92,7 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x)
   if (present_system->is_outdated(t))
     set_up(t);
   const Phases::Scope scope(phases, "setup");
+  has_jumped = false;
   present_system->begin_step(t, x);
   problem->begin_step(t, x);
 }
@@ -101,15 +103,9 @@ NewtonResult NonlinearStep<dim>::iterate(Vector &x, const Newton::Start start)
   last_result = newton.solve(*problem, x, start);
   if (last_result.is_converged)
     problem->set_converged();
-  if (last_result.has_jumped) {
-    std::ostringstream words;
-    words.precision(4);
-    words
-        << "in the step to t = " << problem->time()
-        << " the solution jumps: the tangent became singular on the way, as where bodies or single cells "
-           "snap through. What comes after depends on the path; compare with smaller steps and a finer mesh";
-    jumps.push_back(words.str());
-  }
+  else
+    failure = describe_failure();
+  has_jumped = has_jumped || last_result.has_jumped;
   return last_result;
 }
 
@@ -194,27 +190,48 @@ std::string NonlinearStep<dim>::what_may_help() const
 template <int dim>
 void NonlinearStep<dim>::explain_solution(const double t, const Vector &x)
 {
+  if (has_jumped) {
+    std::ostringstream words;
+    words.precision(4);
+    words << "in the step to t = " << t
+          << " the solution jumps: the tangent became singular on the way, as where bodies or single cells "
+             "snap "
+             "through. What comes after depends on the path; compare with smaller steps and a finer mesh";
+    notes.add(words.str());
+  }
   notes.add(explain_range(model, x, t));
 }
 
+/// Before anything else is assembled.
 template <int dim>
-void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
+std::vector<std::string> NonlinearStep<dim>::describe_failure() const
 {
   const unsigned int part = problem->convergence().worst_part();
   const Block &block = model.numbering->blocks()[part];
   std::ostringstream words;
   words.precision(3);
-  words << "the step to t = " << t << " did not converge: " << what_failed() << " of the " << block.field
-        << (block.is_of_multipliers ? " at " : " of ") << block.name;
+  words << what_failed() << " of the " << block.field << (block.is_of_multipliers ? " at " : " of ")
+        << block.name;
   if (const auto place = place_of_largest(model, present_system->negative_residual(), part)) {
     words << ", in the cell at (" << (*place)[0];
     for (unsigned int d = 1; d < dim; ++d)
       words << ", " << (*place)[d];
     words << ')';
   }
-  notes.add(words.str() + ". " + what_may_help());
+  std::vector<std::string> sentences = {words.str() + ". " + what_may_help()};
   if (const Undefined &why = present_system->why_undefined())
-    notes.add("a state was tried that is not defined: " + why.reason);
+    sentences.push_back("a state was tried that is not defined: " + why.reason);
+  return sentences;
+}
+
+template <int dim>
+void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
+{
+  std::ostringstream words;
+  words.precision(3);
+  words << "the step to t = " << t << " did not converge: ";
+  for (unsigned int i = 0; i < failure.size(); ++i)
+    notes.add((i == 0 ? words.str() : "") + failure[i]);
 
   if (!present_system->assemble(x, true))
     return;

@@ -101,26 +101,26 @@ bool Simulation<dim>::run()
   bool is_converged = step_control.run(x);
   const double t = step_control.time();
   const bool has_results = step_control.n_done() > 0; // else nothing could be taken for a result
-  if (has_results)
+  if (has_results) {
     results.measure({step.system(), x, t, is_converged}, step.tolerance());
-  if (is_converged)
-    is_converged = adaptive_cycles.run(t, x);
-
-  const Solution<dim> solution = {step.system(), x, t, is_converged};
-  if (has_results)
-    results.compare(solution);
-  else {
+    results.compare({step.system(), x, t, is_converged});
+  } else {
     results.report()["dofs"] = model.numbering->n_dofs();
     log.line("  no results: the first step did not converge");
   }
   if (is_converged)
-    results.explain(solution);
-  results.measure_spectrum(solution, step.solve_groups());
+    is_converged = adaptive_cycles.run(t, x);
 
-  phases.add("tie", step.system().seconds_of_ties());
+  if (step.has_system()) {
+    const Solution<dim> solution = {step.system(), x, t, is_converged};
+    if (is_converged)
+      results.explain(solution);
+    results.measure_spectrum(solution, step.solve_groups());
+    phases.add("tie", step.system().seconds_of_ties());
+  }
   results.finish(is_converged, plan(), // the linear solver may have decided otherwise
                  count(model, step.assemblies(), step.solver(), results.n_files()));
-  for (const auto &problem : {step_control.problem(), results.problem()})
+  for (const auto &problem : {step_control.problem(), adaptive_cycles.problem(), results.problem()})
     if (problem)
       std::rethrow_exception(problem);
   return is_converged;

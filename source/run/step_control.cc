@@ -158,6 +158,7 @@ void StepControl<dim>::end_at_last_good(const double failed, const Vector &x)
   if (!problem_of_step)
     step.explain_failure(failed, x);
   step.begin(t, x);
+  results.forget_solution(); // the ties may have been set up anew
   if (n_good > 0 && !results.is_due(n_good))
     results.write_pictures({step.system(), x, t, false});
 }

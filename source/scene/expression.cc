@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <regex>
 
 namespace dovetail {
 
@@ -204,20 +205,20 @@ void Expression::Implementation::note_used_variables(const mu::Parser &parser)
 unsigned int Expression::Implementation::add_to_tape(const std::string &formula, const mu::Parser &parser)
 {
   const auto number = tape.add(formula);
-  if (!number && formula.find("table") != std::string::npos)
+  const bool has_table = std::regex_search(formula, std::regex("(^|[^A-Za-z0-9_])table\\s*\\("));
+  if (!number && has_table)
     fail(formula,
          "a table needs an argument and pairs of numbers, the first of which grow from pair to pair, as in "
          "table(T, 300, 11, 900, 19).");
   if (!number)
     fail(formula, "this formula cannot be evaluated.");
   for (const double sample : {0.37, 1.9, -0.43}) {
-    if (formula.find("table") != std::string::npos)
+    if (has_table)
       break;
     for (unsigned int i = 0; i < for_tape.size(); ++i)
-      for_tape[i] = i == 1      ? 0.7 - sample
-                    : i == 2    ? 1.1 * sample
-                    : i == time ? 1.7 * sample
-                                : 0.9 * (i > time) + sample;
+      for_tape[i] = i == 1 ? 0.7 - sample : i == 2 ? 1.1 * sample : i == time ? 1.7 * sample : sample;
+    for (unsigned int i = 0; i < known.scalars.size(); ++i)
+      for_tape[variable(i)] = 0.9 + 0.17 * i + sample;
     const double expected = parser.Eval(), value = *tape.values(*number, for_tape, 1);
     const bool agrees = std::isfinite(expected)
                             ? std::abs(value - expected) <= 1e-10 * std::abs(expected) + 1e-14

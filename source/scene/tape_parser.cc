@@ -211,18 +211,16 @@ private:
   /// Of any number of arguments.
   Number reduction(const std::string &name, const std::vector<Number> &arguments)
   {
-    const auto next_of = [&](const Number so_far, const Number argument) {
-      if (name == "min")
-        return choose(binary(Operation::less, argument, so_far), argument, so_far);
-      if (name == "max")
-        return choose(binary(Operation::less, so_far, argument), argument, so_far);
-      return name == "sum" || name == "avg" ? binary(Operation::sum, so_far, argument) : fail();
-    };
-    Number result = arguments[0];
-    if (arguments.size() == 1 && name != "min" && name != "max" && name != "sum" && name != "avg")
+    if (name != "min" && name != "max" && name != "sum" && name != "avg")
       return fail();
+    Number result = arguments[0];
     for (std::size_t i = 1; i < arguments.size(); ++i)
-      result = next_of(result, arguments[i]);
+      if (name == "min")
+        result = choose(binary(Operation::less, arguments[i], result), arguments[i], result);
+      else if (name == "max")
+        result = choose(binary(Operation::less, result, arguments[i]), arguments[i], result);
+      else
+        result = binary(Operation::sum, result, arguments[i]);
     return name == "avg" ? binary(Operation::quotient, result, constant(arguments.size())) : result;
   }
 

@@ -256,10 +256,29 @@ void Model<dim>::check_constants(const std::optional<double> t) const
       }
 }
 
-/// The domains in which a condition reaches a component of a field, directly or through interfaces.
+/// Whether a source depends on this component itself, and on others only if conditions hold these: a and b
+/// that react with each other may drift together.
+template <int dim>
+bool Model<dim>::is_held_by_reaction(const Domain<dim> &domain, const unsigned int c,
+                                     const std::optional<double> t) const
+{
+  if (!domain.material.coupling(c, c).source_by_value)
+    return false;
+  for (const Field &other : domain.fields())
+    for (unsigned int d = 0; d < other.n_components; ++d)
+      if (other.first_component + d != c &&
+          domain.material.coupling(c, other.first_component + d).of_source() &&
+          held_domains(other.name, d, t, false).count(&domain) == 0)
+        return false;
+  return true;
+}
+
+/// The domains in which a condition or a reaction reaches a component of a field, directly or through
+/// interfaces.
 template <int dim>
 std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field, const unsigned int component,
-                                                       const std::optional<double> t) const
+                                                       const std::optional<double> t,
+                                                       const bool with_reactions) const
 {
   const auto holds = [&](const Condition<dim> &condition) {
     const auto components = condition.prescribed_components();
@@ -276,12 +295,10 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
     for (const auto &condition : domains[d]->conditions())
       if (holds(*condition))
         is_held[first[d]] = true;
-  for (unsigned int d = 0; d < domains.size(); ++d) // a reaction
-    if (const Field *of_domain = domains[d]->material.find_field(field)) {
-      const unsigned int c = of_domain->first_component + component;
-      if (domains[d]->material.coupling(c, c).source_by_value)
+  for (unsigned int d = 0; with_reactions && d < domains.size(); ++d)
+    if (const Field *of_domain = domains[d]->material.find_field(field))
+      if (is_held_by_reaction(*domains[d], of_domain->first_component + component, t))
         is_held[first[d]] = true;
-    }
   std::set<const Domain<dim> *> held;
   for (unsigned int d = 0; d < domains.size(); ++d)
     if (is_held[first[d]])

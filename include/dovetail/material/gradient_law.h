@@ -97,7 +97,7 @@ public:
   }
 
   bool is_linear() const override { return !K.depends_on_scalars(); }
-  bool is_symmetric() const override { return !K.depends_on_scalars() && K.is_symmetric(); }
+  bool is_symmetric() const override { return K.is_symmetric(); }
   bool depends_on_scalar(const unsigned int s) const override { return K.depends_on_scalar(s); }
   bool depends_on_time() const override { return K.depends_on_time(); }
 

@@ -31,8 +31,8 @@ public:
   const Field *find_field(const std::string &field_name) const; ///< nullptr if it has no such field
   unsigned int n_components() const;
 
-  /// @return false if a law is not defined at this state. A field that is not known (its first value is NaN:
-  /// an interface does not know the fields that it does not tie) gets NaN. Derivatives that vanish
+  /// @return false if a law is not defined at this state. A term that needs a component whose value is
+  /// NaN gives NaN: an interface does not know the fields that it does not tie. Derivatives that vanish
   /// identically are not touched; coupling() tells them.
   bool evaluate(const State<dim> &state, bool with_derivatives, Response<dim> &response) const;
 
@@ -78,6 +78,7 @@ private:
 
   std::vector<Field> all_fields;
   std::vector<std::unique_ptr<Term<dim>>> terms;
+  std::vector<std::vector<unsigned int>> needed_by;   ///< components, by term
   std::vector<Coupling> couplings;                    ///< of components (c, d) at c * n + d
   std::vector<unsigned int> flux_pairs, source_pairs; ///< those that have derivatives
 };

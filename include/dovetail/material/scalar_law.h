@@ -61,8 +61,8 @@ public:
   virtual void curvature(const ScalarState &state, const dealii::Tensor<1, 3> &w,
                          Curvature &result) const = 0;
 
-  virtual bool is_linear() const = 0;    ///< A is linear in G and depends on no scalar
-  virtual bool is_symmetric() const = 0; ///< dA/dG is, and A does not depend on its own scalar
+  virtual bool is_linear() const = 0;                       ///< A is linear in G and depends on no scalar
+  virtual bool is_symmetric() const = 0;                    ///< dA/dG is
   virtual bool depends_on_scalar(unsigned int s) const = 0; ///< through its value
   virtual bool depends_on_time() const = 0;                 ///< through t itself
 };

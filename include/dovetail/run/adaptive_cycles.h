@@ -9,6 +9,9 @@
 #include <dovetail/run/nonlinear_step.h>
 #include <dovetail/system/error_estimate.h>
 
+#include <exception>
+#include <optional>
+
 namespace dovetail {
 
 /// After the last step: estimate the error, refine, solve the end time again, `Adaptive cycles` times.
@@ -26,7 +29,10 @@ public:
   /// last stays if a cycle does not converge. @return whether all did. Collective.
   bool run(double t, Vector &x);
 
+  std::exception_ptr problem() const { return problem_of_cycle; } ///< wrong input that a cycle has found
+
 private:
+  std::optional<NewtonResult> try_cycle(const ErrorEstimate &estimate, double t, Vector &x);
   NewtonResult solve_on_refined_meshes(const ErrorEstimate &estimate, double t, Vector &x);
 
   Model<dim> &model;
@@ -36,6 +42,7 @@ private:
   Log &log;
   unsigned int n_cycles;
   double share; ///< of the estimated error squared, in the cells that are refined
+  std::exception_ptr problem_of_cycle;
 };
 
 } // namespace dovetail

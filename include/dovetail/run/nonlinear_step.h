@@ -60,12 +60,14 @@ public:
   bool is_linear() const { return model.is_linear(); }
   double tolerance() const { return newton.residual_tolerance(); } ///< of the residual, relative
   BlockSystem<dim> &system() { return *present_system; }
+  bool has_system() const { return present_system && problem; } ///< not if the meshes have changed in vain
   const LinearSolver &solver() const { return linear_solver; }
   std::vector<SolveGroup> solve_groups() const;
   typename BlockSystem<dim>::Assemblies assemblies() const; ///< of all systems so far
 
 private:
   void set_up(double t);
+  std::vector<std::string> describe_failure() const;
   std::string what_failed() const;
   std::string what_may_help() const;
 
@@ -78,7 +80,8 @@ private:
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<StepProblem<dim>> problem;
   NewtonResult last_result;
-  std::vector<std::string> jumps;                               ///< what is noted of them
+  bool has_jumped = false;                                      ///< in this step, past a limit point
+  std::vector<std::string> failure;                             ///< of the last iteration that failed
   typename BlockSystem<dim>::Assemblies assemblies_of_released; ///< systems
 };
 

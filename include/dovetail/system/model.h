@@ -74,7 +74,8 @@ private:
   /// At a time, or with everything active.
   void check_constants(std::optional<double> t = {}) const;
   std::set<const Domain<dim> *> held_domains(const std::string &field, unsigned int component,
-                                             std::optional<double> t) const;
+                                             std::optional<double> t, bool with_reactions = true) const;
+  bool is_held_by_reaction(const Domain<dim> &domain, unsigned int c, std::optional<double> t) const;
 };
 
 } // namespace dovetail

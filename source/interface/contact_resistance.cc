@@ -20,6 +20,7 @@
 
 #include <dovetail/interface/elastic_joint.h>
 #include <dovetail/interface/nitsche.h>
+#include <dovetail/material/temperature.h>
 #include <dovetail/scene/undefined.h>
 
 #include <deal.II/base/mpi.h>
@@ -126,7 +127,7 @@ void ContactResistance<dim>::set_fields(const Section &section, const std::vecto
   for (const TiedField &field : fields)
     if (field.n_components == 1) {
       ++n_scalars;
-      section.check(!conductance.depends_on_scalars() || field.name == "temperature", "Conductance",
+      section.check(!conductance.depends_on_scalars() || is_temperature(field.name), "Conductance",
                     "depends on the temperature T, but belongs to the " + field.name +
                         ": give it in x, y, z and t.");
     }

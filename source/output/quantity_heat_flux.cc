@@ -2,7 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 //
 // The physical heat flux per undeformed area, q = -A = -K grad T (Fourier 1822): minus the influx A of
-// heat_law.h. NaN where the law is not defined.
+// scalar_law.h. NaN where the law is not defined.
 //
 //     set Quantity = heat flux
 

@@ -18,7 +18,6 @@
 //       set Conductance = 2000 + 3*T      # W/(m^2 K)
 //     end
 
-#include <dovetail/interface/elastic_joint.h>
 #include <dovetail/interface/nitsche.h>
 #include <dovetail/material/temperature.h>
 #include <dovetail/scene/undefined.h>
@@ -34,7 +33,7 @@ namespace dovetail {
 namespace {
 
 template <int dim>
-class ContactResistance : public Nitsche<dim>, public ElasticJoint
+class ContactResistance : public Nitsche<dim>
 {
 public:
   explicit ContactResistance(const Section &section)

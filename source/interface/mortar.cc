@@ -31,7 +31,6 @@
 #include <dovetail/interface/multiplier_space.h>
 #include <dovetail/interface/side_ratios.h>
 #include <dovetail/interface/trace_eigenvalue.h>
-#include <dovetail/interface/transmission.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -43,7 +42,7 @@ namespace dovetail {
 namespace {
 
 template <int dim>
-class Mortar : public Tie<dim>, public Transmits
+class Mortar : public Tie<dim>
 {
 public:
   using Index = dealii::types::global_dof_index;
@@ -412,7 +411,7 @@ void Mortar<dim>::numerical_flux(const Interface<dim> &interface, const TiedFiel
   if (!space || !space->has_coefficients()) // the tie has not been active yet
     return Tie<dim>::numerical_flux(interface, field, q, state, flux, jump, result);
   for (unsigned int c = 0; c < result.size(); ++c)
-    result[c] = space->value(&field - interface.fields.data(), c, q);
+    result[c] = space->value(field.index, c, q);
 }
 
 template <int dim>

@@ -627,7 +627,7 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
 {
   if (parameters.empty()) // the tie has not been active yet
     return Tie<dim>::numerical_flux(interface, field, q, of_sides, flux, jump, result);
-  const Parameters &p = parameters[(&field - interface.fields.data()) * interface.pairing().n_points() + q];
+  const Parameters &p = parameters[field.index * interface.pairing().n_points() + q];
   for (const unsigned int side : {source, destination})
     if (const auto known = central_flux.find(&p - parameters.data());
         p.weight[side] != 0 && sides.is_central(side, q) && known != central_flux.end()) {
@@ -820,8 +820,8 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
   for (const unsigned int side : {source, destination}) {
     const double sign = side == source ? 1 : -1;
     const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
-    const unsigned int f = &field - interface.fields.data();
-    const double *trial = interface.pairing().trial(side, q, f), *test = interface.pairing().test(side, q, f);
+    const double *trial = interface.pairing().trial(side, q, field.index),
+                 *test = interface.pairing().test(side, q, field.index);
     for (const unsigned int component : interface.components[side]) {
       const unsigned int c = component - field.first_component[side]; // wraps if not of this field
       for (unsigned int a = 0; a < n_nodes; ++a, ++i)

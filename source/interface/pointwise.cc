@@ -20,7 +20,6 @@
 #include <dovetail/interface/interface.h>
 #include <dovetail/interface/partner_shapes.h>
 #include <dovetail/interface/side_ratios.h>
-#include <dovetail/interface/transmission.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/dofs/dof_tools.h>
@@ -34,7 +33,7 @@ namespace dovetail {
 namespace {
 
 template <int dim>
-class Pointwise : public Tie<dim>, public Transmits
+class Pointwise : public Tie<dim>
 {
 public:
   explicit Pointwise(const Section &) {}

@@ -30,18 +30,15 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
   const unsigned int n = n_components();
   couplings.resize(n * n);
   for (const auto &term : terms) {
-    for (unsigned int c = term->field.first_component;
-         c < term->field.first_component + term->field.n_components; ++c)
-      for (unsigned int d = 0; d < n; ++d)
-        couplings[c * n + d] |= term->coupling(c, d);
-  }
-  for (const auto &term : terms) {
-    const unsigned int first = term->field.first_component;
+    const unsigned int first = term->field.first_component, end = first + term->field.n_components;
     needed_by.emplace_back();
     for (unsigned int d = 0; d < n; ++d) {
-      bool is_needed = d >= first && d < first + term->field.n_components;
-      for (unsigned int c = first; c < first + term->field.n_components; ++c)
-        is_needed = is_needed || term->coupling(c, d).any();
+      bool is_needed = d >= first && d < end;
+      for (unsigned int c = first; c < end; ++c) {
+        const Coupling coupling = term->coupling(c, d);
+        couplings[c * n + d] |= coupling;
+        is_needed = is_needed || coupling.any();
+      }
       if (is_needed)
         needed_by.back().push_back(d);
     }

@@ -11,14 +11,6 @@ namespace dovetail {
 
 using dealii::Tensor;
 
-namespace {
-/// (i, J) -> D_iJ33 for a tensor with major symmetry.
-Tensor<2, 3> across(const Tensor<4, 3> &D)
-{
-  return D[2][2];
-}
-} // namespace
-
 /// Newton's method, halved where the law is not defined. It ends with a whole update that changes nothing any
 /// more, or that rounding alone keeps alive.
 bool PlaneStress::find_thickness(Tensor<2, 3> &H, const double e, Response &response) const
@@ -60,7 +52,7 @@ bool PlaneStress::evaluate(const Tensor<2, 3> &H, const double e, const bool wit
   response.P[2][2] = 0;
   if (!with_derivatives)
     return true;
-  const Tensor<2, 3> D_33 = across(response.dP_dF);
+  const Tensor<2, 3> D_33 = response.dP_dF[2][2]; // by major symmetry also dP/dF_33
   const double stiffness = D_33[2][2], by_e = response.dP_de[2][2];
   for (unsigned int i = 0; i < 3; ++i)
     for (unsigned int J = 0; J < 3; ++J)
@@ -76,7 +68,7 @@ SolidLaw::Curvature PlaneStress::curvature(const Tensor<2, 3> &H, const double e
   const bool is_defined = find_thickness(full, e, response);
   (void)is_defined;
   Assert(is_defined, dealii::ExcMessage("The curvature exists only where evaluate() succeeds."));
-  const Tensor<2, 3> D_33 = across(response.dP_dF);
+  const Tensor<2, 3> D_33 = response.dP_dF[2][2]; // by major symmetry also dP/dF_33
   Tensor<2, 3> w_full = w;
   w_full[2][2] = 0;
   w_full[2][2] = -scalar_product(w_full, D_33) / D_33[2][2];
@@ -84,7 +76,7 @@ SolidLaw::Curvature PlaneStress::curvature(const Tensor<2, 3> &H, const double e
   const double z_e = -response.dP_de[2][2] / D_33[2][2]; // dz/de
 
   const Curvature K = law->curvature(full, e, w_full);
-  const Tensor<2, 3> K_33 = across(K.FF);
+  const Tensor<2, 3> K_33 = K.FF[2][2];
   Curvature result = K;
   for (unsigned int i = 0; i < 3; ++i)
     for (unsigned int J = 0; J < 3; ++J)

@@ -77,10 +77,16 @@ void fill(const QuantityList<dim> &quantities, DomainPoint<dim> &point, const un
 
 } // namespace
 
+template <int structdim, int dim>
+QuantityPicture<structdim, dim>::QuantityPicture(const QuantityList<dim> &quantities)
+    : names(names_of(quantities))
+{
+}
+
 template <int dim>
 DomainPicture<dim>::DomainPicture(const Domain<dim> &domain, const QuantityList<dim> &quantities,
                                   const Vector &solution, const double t)
-    : names(names_of(quantities))
+    : QuantityPicture<dim, dim>(quantities)
 {
   DomainPoint<dim> point(domain, solution, t);
   dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(), points_of_patch<dim>(domain),
@@ -89,15 +95,15 @@ DomainPicture<dim>::DomainPicture(const Domain<dim> &domain, const QuantityList<
     if (cell->is_locally_owned()) {
       values.reinit(cell);
       point.enter(values);
-      Patch patch;
-      patch.patch_index = patches.size();
+      typename DomainPicture::Patch patch;
+      patch.patch_index = this->patches.size();
       patch.reference_cell = domain.cell_shape();
       patch.n_subdivisions = domain.has_simplices() ? 1 : domain.degree;
       for (const unsigned int v : cell->vertex_indices())
         patch.vertices[v] = cell->vertex(v);
       patch.points_are_available = domain.mapping_degree() > 1 || domain.has_simplices();
-      fill<dim>(quantities, point, values.n_quadrature_points, names.size(), patch);
-      patches.push_back(std::move(patch));
+      fill<dim>(quantities, point, values.n_quadrature_points, this->names.size(), patch);
+      this->patches.push_back(std::move(patch));
     }
 }
 
@@ -105,7 +111,7 @@ DomainPicture<dim>::DomainPicture(const Domain<dim> &domain, const QuantityList<
 template <int dim>
 BoundaryPicture<dim>::BoundaryPicture(const Domain<dim> &domain, const QuantityList<dim> &quantities,
                                       const Vector &solution, const double t)
-    : names(names_of(quantities))
+    : QuantityPicture<dim - 1, dim>(quantities)
 {
   DomainPoint<dim> point(domain, solution, t);
   dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
@@ -114,16 +120,20 @@ BoundaryPicture<dim>::BoundaryPicture(const Domain<dim> &domain, const QuantityL
     if (face.cell->is_locally_owned()) {
       values.reinit(face.cell, face.number);
       point.enter(values, &face);
-      Patch patch;
-      patch.patch_index = patches.size();
+      typename BoundaryPicture::Patch patch;
+      patch.patch_index = this->patches.size();
       patch.reference_cell = domain.face_shape();
       patch.n_subdivisions = domain.has_simplices() && dim == 3 ? 1 : domain.degree;
       patch.points_are_available = true;
-      fill<dim>(quantities, point, values.n_quadrature_points, names.size(), patch);
-      patches.push_back(std::move(patch));
+      fill<dim>(quantities, point, values.n_quadrature_points, this->names.size(), patch);
+      this->patches.push_back(std::move(patch));
     }
 }
 
+template class QuantityPicture<1, 2>;
+template class QuantityPicture<2, 2>;
+template class QuantityPicture<2, 3>;
+template class QuantityPicture<3, 3>;
 template class DomainPicture<2>;
 template class DomainPicture<3>;
 template class BoundaryPicture<2>;

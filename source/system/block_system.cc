@@ -134,10 +134,9 @@ void BlockSystem<dim>::make_relevant_set(const double t)
         const auto &of_term = interface->tie().term_dofs(i);
         all.insert(all.end(), of_term.begin(), of_term.end());
       }
-      if (const auto *transmits = dynamic_cast<const Transmits *>(&interface->tie()))
-        for (const HeldUnknown &held : transmits->held())
-          for (const auto &[dof, weight] : held.source)
-            all.push_back(dof);
+      for (const HeldUnknown &held : interface->tie().held())
+        for (const auto &[dof, weight] : held.source)
+          all.push_back(dof);
     }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());

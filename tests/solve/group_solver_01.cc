@@ -8,7 +8,7 @@
 //
 // ranks: 1, 2, 3
 
-#include "../system/scene_model.h"
+#include "tied_cubes.h"
 
 #include <dovetail/scene/user_error.h>
 #include <dovetail/solve/krylov.h>
@@ -87,21 +87,6 @@ private:
 const bool registered =
     SolverCatalogue::add<Jacobi>("Jacobi", "For this test.") && SolverCatalogue::add<Bad>("bad", "Likewise.");
 
-std::string scene(const std::string &tie)
-{
-  const auto body = [](const std::string &arguments, const std::string &id, const std::string &value) {
-    return set("Material", "one") + set("Boundary conditions", "end") +
-           subsection("Boundary condition end", set("Type", "value") + set("Field", "temperature") +
-                                                    set("Boundary ids", id) + set("Expression", value)) +
-           box(arguments);
-  };
-  return set("Materials", "one") + set("Domains", "left, right") + set("Interfaces", "seam") +
-         subsection("Material one", subsection("Heat", set("Type", "Fourier") + set("Conductivity", "3"))) +
-         subsection("Domain left", body("4, 4, 5 : 0, 0, 0 : 1, 1, 1", "0", "y*z")) +
-         subsection("Domain right", body("3, 5, 4 : 1, 0, 0 : 2, 1, 1", "1", "2 + y")) +
-         subsection("Interface seam", tie + set("Source", "left : 1") + set("Destination", "right : 0"));
-}
-
 SolveGroup group_of(const Model<3> &model)
 {
   SolveGroup group;
@@ -114,7 +99,7 @@ SolveGroup group_of(const Model<3> &model)
 
 void check(const std::string &name, const std::string &tie, const std::vector<std::string> &settings)
 {
-  SceneModel<3> scene_model(scene(tie));
+  SceneModel<3> scene_model(tied_cubes(tie));
   BlockSystem<3> system(scene_model.model);
   system.set_up(1.);
   Vector x = system.owned_vector();

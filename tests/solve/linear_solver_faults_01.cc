@@ -10,7 +10,7 @@
 //
 // ranks: 2 3
 
-#include "../system/scene_model.h"
+#include "tied_cubes.h"
 
 #include <dovetail/solve/linear_solver.h>
 
@@ -20,21 +20,6 @@
 using namespace test;
 
 namespace {
-
-std::string scene(const std::string &tie)
-{
-  const auto body = [](const std::string &arguments, const std::string &id, const std::string &value) {
-    return set("Material", "one") + set("Boundary conditions", "end") +
-           subsection("Boundary condition end", set("Type", "value") + set("Field", "temperature") +
-                                                    set("Boundary ids", id) + set("Expression", value)) +
-           box(arguments);
-  };
-  return set("Materials", "one") + set("Domains", "left, right") + set("Interfaces", "seam") +
-         subsection("Material one", subsection("Heat", set("Type", "Fourier") + set("Conductivity", "3"))) +
-         subsection("Domain left", body("4, 4, 5 : 0, 0, 0 : 1, 1, 1", "0", "y*z")) +
-         subsection("Domain right", body("3, 5, 4 : 1, 0, 0 : 2, 1, 1", "1", "2 + y")) +
-         subsection("Interface seam", tie + set("Source", "left : 1") + set("Destination", "right : 0"));
-}
 
 /// One group of all blocks, as a simulation makes it.
 SolveGroup group_of(const Model<3> &model)
@@ -63,7 +48,7 @@ std::string outcome(const std::optional<unsigned int> &n_iterations, const Linea
 
 void check(const std::string &name, const std::string &tie)
 {
-  SceneModel<3> scene_model(scene(tie));
+  SceneModel<3> scene_model(tied_cubes(tie));
   BlockSystem<3> system(scene_model.model);
   system.set_up(1.);
   Vector x = system.owned_vector();

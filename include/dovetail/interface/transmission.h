@@ -29,20 +29,4 @@ struct HeldUnknown
   std::vector<std::pair<dealii::types::global_dof_index, double>> source;
 };
 
-/// The part of a tie that acts by constraints and multipliers; for ties that have one.
-class Transmits
-{
-public:
-  virtual ~Transmits() = default;
-
-  /// After find_multipliers: what it gives the sides, this rank's.
-  virtual std::vector<Transmission> transmissions() const = 0;
-  /// After add_constraints: unknowns of this rank that miss in them because they are prescribed.
-  virtual const std::vector<HeldUnknown> &held() const
-  {
-    static const std::vector<HeldUnknown> none;
-    return none;
-  }
-};
-
 } // namespace dovetail

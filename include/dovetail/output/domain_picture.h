@@ -26,58 +26,49 @@ group_by_name(const std::vector<std::string> &names);
 template <int dim>
 using QuantityList = std::vector<const Quantity<dim> *>;
 
-/// The undeformed cells of a domain at one time with some of its quantities, evaluated in each cell and not
-/// averaged between cells.
+/// Patches of dimension structdim with some quantities of a domain, evaluated in each cell and not averaged
+/// between cells.
+template <int structdim, int dim>
+class QuantityPicture : public Picture<structdim, dim>
+{
+public:
+  using Patch = dealii::DataOutBase::Patch<structdim, dim>;
+
+protected:
+  explicit QuantityPicture(const QuantityList<dim> &quantities);
+
+  const std::vector<Patch> &get_patches() const override { return patches; }
+  std::vector<std::string> get_dataset_names() const override { return names; }
+  std::vector<std::tuple<unsigned int, unsigned int, std::string,
+                         dealii::DataComponentInterpretation::DataComponentInterpretation>>
+  get_nonscalar_data_ranges() const override
+  {
+    return group_by_name(names);
+  }
+
+  const std::vector<std::string> names; ///< one for each number
+  std::vector<Patch> patches;
+};
+
+/// The undeformed cells of a domain at one time.
 ///
 /// A hypercube of degree p is one patch of p^dim parts, a simplex is one linear or quadratic cell of VTK.
 /// deal.II's DataOut would do, but knows only names without blanks and tensors of the dimension of space.
 template <int dim>
-class DomainPicture : public Picture<dim>
+class DomainPicture : public QuantityPicture<dim, dim>
 {
 public:
-  using Patch = dealii::DataOutBase::Patch<dim>;
-
   DomainPicture(const Domain<dim> &domain, const QuantityList<dim> &quantities,
                 const Vector &ghosted_solution, double t);
-
-protected:
-  const std::vector<Patch> &get_patches() const override { return patches; }
-  std::vector<std::string> get_dataset_names() const override { return names; }
-  std::vector<std::tuple<unsigned int, unsigned int, std::string,
-                         dealii::DataComponentInterpretation::DataComponentInterpretation>>
-  get_nonscalar_data_ranges() const override
-  {
-    return group_by_name(names);
-  }
-
-private:
-  const std::vector<std::string> names;
-  std::vector<Patch> patches;
 };
 
-/// The same of the faces of its boundary, for quantities that are known only there.
+/// The faces of its boundary, for quantities that are known only there.
 template <int dim>
-class BoundaryPicture : public Picture<dim - 1, dim>
+class BoundaryPicture : public QuantityPicture<dim - 1, dim>
 {
 public:
-  using Patch = dealii::DataOutBase::Patch<dim - 1, dim>;
-
   BoundaryPicture(const Domain<dim> &domain, const QuantityList<dim> &quantities,
                   const Vector &ghosted_solution, double t);
-
-protected:
-  const std::vector<Patch> &get_patches() const override { return patches; }
-  std::vector<std::string> get_dataset_names() const override { return names; }
-  std::vector<std::tuple<unsigned int, unsigned int, std::string,
-                         dealii::DataComponentInterpretation::DataComponentInterpretation>>
-  get_nonscalar_data_ranges() const override
-  {
-    return group_by_name(names);
-  }
-
-private:
-  const std::vector<std::string> names;
-  std::vector<Patch> patches;
 };
 
 } // namespace dovetail

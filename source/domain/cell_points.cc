@@ -23,9 +23,28 @@ void evaluate_state(const unsigned int n_components, const unsigned int n_nodes,
 }
 
 template <int dim>
+CellPoints<dim>::CellPoints(const Domain<dim> &domain, const double t)
+    : domain(domain), state(domain.n_components()), response(domain.n_components()), shape(domain.n_nodes()),
+      gradient(domain.n_nodes()), trial_memory(domain.material.initial_memory())
+{
+  state.t = t;
+  const std::vector<double> &initial = domain.material.initial_memory();
+  state.memory = {{initial.data(), initial.size()}, {trial_memory.data(), trial_memory.size()}};
+}
+
+template <int dim>
+void CellPoints<dim>::remember()
+{
+  if (domain.memory && cell.state() == dealii::IteratorState::valid)
+    state.memory.accepted = domain.memory->nearest(cell, state.X);
+}
+
+template <int dim>
 void CellPoints<dim>::reinit(const dealii::FEValuesBase<dim> &values, const unsigned int q,
                              const std::vector<double> &unknowns)
 {
+  if (domain.memory)
+    cell = values.get_cell();
   for (unsigned int a = 0; a < shape.size(); ++a) {
     shape[a] = values.shape_value(a, q);
     gradient[a] = values.shape_grad(a, q);
@@ -39,6 +58,7 @@ void CellPoints<dim>::reinit(const dealii::Point<dim> &X, const double *shape_va
                              const std::vector<double> &unknowns)
 {
   state.X = X;
+  remember();
   evaluate_state<dim>(domain.n_components(), shape.size(), shape_values, shape_gradients, unknowns.data(),
                       state);
 }

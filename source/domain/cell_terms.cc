@@ -2,7 +2,6 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_terms.h>
-#include <dovetail/domain/quadrature.h>
 #include <dovetail/scene/undefined.h>
 
 #include <algorithm>
@@ -15,8 +14,7 @@ namespace dovetail {
 template <int dim>
 CellTerms<dim>::CellTerms(const Domain<dim> &domain)
     : domain(domain), n(domain.n_components()), n_nodes(domain.n_nodes()),
-      cell_values(domain.mapping(), domain.scalar_element(),
-                  gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
+      cell_values(domain.mapping(), domain.scalar_element(), domain.cell_quadrature(),
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
@@ -112,6 +110,22 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
   if (has_boundary)
     add_boundary_terms(cell, t, unknowns, residual, nullptr);
   return has_source || has_boundary;
+}
+
+template <int dim>
+bool CellTerms<dim>::evaluate_memory(const typename Domain<dim>::cell_iterator &cell, const double t,
+                                     const std::vector<double> &unknowns)
+{
+  point.state.t = t;
+  cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+  has_uniform_tangent = false; // what comes next is not compared with the cell before
+  for (const unsigned int q : cell_values.quadrature_point_indices()) {
+    point.reinit(cell_values, q, unknowns);
+    if (!point.evaluate(false))
+      return false;
+    domain.memory->set_trial(cell, q, point.state.memory.trial);
+  }
+  return true;
 }
 
 template <int dim>

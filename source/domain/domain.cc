@@ -5,10 +5,12 @@
 #include <dovetail/domain/domain.h>
 #include <dovetail/domain/is_covered.h>
 #include <dovetail/domain/mesh_size.h>
+#include <dovetail/domain/quadrature.h>
 #include <dovetail/domain/simplices.h>
 
 #include <dovetail/compatibility.h>
 
+#include <deal.II/distributed/cell_data_transfer.templates.h>
 #include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_q.h>
@@ -97,6 +99,7 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
   measure_box(communicator);
   dofs.reinit(*triangulation);
   distribute_dofs();
+  make_memory();
 }
 
 template <int dim>
@@ -266,6 +269,40 @@ void Domain<dim>::distribute_dofs()
 }
 
 template <int dim>
+dealii::Quadrature<dim> Domain<dim>::cell_quadrature() const
+{
+  return gauss_rule<dim>(cell_shape(), degree + 1);
+}
+
+template <int dim>
+void Domain<dim>::make_memory()
+{
+  if (material.has_memory())
+    memory = std::make_unique<CellMemory<dim>>(*triangulation, *cell_mapping, cell_quadrature(),
+                                               material.initial_memory());
+}
+
+/// As marked; the parts of a cell remember what it did, also on another rank.
+template <int dim>
+void Domain<dim>::divide_cells()
+{
+  if (!memory) {
+    triangulation->execute_coarsening_and_refinement();
+    return;
+  }
+  using OfCells = typename CellMemory<dim>::OfCells;
+  dealii::parallel::distributed::CellDataTransfer<dim, dim, OfCells> transfer(
+      dynamic_cast<const dealii::parallel::distributed::Triangulation<dim> &>(*triangulation), true);
+  OfCells of_cells = memory->pack();
+  transfer.prepare_for_coarsening_and_refinement(of_cells);
+  triangulation->execute_coarsening_and_refinement();
+  OfCells of_parts(triangulation->n_active_cells());
+  transfer.unpack(of_parts);
+  make_memory();
+  memory->unpack(of_parts);
+}
+
+template <int dim>
 bool Domain<dim>::can_refine() const
 {
   return dynamic_cast<const dealii::parallel::distributed::Triangulation<dim> *>(triangulation.get()) !=
@@ -282,7 +319,7 @@ Domain<dim>::refine(const std::vector<bool> &marked, const dealii::TrilinosWrapp
   triangulation->prepare_coarsening_and_refinement();
   SolutionTransfer<dim, dealii::TrilinosWrappers::MPI::Vector> transfer(dofs);
   transfer.prepare_for_coarsening_and_refinement(ghosted);
-  triangulation->execute_coarsening_and_refinement();
+  divide_cells();
 
   const MPI_Comm communicator = ghosted.get_mpi_communicator();
   examine_cells(section.subsection("Mesh"), *triangulation, *cell_mapping, scalar_element(), communicator);

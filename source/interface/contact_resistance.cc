@@ -70,7 +70,7 @@ public:
   bool holds(const TiedField &field) const override { return !law_of(field).is_zero(); }
   bool surely_holds(const TiedField &field, double t) const override;
   bool allows_jump(const TiedField & /*field*/) const override { return true; }
-  void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+  void begin_step(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                   const MPI_Comm &communicator) override;
 
 protected:
@@ -195,8 +195,7 @@ bool ContactResistance<dim>::explain(const TiedField &field, const dealii::Point
 /// What does not depend on the solution must be right from the start; the rest makes a step shorter.
 template <int dim>
 void ContactResistance<dim>::begin_step(const Interface<dim> &interface, const double t,
-                                        const typename Tie<dim>::Unknowns &unknowns,
-                                        const MPI_Comm &communicator)
+                                        const ValuesOf &unknowns, const MPI_Comm &communicator)
 {
   for (const TiedField &field : interface.fields) {
     const Expression &law = law_of(field);

@@ -12,9 +12,8 @@
 namespace dovetail {
 
 template <int dim>
-typename GradientChange<dim>::Gradients
-GradientChange<dim>::gradients_at(const Interface<dim> &interface,
-                                  const typename Tie<dim>::Unknowns &values_of) const
+typename GradientChange<dim>::Gradients GradientChange<dim>::gradients_at(const Interface<dim> &interface,
+                                                                          const ValuesOf &values_of) const
 {
   Gradients result;
   SidePoints<dim> points(interface, 0);
@@ -32,14 +31,13 @@ GradientChange<dim>::gradients_at(const Interface<dim> &interface,
 }
 
 template <int dim>
-void GradientChange<dim>::start(const Interface<dim> &interface, const typename Tie<dim>::Unknowns &values_of)
+void GradientChange<dim>::start(const Interface<dim> &interface, const ValuesOf &values_of)
 {
   last = gradients_at(interface, values_of);
 }
 
 template <int dim>
-double GradientChange<dim>::advance(const Interface<dim> &interface,
-                                    const typename Tie<dim>::Unknowns &values_of,
+double GradientChange<dim>::advance(const Interface<dim> &interface, const ValuesOf &values_of,
                                     const MPI_Comm &communicator)
 {
   const Pairing<dim> &pairing = interface.pairing();

@@ -198,6 +198,7 @@ void Interface<dim>::read_fields()
           tied.n_components = of_side.n_components;
           tied.first_component[side] = of_side.first_component;
           tied.field[side] = f;
+          tied.has_curvature = tied.has_curvature && sides[side].domain->material.has_curvature(f);
         }
     fields.push_back(tied);
   }
@@ -231,6 +232,7 @@ void Interface<dim>::pair(const MPI_Comm &communicator)
       return own_share_of_gap(*this, field, own, {{geometry->X(source, q), geometry->X(destination, q)}});
     });
   geometry->extend(shares);
+  memory.set_points(*geometry, sides, communicator);
   report_uncovered(communicator);
 }
 
@@ -245,6 +247,7 @@ void Interface<dim>::follow(const Interface &other)
 {
   all_work += other.all_work;
   options.least_reach = (1 + 1e-6) * other.pairing().coverage().largest_gap;
+  memory = other.memory;
 }
 
 /// The smallest distance of some points of the source to the destination; negative if it is that of a point

@@ -29,8 +29,8 @@
 
 #include <dovetail/interface/follower_lines.h>
 #include <dovetail/interface/multiplier_space.h>
+#include <dovetail/interface/penalty.h>
 #include <dovetail/interface/side_ratios.h>
-#include <dovetail/interface/trace_eigenvalue.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -42,18 +42,15 @@ namespace dovetail {
 namespace {
 
 template <int dim>
-class Mortar : public Tie<dim>
+class Mortar : public Tie<dim>, public Elimination<dim>, public Multipliers<dim>, public FluxRecovery<dim>
 {
 public:
   using Index = dealii::types::global_dof_index;
 
   explicit Mortar(const Section &section);
 
+  TieParts<dim> parts() override { return {nullptr, this, this, this}; }
   std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
-  bool is_strong() const override { return true; }
-  bool has_multipliers() const override { return true; }
-  bool needs_forces() const override { return is_dual; }
-  bool has_flux() const override { return true; }
   bool has_constant_tangent(const Interface<dim> &interface) const override
   {
     return is_dual || interface.has_constant_fluxes();
@@ -64,10 +61,10 @@ public:
   }
   void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                        const MPI_Comm &communicator) override;
-  void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
+  void begin_step(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                   const MPI_Comm &communicator) override;
-  bool refreeze(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns,
-                const MPI_Comm &communicator) override;
+  bool update_penalties(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
+                        const MPI_Comm &communicator) override;
 
   unsigned int n_multipliers(const Interface<dim> &interface, const TiedField &field) const override;
   unsigned int n_terms() const override { return terms.size(); }
@@ -77,8 +74,8 @@ public:
 
   double magnitude_of_term(unsigned int term, const std::vector<double> &unknowns) const override;
 
-  void find_multipliers(const Interface<dim> &interface, const typename Tie<dim>::Owned &solution,
-                        const typename Tie<dim>::Owned &force, const MPI_Comm &communicator) override;
+  void find_multipliers(const Interface<dim> &interface, const ValueAt &solution, const ValueAt &force,
+                        const MPI_Comm &communicator) override;
   std::vector<Transmission> transmissions() const override { return transmitted; }
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
                       const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
@@ -105,10 +102,8 @@ private:
   void add_lines(const Interface<dim> &interface, TieConstraints &constraints, const MPI_Comm &communicator);
   void make_terms(const Interface<dim> &interface, std::set<Index> &multiplied);
   std::vector<std::vector<double>> penalties(const Interface<dim> &interface, double t,
-                                             const typename Tie<dim>::Unknowns &unknowns,
-                                             const MPI_Comm &communicator) const;
-  std::vector<double> augmentations(const Interface<dim> &interface, double t,
-                                    const typename Tie<dim>::Unknowns &unknowns,
+                                             const ValuesOf &unknowns, const MPI_Comm &communicator) const;
+  std::vector<double> augmentations(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                                     const MPI_Comm &communicator) const;
 
   /// The share of an unknown's force that acts on the source, if the destination's gradient bridges a gap.
@@ -270,7 +265,7 @@ void Mortar<dim>::make_terms(const Interface<dim> &interface, std::set<Index> &m
 /// The penalty of Nitsche's method with a = 1, per field and point.
 template <int dim>
 std::vector<std::vector<double>> Mortar<dim>::penalties(const Interface<dim> &interface, const double t,
-                                                        const typename Tie<dim>::Unknowns &unknowns,
+                                                        const ValuesOf &unknowns,
                                                         const MPI_Comm &communicator) const
 {
   const Pairing<dim> &pairing = interface.pairing();
@@ -282,7 +277,7 @@ std::vector<std::vector<double>> Mortar<dim>::penalties(const Interface<dim> &in
       const double one = lambda[source][group.cells[source]],
                    other = lambda[destination][group.cells[destination]];
       for (unsigned int q = group.begin; q < group.end; ++q)
-        gamma.back()[q] = one + other > 0 ? one * other / (one + other) : 0;
+        gamma.back()[q] = one + other > 0 ? eigenvalue_penalty(one, other) : 0;
     }
   }
   return gamma;
@@ -291,8 +286,7 @@ std::vector<std::vector<double>> Mortar<dim>::penalties(const Interface<dim> &in
 /// w_j of each term.
 template <int dim>
 std::vector<double> Mortar<dim>::augmentations(const Interface<dim> &interface, const double t,
-                                               const typename Tie<dim>::Unknowns &unknowns,
-                                               const MPI_Comm &communicator) const
+                                               const ValuesOf &unknowns, const MPI_Comm &communicator) const
 {
   const auto gamma = space->average(penalties(interface, t, unknowns, communicator), communicator);
   std::vector<double> result;
@@ -305,8 +299,8 @@ std::vector<double> Mortar<dim>::augmentations(const Interface<dim> &interface, 
 }
 
 template <int dim>
-void Mortar<dim>::begin_step(const Interface<dim> &interface, const double t,
-                             const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
+void Mortar<dim>::begin_step(const Interface<dim> &interface, const double t, const ValuesOf &unknowns,
+                             const MPI_Comm &communicator)
 {
   if (is_dual || (has_begun && interface.has_constant_fluxes()))
     return;
@@ -318,8 +312,8 @@ void Mortar<dim>::begin_step(const Interface<dim> &interface, const double t,
 
 /// w_j does not change the solution, but if it is decades too large, rounding of w_j g_j drowns the fluxes.
 template <int dim>
-bool Mortar<dim>::refreeze(const Interface<dim> &interface, const double t,
-                           const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
+bool Mortar<dim>::update_penalties(const Interface<dim> &interface, const double t, const ValuesOf &unknowns,
+                                   const MPI_Comm &communicator)
 {
   const double largest_decrease = 100;
   if (is_dual || interface.has_constant_fluxes())
@@ -370,8 +364,8 @@ double Mortar<dim>::magnitude_of_term(const unsigned int i, const std::vector<do
 }
 
 template <int dim>
-void Mortar<dim>::find_multipliers(const Interface<dim> &, const typename Tie<dim>::Owned &solution,
-                                   const typename Tie<dim>::Owned &force, const MPI_Comm &communicator)
+void Mortar<dim>::find_multipliers(const Interface<dim> &, const ValueAt &solution, const ValueAt &force,
+                                   const MPI_Comm &communicator)
 {
   std::map<Index, double> lambda;
   transmitted.clear();

@@ -35,54 +35,18 @@ namespace dovetail {
 namespace {
 constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
-const char *const multiplier_help =
-    "a or c: multiplies the penalty; automatic: for eigenvalue the larger of 2 and (1+Theta)^2/2, at large "
-    "strain twice that and at degree 1 five times, for volume 1 [-]";
-
-/// Measured to be the best compromise between flux, jump and error (prm/benchmarks/nitsche), and twice what
-/// coercivity asks for, (1 + theta)^2/4, where that is more.
-double automatic_multiplier(const double theta)
-{
-  return std::max(2., (1 + theta) * (1 + theta) / 2);
-}
 } // namespace
-
-/// Nothing if it is automatic; 1 with a given penalty.
-template <int dim>
-std::optional<double> Nitsche<dim>::read_multiplier(const Section &section, const PenaltyRule rule)
-{
-  if (rule == PenaltyRule::value && !section.documenting())
-    return 1;
-  const std::string text = section.read<std::string>("Multiplier", "automatic", multiplier_help);
-  if (text == "automatic" || section.documenting())
-    return {};
-  section.check(Patterns::Double(0).match(text), "Multiplier",
-                "is '" + text + "', but must be automatic or a number that is not negative.");
-  return dealii::Utilities::string_to_double(text);
-}
 
 template <int dim>
 Nitsche<dim>::Nitsche(const Section &section)
     : theta(section.read<double>("Theta", 1.,
                                  "1 symmetric, 0 nonsymmetric, -1 skew-symmetric; any number [-]")),
-      weights(static_cast<Weights>(
-          section.choose("Weights", {"eigenvalue", "volume", "equal", "source", "destination"}, 0,
-                         "Weights of the two fluxes in their mean: by the trace eigenvalues of the cells, by "
-                         "cell volume over "
-                         "stiffness, one half each, or one side only [-]"))),
-      penalty_rule(static_cast<PenaltyRule>(section.choose(
-          "Penalty", {"eigenvalue", "volume", "value"}, 0,
-          "eigenvalue: a L1 L2/(L1+L2) with the trace eigenvalues L of the cells, coercive for a > "
-          "(1+Theta)^2/4; volume: c (G1+G2)/(V1/k1+V2/k2) with face areas G, cell volumes V and stiffnesses "
-          "k "
-          "(times p^2 for degree p); value: given [-]"))),
-      given_multiplier(read_multiplier(section, penalty_rule)),
-      is_automatic(penalty_rule == PenaltyRule::eigenvalue && !given_multiplier),
-      multiplier(given_multiplier.value_or(is_automatic ? automatic_multiplier(theta) : 1.)),
-      value(penalty_rule != PenaltyRule::value && !section.documenting()
-                ? Expression()
-                : section.require_expression("Value", {1},
-                                             "The penalty gamma, with Penalty = value [Pa/m or W/(m^2 K)]"))
+      penalty_at_points(section, theta),
+      variation_rule(section.choose(
+          "Variation", {"automatic", "current", "frozen"}, 0,
+          "The variation of the mean flux, for Theta other than 0: current: at the present state, which "
+          "takes second derivatives of the laws; frozen: at the beginning of the step, consistent but not "
+          "symmetric; automatic: frozen only for laws without second derivatives [-]"))
 {
   const unsigned int integrate_on = section.choose(
       "Integrate on", {"source", "destination", "both", "own sides"}, 0,
@@ -95,75 +59,20 @@ Nitsche<dim>::Nitsche(const Section &section)
 template <int dim>
 void Nitsche<dim>::set_fields(const Section &section, const std::vector<TiedField> &fields)
 {
-  if (penalty_rule != PenaltyRule::value)
-    return;
-  std::string names;
-  for (const TiedField &field : fields)
-    names += (names.empty() ? "the " : " and the ") + field.name +
-             (field.n_components == 1 ? " [W/(m^2 K)]" : " [Pa/m]");
-  section.check(fields.size() == 1, "Value",
-                "is one number, but the interface ties " + names +
-                    ". Set Fields to one of them, and tie the other by an interface of its own.");
-  if (!value.depends_on_position() && !value.depends_on_time())
-    check_value(section, value.value(dealii::Point<dim>(), 0));
-}
-
-template <int dim>
-void Nitsche<dim>::check_value(const Section &section, const double gamma)
-{
-  std::ostringstream number;
-  number << gamma;
-  section.check(gamma >= 0 && std::isfinite(gamma), "Value",
-                "is " + number.str() + " on the interface, but a penalty must be finite and not negative.");
-}
-
-/// Where it depends on place or time, at all points.
-template <int dim>
-void Nitsche<dim>::check_value(const Interface<dim> &interface, const double t,
-                               const MPI_Comm &communicator) const
-{
-  if (penalty_rule != PenaltyRule::value || (!value.depends_on_position() && !value.depends_on_time()))
-    return;
-  double smallest = 0, largest = 0;
-  int is_number = 1;
-  for (unsigned int q = 0; q < interface.pairing().n_points(); ++q) {
-    const double gamma = value.value(interface.pairing().X(source, q), t);
-    smallest = std::min(smallest, gamma);
-    largest = std::max(largest, gamma);
-    is_number = std::isnan(gamma) ? 0 : is_number;
-  }
-  smallest = dealii::Utilities::MPI::min(smallest, communicator);
-  largest = dealii::Utilities::MPI::max(largest, communicator);
-  is_number = dealii::Utilities::MPI::min(is_number, communicator);
-  check_value(interface.section, is_number == 0 ? undefined : smallest < 0 ? smallest : largest);
-}
-
-/// Whether weights and penalty are the same in all steps.
-template <int dim>
-bool Nitsche<dim>::has_constant_penalty(const Interface<dim> &interface) const
-{
-  return interface.has_constant_fluxes() && (penalty_rule != PenaltyRule::value || !value.depends_on_time());
-}
-
-/// For weights, penalty and the coercivity margin, which is infinite for theta = -1.
-template <int dim>
-bool Nitsche<dim>::needs_eigenvalues() const
-{
-  return weights == Weights::eigenvalue || penalty_rule == PenaltyRule::eigenvalue || theta != -1.;
+  const auto without =
+      std::find_if(fields.begin(), fields.end(), [](const TiedField &field) { return !field.has_curvature; });
+  section.check(without == fields.end() || theta == 0 || variation_rule != 1, "Variation",
+                "is current, but a law of the " + (without == fields.end() ? "" : without->name) +
+                    " has no second derivatives. Remove the entry, or set Theta = 0.");
+  penalty_at_points.set_fields(section, fields);
+  has_frozen_variation = theta != 0 && (variation_rule == 2 || without != fields.end());
 }
 
 template <int dim>
 std::string Nitsche<dim>::description() const
 {
-  const std::array<const char *, 5> weights_by = {
-      {"by eigenvalue", "by volume", "equal", "all on the source", "all on the destination"}};
-  const std::array<const char *, 3> penalty_by = {{"by eigenvalue", "by volume", "given"}};
-  const std::string weight = weights_by[static_cast<int>(weights)],
-                    penalty = penalty_by[static_cast<int>(penalty_rule)];
   std::ostringstream words;
-  words << "Theta = " << theta << ", "
-        << (weight == penalty ? "weights and penalty " + penalty
-                              : "weights " + weight + ", penalty " + penalty)
+  words << "Theta = " << theta << ", " << penalty_at_points.description()
         << (own_sides ? ", each side's test functions on it" : "");
   return words.str();
 }
@@ -176,250 +85,31 @@ std::vector<std::string> Nitsche<dim>::left_out(const Interface<dim> &interface)
     sentences.push_back("derivative of the mean flux on " + interface.name + ": Theta = 0");
   else if (interface.is_linear())
     sentences.push_back("second derivatives of the laws on " + interface.name + ": they are linear");
-  if (!needs_eigenvalues())
+  else if (has_frozen_variation)
+    sentences.push_back("second derivatives of the laws on " + interface.name + ": Variation = frozen");
+  if (!penalty_at_points.needs_eigenvalues())
     sentences.push_back("trace eigenvalues on " + interface.name +
                         ": neither weights nor penalty ask for them, and Theta = -1 has no bound");
   return sentences;
 }
 
 template <int dim>
-void Nitsche<dim>::find_eigenvalues(const Interface<dim> &interface, const double t,
-                                    const typename Tie<dim>::Unknowns &values_of,
-                                    const MPI_Comm &communicator)
+std::vector<std::string> Nitsche<dim>::notes() const
 {
-  if (!needs_eigenvalues())
-    return;
-  lambda.resize(interface.fields.size());
-  for (unsigned int f = 0; f < interface.fields.size(); ++f)
-    lambda[f] = trace_eigenvalues(interface, interface.fields[f], t, values_of, communicator);
-}
-
-/// The responses of both sides at a point, with derivatives; NaN if not defined.
-template <int dim>
-void Nitsche<dim>::evaluate_stiffness(const Interface<dim> &interface,
-                                      const typename Pairing<dim>::Group &group, const unsigned int q,
-                                      const double t, const std::vector<double> &unknowns)
-{
-  for (const unsigned int side : {source, destination})
-    if (!sides.evaluate(interface, group, side, q, t, unknowns, true)) {
-      const Material<dim> &material = interface.sides[side].domain->material;
-      const unsigned int n = material.n_components();
-      for (unsigned int c = 0; c < n; ++c) // the others are not touched by the next evaluation
-        for (unsigned int d = 0; d < n; ++d)
-          if (material.coupling(c, d).of_flux())
-            sides.response[side].by_gradient[c * n + d][0][0] = undefined;
-    }
-}
-
-/// Largest eigenvalue of N.(dA/dgrad B).N, the acoustic tensor of a solid, the conductivity k_N of a scalar.
-template <int dim>
-double Nitsche<dim>::stiffness(const Interface<dim> &interface, const TiedField &field,
-                               const unsigned int side, const dealii::Tensor<1, dim> &N) const
-{
-  const unsigned int first = field.first_component[side], n = interface.sides[side].domain->n_components();
-  const auto entry = [&](const unsigned int c, const unsigned int d) {
-    return N * (sides.response[side].by_gradient[(first + c) * n + first + d] * N);
-  };
-  if (field.n_components == 1)
-    return entry(0, 0);
-  dealii::SymmetricTensor<2, dim> acoustic;
-  for (unsigned int c = 0; c < dim; ++c)
-    for (unsigned int d = c; d < dim; ++d)
-      acoustic[c][d] = (entry(c, d) + entry(d, c)) / 2;
-  return dealii::eigenvalues(acoustic)[0];
-}
-
-/// @return the penalty per unit of the multiplier.
-template <int dim>
-double Nitsche<dim>::choose(const Interface<dim> &interface, const unsigned int field_index,
-                            const typename Pairing<dim>::Group &group, const unsigned int q, const double t,
-                            Parameters &chosen) const
-{
-  const TiedField &field = interface.fields[field_index];
-  std::array<double, 2> compliance = {{0, 0}}, area = {{0, 0}}, of_cell = {{0, 0}};
-  for (const unsigned int side : {source, destination}) {
-    if (!lambda.empty())
-      of_cell[side] = lambda[field_index].of_penalty[side][group.cells[side]];
-    if (weights != Weights::volume && penalty_rule != PenaltyRule::volume)
-      continue;
-    // V_i / (p_i^2 k_i): for a scalar the inverse of the trace constant is V_i / (p_i^2 k_i G_i)
-    const CellBehind<dim> &cell = interface.pairing().cells[side][group.cells[side]];
-    const double k = stiffness(interface, field, side, interface.pairing().N(side, q));
-    const double p = interface.sides[side].domain->degree;
-    compliance[side] = cell.cell_measure / (p * p * k);
-    area[side] = cell.face_measure;
-  }
-  const double sum_of_lambdas = of_cell[source] + of_cell[destination];
-  const double sum = compliance[source] + compliance[destination];
-
-  switch (weights) {
-  case Weights::eigenvalue: // a face that is hardly touched has no eigenvalue
-    for (const unsigned int side : {source, destination})
-      chosen.weight[side] = sum_of_lambdas != 0 ? of_cell[1 - side] / sum_of_lambdas : 0.5;
-    break;
-  case Weights::volume:
-    chosen.weight = {{compliance[source] / sum, compliance[destination] / sum}};
-    break;
-  case Weights::equal:
-    chosen.weight = {{0.5, 0.5}};
-    break;
-  case Weights::source:
-    chosen.weight = {{1, 0}};
-    break;
-  case Weights::destination:
-    chosen.weight = {{0, 1}};
-    break;
-  }
-  double unit = 0;
-  switch (penalty_rule) {
-  case PenaltyRule::eigenvalue:
-    unit = sum_of_lambdas != 0 ? of_cell[source] * (of_cell[destination] / sum_of_lambdas) : 0;
-    break;
-  case PenaltyRule::volume:
-    unit = (area[source] + area[destination]) / sum;
-    break;
-  case PenaltyRule::value:
-    unit = value.value(interface.pairing().X(source, q), t);
-    break;
-  }
-  chosen.gamma = multiplier_of(interface, field) * unit;
-  return unit;
-}
-
-/// At large strain the tangent grows while the penalty is frozen; and the flux of degree 1 says little about
-/// that on the face of a cell in which the strain varies, so that the penalty carries more (measured on a
-/// seal: doc/theory/nitsche.md).
-template <int dim>
-double Nitsche<dim>::multiplier_of(const Interface<dim> &interface, const TiedField &field) const
-{
-  if (!is_automatic || !has_large_strain(interface, field))
-    return multiplier;
-  const bool has_degree_1 =
-      interface.sides[source].domain->degree == 1 || interface.sides[destination].domain->degree == 1;
-  return (has_degree_1 ? 5 : 2) * multiplier;
-}
-
-/// A conductivity is positive in every state. The tangent of a solid at large strain is not: then no penalty
-/// makes theta = 1 coercive.
-template <int dim>
-bool Nitsche<dim>::may_turn_skew(const Interface<dim> &interface, const TiedField &field) const
-{
-  return theta > 0 && has_large_strain(interface, field) && !lambda.empty();
-}
-
-template <int dim>
-void Nitsche<dim>::note_bound(const unsigned int field_index, const typename Pairing<dim>::Group &group,
-                              Parameters &chosen) const
-{
-  for (const unsigned int side : {source, destination})
-    if (const double w = chosen.weight[side]; w != 0)
-      chosen.bound[side] =
-          (1 + theta) * (1 + theta) / 4 * w * w * lambda[field_index].of_tangent[side][group.cells[side]];
-  chosen.stiffness = {{0, 0}};
-  chosen.is_skew = chosen.gamma < chosen.bound[source] + chosen.bound[destination];
-}
-
-/// The least penalty grows with the stiffness at the point.
-template <int dim>
-double Nitsche<dim>::theta_at(const Interface<dim> &interface, const TiedField &field, const unsigned int q,
-                              Parameters &p) const
-{
-  double least = 0;
-  for (const unsigned int side : {source, destination}) {
-    if (p.bound[side] == 0 || p.is_skew)
-      continue;
-    const double now = sides.normal_stiffness(interface, field, side, q);
-    if (p.stiffness[side] == 0)
-      p.stiffness[side] = now;
-    least += p.bound[side] * now / p.stiffness[side];
-  }
-  p.is_skew = p.is_skew || p.gamma < least;
-  return p.is_skew ? -1 : theta;
-}
-
-/// gamma > (1+theta)^2/4 (w_src^2 L_src + w_dst^2 L_dst) makes the form coercive, with a joint, too; with the
-/// eigenvalues of the tangent in the matrix, infinite where that is not positive on a cell.
-template <int dim>
-void Nitsche<dim>::note_margin(const unsigned int field_index, const typename Pairing<dim>::Group &group,
-                               const Parameters &chosen, const double unit)
-{
-  range.smallest = std::min(range.smallest, chosen.gamma);
-  range.largest = std::max(range.largest, chosen.gamma);
-  if (lambda.empty())
-    return;
-  double of_symmetric = 0;
-  for (const unsigned int side : {source, destination})
-    if (const double w = chosen.weight[side]; w != 0)
-      of_symmetric += w * w * lambda[field_index].of_tangent[side][group.cells[side]];
-  if (of_symmetric > 0)
-    excess = std::max(excess, chosen.gamma / of_symmetric);
-  const double bound = (1 + theta) * (1 + theta) / 4 * of_symmetric;
-  if (!(bound > 0) || chosen.is_skew)
-    return;
-  range.coercivity_margin = std::min(range.coercivity_margin, chosen.gamma / bound - 1);
-  if (std::isfinite(bound))
-    least_multiplier = std::max(least_multiplier, penalty_rule == PenaltyRule::value ? bound : bound / unit);
-}
-
-template <int dim>
-void Nitsche<dim>::warn_if_not_coercive(const Interface<dim> &interface, const MPI_Comm &communicator)
-{
-  if (has_warned || lambda.empty())
-    return;
-  const double margin = dealii::Utilities::MPI::min(range.coercivity_margin, communicator);
-  const double least = dealii::Utilities::MPI::max(least_multiplier, communicator);
-  if (margin > -1e-12) // on the bound but for rounding
-    return;
-  has_warned = true;
-  std::ostringstream message;
-  message.precision(3);
-  if (margin <= -1)
-    message << "there are cells at the interface on which the tangent of a law is not positive, as in a body "
-               "that is about to "
-               "buckle: no penalty makes the tie coercive there. If the steps do not converge, make them "
-               "smaller, or use Theta = "
-               "-1 or a mortar.";
-  else {
-    message << "with Theta = " << theta << " its penalty is " << 1 + margin
-            << " times the least one for which the tie is coercive. Set "
-            << (penalty_rule == PenaltyRule::value ? "Value" : "Multiplier") << " = " << 2 * least
-            << " (twice the least)";
-    if (penalty_rule != PenaltyRule::value)
-      message << " instead of " << multiplier_of(interface, interface.fields[0]);
-    message << ", or Theta = -1, which needs none.";
-  }
-  sentences.push_back(message.str());
-  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-    std::cerr << "Warning: interface " << interface.name << ": " << message.str() << std::endl;
-}
-
-/// Measured (prm/benchmarks/stability): ten times the automatic penalty costs a digit of the flux, a hundred
-/// times the whole of it, with every theta.
-template <int dim>
-void Nitsche<dim>::note_large_penalty(const MPI_Comm &communicator)
-{
-  const double largest_excess = 18;
-  const double of_all = dealii::Utilities::MPI::max(excess, communicator);
-  if (is_automatic || has_joint() || !sentences.empty() || of_all < largest_excess)
-    return;
-  std::ostringstream message;
-  message.precision(2);
-  message << "the penalty is " << of_all
-          << " times the least one: it locks the sides to each other, and the flux between them oscillates. "
-          << (penalty_rule == PenaltyRule::value ? "Remove Penalty and Value" : "Remove Multiplier");
-  sentences.push_back(message.str());
+  std::vector<std::string> all = note_on_centres;
+  all.insert(all.end(), penalty_at_points.notes().begin(), penalty_at_points.notes().end());
+  return all;
 }
 
 template <int dim>
 void Nitsche<dim>::note_central_gradients(const MPI_Comm &communicator)
 {
-  if (has_noted_centres)
+  if (!note_on_centres.empty())
     return;
   const unsigned int n = dealii::Utilities::MPI::sum(sides.n_central(), communicator);
   if (n == 0)
     return;
-  has_noted_centres = true;
-  sentences.push_back(
+  note_on_centres.push_back(
       "at " + std::to_string(n) +
       " of its points a law is not defined on the face or soon will not be, as beside corners "
       "where cells turn over: the flux at the centre of the cell takes its place there, and "
@@ -427,22 +117,58 @@ void Nitsche<dim>::note_central_gradients(const MPI_Comm &communicator)
 }
 
 template <int dim>
-void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t,
-                              const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
+void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t, const ValuesOf &values_of,
+                              const MPI_Comm &communicator)
 {
   freeze(interface, t, values_of, communicator);
-  may_predict = is_automatic && has_large_strain(interface);
+  if (has_frozen_variation)
+    freeze_variation(interface, t, values_of);
+  may_predict = penalty_at_points.is_automatic() && has_large_strain(interface);
   is_predicting = false;
   if (may_predict)
     change.start(interface, values_of);
+}
+
+/// Zero where a law is not defined.
+template <int dim>
+void Nitsche<dim>::freeze_variation(const Interface<dim> &interface, const double t,
+                                    const ValuesOf &values_of)
+{
+  for (const unsigned int side : {source, destination})
+    frozen[side].assign(interface.pairing().n_points() *
+                            dealii::Utilities::fixed_power<2>(interface.sides[side].domain->n_components()),
+                        dealii::Tensor<1, dim>());
+  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
+    for (unsigned int q = group.begin; q < group.end; ++q)
+      for (const unsigned int side : {source, destination})
+        if (sides.evaluate(interface, group, side, q, t, unknowns, true)) {
+          const auto &by_gradient = sides.response[side].by_gradient;
+          for (unsigned int pair = 0; pair < by_gradient.size(); ++pair)
+            frozen[side][q * by_gradient.size() + pair] = interface.pairing().N(side, q) * by_gradient[pair];
+        }
+  });
+}
+
+template <int dim>
+bool Nitsche<dim>::evaluate_memory(Interface<dim> &interface, const double t, const ValuesOf &values_of)
+{
+  bool is_defined = true;
+  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
+    for (unsigned int q = group.begin; q < group.end; ++q)
+      for (const unsigned int side : {source, destination}) {
+        is_defined = sides.evaluate(interface, group, side, q, t, unknowns, false) && is_defined;
+        interface.memory.set_trial(side, q, sides.state[side].memory.trial);
+      }
+  });
+  return is_defined;
 }
 
 /// The first update of a step moves the bodies along straight lines. If it moves them far, the fluxes there
 /// say little and the frozen penalty does not bound their tangents. Until the updates are small the penalty
 /// joins the sides alone: its form is positive in every state, and asks no law at the interface.
 template <int dim>
-bool Nitsche<dim>::adapt(const Interface<dim> &interface, const double t,
-                         const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
+bool Nitsche<dim>::adapt(const Interface<dim> &interface, const double t, const ValuesOf &values_of,
+                         const MPI_Comm &communicator)
 {
   if (!may_predict && !is_predicting)
     return false;
@@ -456,140 +182,50 @@ bool Nitsche<dim>::adapt(const Interface<dim> &interface, const double t,
   is_predicting = update > large_update;
   if (!is_predicting)
     return false;
-  before_prediction = parameters;
-  for (unsigned int f = 0; f < interface.fields.size(); ++f)
-    if (has_large_strain(interface, interface.fields[f]))
-      for (unsigned int q = 0; q < interface.pairing().n_points(); ++q)
-        parameters[f * interface.pairing().n_points() + q].weight = {{0, 0}};
+  penalty_at_points.begin_prediction(interface);
   return true;
 }
 
 template <int dim>
-void Nitsche<dim>::end_prediction(const Interface<dim> &interface, const double t,
-                                  const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
+void Nitsche<dim>::end_prediction(const Interface<dim> &interface, const double t, const ValuesOf &values_of,
+                                  const MPI_Comm &communicator)
 {
   is_predicting = false;
-  parameters = before_prediction; // which stay where no better ones are found
+  penalty_at_points.end_prediction(); // what was frozen stays where nothing better is found
   freeze(interface, t, values_of, communicator);
 }
 
 template <int dim>
-void Nitsche<dim>::freeze(const Interface<dim> &interface, const double t,
-                          const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
+void Nitsche<dim>::freeze(const Interface<dim> &interface, const double t, const ValuesOf &values_of,
+                          const MPI_Comm &communicator)
 {
-  if (has_begun && has_constant_penalty(interface))
+  if (has_begun && penalty_at_points.is_constant(interface))
     return;
-  check_value(interface, t, communicator);
   has_begun = true;
   sides.begin_step(interface, t, values_of);
   note_central_gradients(communicator);
-  find_eigenvalues(interface, t, values_of, communicator);
-
-  const Pairing<dim> &pairing = interface.pairing();
-  const bool needs_stiffness = weights == Weights::volume || penalty_rule == PenaltyRule::volume;
-  const std::vector<Parameters> old = parameters;
-  parameters.resize(pairing.n_points() * interface.fields.size());
-  range = {};
-  least_multiplier = excess = 0;
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns;
-  for (const auto &group : pairing.groups) {
-    if (needs_stiffness) {
-      interface.group_dofs(group, dofs);
-      values_of(dofs, unknowns);
-    }
-    for (unsigned int q = group.begin; q < group.end; ++q) {
-      if (needs_stiffness)
-        evaluate_stiffness(interface, group, q, t, unknowns);
-      for (unsigned int f = 0; f < interface.fields.size(); ++f) {
-        const unsigned int i = f * pairing.n_points() + q;
-        Parameters chosen;
-        const double unit = choose(interface, f, group, q, t, chosen);
-        // a tangent that has lost its positivity says nothing about the stiffness: keep the last good one
-        const bool is_good = chosen.gamma >= 0 && std::isfinite(chosen.gamma) && chosen.weight[source] >= 0 &&
-                             chosen.weight[destination] >= 0;
-        parameters[i] = is_good ? chosen : old.empty() ? Parameters{{{0.5, 0.5}}, undefined} : old[i];
-        if (!first_gamma.empty() && penalty_rule != PenaltyRule::value &&
-            interface.fields[f].n_components > 1) // a conductivity is positive, whatever it was
-          parameters[i].gamma = std::max(parameters[i].gamma, first_gamma[i]);
-        if (may_turn_skew(interface, interface.fields[f]))
-          note_bound(f, group, parameters[i]);
-        note_margin(f, group, parameters[i], unit);
-      }
-    }
-  }
-  if (first_gamma.empty())
-    for (const Parameters &of_point : parameters)
-      first_gamma.push_back(of_point.gamma);
-  warn_if_not_coercive(interface, communicator);
-  note_large_penalty(communicator);
+  penalty_at_points.freeze(interface, t, values_of, sides, communicator);
+  if (!has_joint())
+    penalty_at_points.note_if_large(communicator);
 }
 
-/// The penalty of the beginning of a step may be far too small at its end, where a conductivity k(T) has
-/// grown by decades: then the form is not coercive, and Newton may find a solution that is none. The margin
-/// of the report is that of the penalty that was used, with the eigenvalues of the solution.
 template <int dim>
-bool Nitsche<dim>::refreeze(const Interface<dim> &interface, const double t,
-                            const typename Tie<dim>::Unknowns &values_of, const MPI_Comm &communicator)
+bool Nitsche<dim>::update_penalties(const Interface<dim> &interface, const double t,
+                                    const ValuesOf &values_of, const MPI_Comm &communicator)
 {
-  if (has_constant_penalty(interface))
+  if (penalty_at_points.is_constant(interface))
     return false;
   if (is_predicting) {
     end_prediction(interface, t, values_of, communicator);
     return true;
   }
-  std::vector<Parameters> used = parameters;
-  SideStates<dim> used_sides = sides;
-  freeze(interface, t, values_of, communicator);
-  std::swap(parameters, used);
-  std::swap(sides, used_sides);
-  const std::vector<Parameters> &of_solution = used;
-  const auto range_of_solution = range;
-  range = {};
-  const Pairing<dim> &pairing = interface.pairing();
-  for (const auto &group : pairing.groups)
-    for (unsigned int q = group.begin; q < group.end; ++q)
-      for (unsigned int f = 0; f < interface.fields.size(); ++f)
-        note_margin(f, group, parameters[f * pairing.n_points() + q], 1.);
-  bool is_outdated = false;
-  for (unsigned int f = 0; f < interface.fields.size(); ++f) {
-    const Change change = change_to(of_solution, interface, f, communicator);
-    const bool needs_bound = !may_turn_skew(interface, interface.fields[f]);
-    is_outdated = is_outdated || change.growth > (needs_bound ? largest_growth : largest_mean_growth) ||
-                  change.decrease > largest_decrease ||
-                  (needs_bound && range.coercivity_margin < 0 && change.growth > small_growth);
-  }
-  if (dealii::Utilities::MPI::max(static_cast<int>(is_outdated), communicator) == 0)
-    return false;
-  parameters = of_solution;
+  const SideStates<dim> used_sides = sides;
+  sides.begin_step(interface, t, values_of);
+  note_central_gradients(communicator);
+  if (penalty_at_points.update(interface, t, values_of, sides, communicator))
+    return true;
   sides = used_sides;
-  range = range_of_solution;
-  return true;
-}
-
-/// At a point of this rank, and of the mean over all points where a form that may turn skew-symmetric asks
-/// for no bound at any point.
-template <int dim>
-typename Nitsche<dim>::Change
-Nitsche<dim>::change_to(const std::vector<Parameters> &of_solution, const Interface<dim> &interface,
-                        const unsigned int field_index, const MPI_Comm &communicator) const
-{
-  const unsigned int n_points = interface.pairing().n_points(), begin = field_index * n_points;
-  Change change;
-  double sum = 0, sum_of_solution = 0;
-  for (unsigned int i = begin; i < begin + n_points; ++i) {
-    change.growth = std::max(change.growth, of_solution[i].gamma / parameters[i].gamma);
-    change.decrease = std::max(change.decrease, parameters[i].gamma / of_solution[i].gamma);
-    sum += parameters[i].gamma;
-    sum_of_solution += of_solution[i].gamma;
-  }
-  if (!may_turn_skew(interface, interface.fields[field_index]))
-    return change;
-  sum = dealii::Utilities::MPI::sum(sum, communicator);
-  sum_of_solution = dealii::Utilities::MPI::sum(sum_of_solution, communicator);
-  if (sum > 0)
-    change = {sum_of_solution / sum, sum / sum_of_solution};
-  return change;
+  return false;
 }
 
 /// a and b at a point.
@@ -625,11 +261,12 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
                                   const std::array<std::vector<double>, 2> &flux,
                                   const std::vector<double> &jump, std::vector<double> &result) const
 {
-  if (parameters.empty()) // the tie has not been active yet
+  if (penalty_at_points.empty()) // the tie has not been active yet
     return Tie<dim>::numerical_flux(interface, field, q, of_sides, flux, jump, result);
-  const Parameters &p = parameters[field.index * interface.pairing().n_points() + q];
+  const unsigned int i_at = field.index * interface.pairing().n_points() + q;
+  const AtPoint &p = penalty_at_points[i_at];
   for (const unsigned int side : {source, destination})
-    if (const auto known = central_flux.find(&p - parameters.data());
+    if (const auto known = central_flux.find(i_at);
         p.weight[side] != 0 && sides.is_central(side, q) && known != central_flux.end()) {
       result = known->second; // that of the last assembly
       return;
@@ -657,7 +294,7 @@ bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const typenam
   for (const unsigned int side : {source, destination}) {
     bool is_weighted = false;
     for (unsigned int f = 0; f < interface.fields.size(); ++f) {
-      const Parameters &p = parameters[f * interface.pairing().n_points() + q];
+      const AtPoint &p = penalty_at_points[f * interface.pairing().n_points() + q];
       if (std::isnan(p.gamma))
         return false;
       is_weighted = is_weighted || p.weight[side] != 0;
@@ -712,10 +349,10 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
 {
   const Pairing<dim> &pairing = interface.pairing();
   const TiedField &field = interface.fields[field_index];
-  Parameters &p_at = parameters[field_index * pairing.n_points() + q];
+  const unsigned int i_at = field_index * pairing.n_points() + q;
   const unsigned int n_c = field.n_components, n_local = residual.size();
-  theta_here = may_turn_skew(interface, field) ? theta_at(interface, field, q, p_at) : theta;
-  Parameters p = p_at;
+  theta_here = penalty_at_points.theta_at(interface, field, q, sides, i_at);
+  AtPoint p = penalty_at_points[i_at];
   bool is_central = false;
   for (const unsigned int side : {source, destination})
     is_central = is_central || (p.weight[side] != 0 && sides.is_central(side, q));
@@ -745,7 +382,7 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
       }
   }
   if (is_central)
-    central_flux[&p_at - parameters.data()] = transmitted;
+    central_flux[i_at] = transmitted;
   if (tangent != nullptr || theta != 0)
     linearise_mean_flux(interface, field, p, q);
 
@@ -759,7 +396,7 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
   if (tangent == nullptr)
     return true;
   add_tangent(interface, field, p, series, q, *tangent);
-  if (theta != 0 && !interface.is_linear())
+  if (theta != 0 && !interface.is_linear() && !has_frozen_variation)
     add_curvature(interface, field, p, q, *tangent);
   return true;
 }
@@ -769,7 +406,7 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
 /// constant one does not and the fluxes of both sides balance also for k(T).
 template <int dim>
 void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
-                                       const Parameters &p, const unsigned int q)
+                                       const AtPoint &p, const unsigned int q)
 {
   const Pairing<dim> &pairing = interface.pairing();
   const unsigned int n_c = field.n_components;
@@ -799,7 +436,10 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
         double *mean = &mean_flux_of[c * n_local + i];
         for (unsigned int a = 0; a < n_nodes; ++a)
           mean[a] = by_gradient * gradients[a];
-        if (theta != 0)
+        if (has_frozen_variation)
+          for (unsigned int a = 0; a < n_nodes; ++a)
+            variation_of[c * n_local + i + a] = factor * (frozen[side][q * n * n + pair] * gradients[a]);
+        else if (theta != 0)
           std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
         if (by_value != 0)
           for (unsigned int a = 0; a < n_nodes; ++a)
@@ -836,7 +476,7 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
 
 /// - ds.delta[B] - theta delta{A}.de
 template <int dim>
-void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField &field, const Parameters &p,
+void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField &field, const AtPoint &p,
                                const Series &series, const unsigned int q,
                                dealii::FullMatrix<double> &tangent)
 {
@@ -908,7 +548,7 @@ void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &seri
 /// theta delta{A}) dB.
 template <int dim>
 void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const TiedField &field,
-                                       const Parameters &p, const Series &series, const unsigned int q,
+                                       const AtPoint &p, const Series &series, const unsigned int q,
                                        dealii::FullMatrix<double> &tangent) const
 {
   const Pairing<dim> &pairing = interface.pairing();
@@ -932,7 +572,7 @@ void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const Ti
 
 /// - theta e_c d2{A}_c(delta, d): the second derivative of the flux contracted with e.
 template <int dim>
-void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedField &field, const Parameters &p,
+void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedField &field, const AtPoint &p,
                                  const unsigned int q, dealii::FullMatrix<double> &tangent)
 {
   const Pairing<dim> &pairing = interface.pairing();

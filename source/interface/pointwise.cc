@@ -33,22 +33,21 @@ namespace dovetail {
 namespace {
 
 template <int dim>
-class Pointwise : public Tie<dim>
+class Pointwise : public Tie<dim>, public Elimination<dim>, public FluxRecovery<dim>
 {
 public:
   explicit Pointwise(const Section &) {}
 
+  TieParts<dim> parts() override { return {nullptr, this, nullptr, this}; }
   std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
-  bool is_strong() const override { return true; }
   bool has_constant_tangent(const Interface<dim> &) const override { return true; }
   std::string description() const override { return "the destination's unknowns follow the source"; }
   void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                        const MPI_Comm &communicator) override;
   std::vector<std::string> notes() const override;
 
-  bool has_multipliers() const override { return true; }
-  void find_multipliers(const Interface<dim> &interface, const typename Tie<dim>::Owned &solution,
-                        const typename Tie<dim>::Owned &force, const MPI_Comm &communicator) override;
+  void find_multipliers(const Interface<dim> &interface, const ValueAt &solution, const ValueAt &force,
+                        const MPI_Comm &communicator) override;
   std::vector<Transmission> transmissions() const override { return transmitted; }
   const std::vector<HeldUnknown> &held() const override { return prescribed; }
 
@@ -330,10 +329,8 @@ void Pointwise<dim>::hold(const dealii::types::global_dof_index dof, const unsig
 
 /// What acts on the followers acts on the source.
 template <int dim>
-void Pointwise<dim>::find_multipliers(const Interface<dim> & /*interface*/,
-                                      const typename Tie<dim>::Owned & /*solution*/,
-                                      const typename Tie<dim>::Owned &force,
-                                      const MPI_Comm & /*communicator*/)
+void Pointwise<dim>::find_multipliers(const Interface<dim> & /*interface*/, const ValueAt & /*solution*/,
+                                      const ValueAt &force, const MPI_Comm & /*communicator*/)
 {
   transmitted.clear();
   for (const auto &[dof, place] : places)

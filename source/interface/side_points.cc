@@ -17,6 +17,7 @@ void SidePoints<dim>::reinit(const Interface<dim> &new_interface, const double t
     state[side] = State<dim>(n);
     state[side].t = t;
     response[side] = Response<dim>(n);
+    trial_memory[side] = interface->sides[side].domain->material.initial_memory();
   }
 }
 
@@ -27,6 +28,8 @@ void SidePoints<dim>::reinit(const unsigned int side, const unsigned int q,
   State<dim> &at_point = state[side];
   shape_gradients[side] = gradients;
   at_point.X = interface->pairing().X(side, q);
+  at_point.memory = {interface->memory.accepted(side, q),
+                     {trial_memory[side].data(), trial_memory[side].size()}};
   const unsigned int n = interface->sides[side].domain->n_nodes();
   const double *values = interface->pairing().values(side, q);
   const double *unknown = unknowns.data() + (side == source ? 0 : interface->n_local(source));

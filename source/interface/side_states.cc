@@ -26,8 +26,7 @@ bool has_large_strain(const Interface<dim> &interface)
 }
 
 template <int dim>
-void SideStates<dim>::begin_step(const Interface<dim> &interface, const double t,
-                                 const typename Tie<dim>::Unknowns &values_of)
+void SideStates<dim>::begin_step(const Interface<dim> &interface, const double t, const ValuesOf &values_of)
 {
   this->reinit(interface, t);
   choices.assign(interface.pairing().n_points(), {});

@@ -403,8 +403,7 @@ public:
   SideProblems(const Interface<dim> &interface, const unsigned int side, const TiedField &tied);
 
   /// The eigenvalues of the cells behind the points that all ranks have sent.
-  OfRanks<std::vector<Pair>> solve(double t, const typename Tie<dim>::Unknowns &unknowns,
-                                   Questions<dim> questions) const;
+  OfRanks<std::vector<Pair>> solve(double t, const ValuesOf &unknowns, Questions<dim> questions) const;
 
 private:
   using cell_iterator = typename dealii::Triangulation<dim>::active_cell_iterator;
@@ -427,8 +426,7 @@ SideProblems<dim>::SideProblems(const Interface<dim> &interface, const unsigned 
 }
 
 template <int dim>
-OfRanks<std::vector<Pair>> SideProblems<dim>::solve(const double t,
-                                                    const typename Tie<dim>::Unknowns &unknowns,
+OfRanks<std::vector<Pair>> SideProblems<dim>::solve(const double t, const ValuesOf &unknowns,
                                                     Questions<dim> questions) const
 {
   std::map<cell_iterator, std::vector<FacePoint<dim>>> points_of_cell;
@@ -492,7 +490,7 @@ std::pair<Questions<dim>, OfRanks<std::vector<unsigned int>>> ask_owners(const I
 /// NaN where a law is not defined.
 template <int dim>
 TraceEigenvalues eigenvalues_at(const Interface<dim> &interface, const TiedField &field, const double t,
-                                const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
+                                const ValuesOf &unknowns, const MPI_Comm &communicator)
 {
   TraceEigenvalues result;
   for (const unsigned int side : {source, destination}) {
@@ -516,7 +514,7 @@ TraceEigenvalues eigenvalues_at(const Interface<dim> &interface, const TiedField
 
 template <int dim>
 TraceEigenvalues trace_eigenvalues(const Interface<dim> &interface, const TiedField &field, const double t,
-                                   const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator)
+                                   const ValuesOf &unknowns, const MPI_Comm &communicator)
 {
   TraceEigenvalues lambda = eigenvalues_at(interface, field, t, unknowns, communicator);
   const auto is_undefined = [](const double value) { return std::isnan(value); };
@@ -540,9 +538,9 @@ TraceEigenvalues trace_eigenvalues(const Interface<dim> &interface, const TiedFi
   return lambda;
 }
 
-template TraceEigenvalues trace_eigenvalues(const Interface<2> &, const TiedField &, double,
-                                            const Tie<2>::Unknowns &, const MPI_Comm &);
-template TraceEigenvalues trace_eigenvalues(const Interface<3> &, const TiedField &, double,
-                                            const Tie<3>::Unknowns &, const MPI_Comm &);
+template TraceEigenvalues trace_eigenvalues(const Interface<2> &, const TiedField &, double, const ValuesOf &,
+                                            const MPI_Comm &);
+template TraceEigenvalues trace_eigenvalues(const Interface<3> &, const TiedField &, double, const ValuesOf &,
+                                            const MPI_Comm &);
 
 } // namespace dovetail

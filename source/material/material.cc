@@ -43,6 +43,11 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
         needed_by.back().push_back(d);
     }
   }
+  for (const auto &term : terms) {
+    term->first_internal_variable = memory_at_start.size();
+    for (const InternalVariable &variable : term->internal_variables())
+      memory_at_start.insert(memory_at_start.end(), variable.n_components, variable.initial);
+  }
   for (unsigned int pair = 0; pair < n * n; ++pair) {
     if (couplings[pair].of_flux())
       flux_pairs.push_back(pair);
@@ -72,6 +77,9 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
 {
   AssertDimension(state.gradient.size(), n_components());
   AssertDimension(response.flux.size(), n_components());
+  AssertDimension(state.memory.accepted.size(), memory_at_start.size());
+  AssertDimension(state.memory.trial.size(), memory_at_start.size());
+  std::copy(state.memory.accepted.begin(), state.memory.accepted.end(), state.memory.trial.begin());
   std::fill(response.flux.begin(), response.flux.end(), Tensor<1, dim>());
   std::fill(response.source.begin(), response.source.end(), 0.);
   if (with_derivatives) {
@@ -218,6 +226,24 @@ template <int dim>
 bool Material<dim>::depends_on_time() const
 {
   return std::any_of(terms.begin(), terms.end(), [](const auto &term) { return term->depends_on_time(); });
+}
+
+template <int dim>
+bool Material<dim>::has_curvature(const unsigned int field) const
+{
+  return all_terms(field, [](const Term<dim> &term) {
+    return !term.has_flux() || term.is_linear() || term.has_curvature();
+  });
+}
+
+template <int dim>
+std::vector<InternalVariable> Material<dim>::internal_variables() const
+{
+  std::vector<InternalVariable> all;
+  for (const auto &term : terms)
+    for (const InternalVariable &variable : term->internal_variables())
+      all.push_back(variable);
+  return all;
 }
 
 template <int dim>

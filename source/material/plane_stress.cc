@@ -52,12 +52,14 @@ bool PlaneStress::evaluate(const Tensor<2, 3> &H, const double e, const bool wit
   response.P[2][2] = 0;
   if (!with_derivatives)
     return true;
-  const Tensor<2, 3> D_33 = response.dP_dF[2][2]; // by major symmetry also dP/dF_33
+  const Tensor<2, 3> D_33 = response.dP_dF[2][2];
   const double stiffness = D_33[2][2], by_e = response.dP_de[2][2];
   for (unsigned int i = 0; i < 3; ++i)
-    for (unsigned int J = 0; J < 3; ++J)
-      response.dP_dF[i][J] -= D_33[i][J] / stiffness * D_33;
-  response.dP_de -= by_e / stiffness * D_33;
+    for (unsigned int J = 0; J < 3; ++J) {
+      const double share = response.dP_dF[i][J][2][2] / stiffness;
+      response.dP_dF[i][J] -= share * D_33;
+      response.dP_de[i][J] -= share * by_e;
+    }
   return true;
 }
 
@@ -86,10 +88,12 @@ SolidLaw::Curvature PlaneStress::curvature(const Tensor<2, 3> &H, const double e
   return result;
 }
 
-std::optional<Tensor<2, 3>> PlaneStress::full_gradient(const Tensor<2, 3> &H, const double e) const
+std::optional<Tensor<2, 3>> PlaneStress::full_gradient(const Tensor<2, 3> &H, const double e,
+                                                       const Memory &memory) const
 {
   Tensor<2, 3> full = H;
   Response response;
+  response.memory = memory;
   return find_thickness(full, e, response) ? std::optional(full) : std::nullopt;
 }
 

@@ -12,12 +12,24 @@ namespace dovetail {
 
 using dealii::Tensor;
 
+namespace {
+
+unsigned int n_numbers(const std::vector<InternalVariable> &variables)
+{
+  unsigned int n = 0;
+  for (const InternalVariable &variable : variables)
+    n += variable.n_components;
+  return n;
+}
+
+} // namespace
+
 template <int dim>
 SolidTerm<dim>::SolidTerm(const Field &field, std::unique_ptr<SolidLaw> law,
                           const std::optional<Expansion> &expansion, const std::string &name_of_material,
                           const std::string &name_of_law)
     : Term<dim>(field), law(std::move(law)), expansion(expansion), name_of_material(name_of_material),
-      name_of_law(name_of_law)
+      name_of_law(name_of_law), n_internal_variables(n_numbers(this->law->internal_variables()))
 {
 }
 
@@ -29,6 +41,12 @@ Coupling SolidTerm<dim>::coupling(const unsigned int /*c*/, const unsigned int d
   result.flux_by_gradient = own < this->field.n_components;
   result.flux_by_value = expansion && d == expansion->temperature;
   return result;
+}
+
+template <int dim>
+Memory SolidTerm<dim>::memory(const State<dim> &state) const
+{
+  return state.memory.slice(this->first_internal_variable, n_internal_variables);
 }
 
 /// H = grad u.
@@ -46,6 +64,7 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
 {
   const unsigned int n = state.value.size(), first = this->field.first_component;
   SolidLaw::Response local;
+  local.memory = memory(state);
   if (!law->evaluate(displacement_gradient(state), thermal_strain(state), with_derivatives, local)) {
     std::string &reason = last_undefined().reason;
     reason = "material " + name_of_material + ", " + name_of_law + ": " + reason;
@@ -97,8 +116,9 @@ template <int dim>
 Tensor<2, 3> SolidTerm<dim>::cauchy_stress(const State<dim> &state) const
 {
   const Tensor<2, 3> H = displacement_gradient(state);
-  const auto full = law->full_gradient(H, thermal_strain(state));
+  const auto full = law->full_gradient(H, thermal_strain(state), memory(state));
   SolidLaw::Response local;
+  local.memory = memory(state);
   if (!full || !law->evaluate(H, thermal_strain(state), false, local))
     return std::numeric_limits<double>::quiet_NaN() * dealii::unit_symmetric_tensor<3>();
   const Deformation deformation(*full);
@@ -108,7 +128,7 @@ Tensor<2, 3> SolidTerm<dim>::cauchy_stress(const State<dim> &state) const
 template <int dim>
 Tensor<2, 3> SolidTerm<dim>::full_displacement_gradient(const State<dim> &state) const
 {
-  const auto full = law->full_gradient(displacement_gradient(state), thermal_strain(state));
+  const auto full = law->full_gradient(displacement_gradient(state), thermal_strain(state), memory(state));
   return full ? *full : std::numeric_limits<double>::quiet_NaN() * dealii::unit_symmetric_tensor<3>();
 }
 

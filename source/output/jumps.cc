@@ -40,7 +40,9 @@ template <int dim>
 std::string explain(const Interface<dim> &interface, const std::vector<std::pair<std::string, double>> &jumps,
                     const MPI_Comm &communicator)
 {
-  const double penalty = dealii::Utilities::MPI::max(interface.tie().penalty().largest, communicator);
+  const PointTerms<dim> *terms = interface.tie().parts().point_terms;
+  const double penalty =
+      dealii::Utilities::MPI::max(terms != nullptr ? terms->penalty().largest : 0., communicator);
   std::ostringstream sentence;
   sentence.precision(2);
   sentence << interface.name << ":";
@@ -106,6 +108,7 @@ template <int dim>
 void explain_fluxes(const Interface<dim> &interface, const double area, ordered_json &numbers,
                     std::vector<std::string> &sentences)
 {
+  const PointTerms<dim> *terms = interface.tie().parts().point_terms;
   for (const TiedField &field : interface.fields) {
     const double gap = number(numbers, "flux gap L2", field.name),
                  flux = number(numbers, "numerical flux L2", field.name),
@@ -116,7 +119,7 @@ void explain_fluxes(const Interface<dim> &interface, const double area, ordered_
       numbers["relative flux gap"][field.name] = gap / flux;
     if (gap > flux_worth_a_note * flux)
       sentences.push_back(words_for_flux_gap(interface.name, field.name, gap / flux));
-    if (interface.tie().is_balanced())
+    if (terms == nullptr || terms->is_balanced())
       continue;
     const double share = imbalance(numbers, field.name) / (flux * std::sqrt(area));
     if (share > worth_a_note)

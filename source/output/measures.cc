@@ -357,7 +357,8 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
 template <int dim>
 void measure_penalty(const Interface<dim> &interface, const MPI_Comm &communicator, ordered_json &result)
 {
-  const auto of_rank = interface.tie().penalty();
+  const PointTerms<dim> *terms = interface.tie().parts().point_terms;
+  const PenaltyRange of_rank = terms != nullptr ? terms->penalty() : PenaltyRange();
   const double smallest = dealii::Utilities::MPI::min(of_rank.smallest, communicator);
   const double largest = dealii::Utilities::MPI::max(of_rank.largest, communicator);
   const double margin = dealii::Utilities::MPI::min(of_rank.coercivity_margin, communicator);
@@ -365,8 +366,8 @@ void measure_penalty(const Interface<dim> &interface, const MPI_Comm &communicat
     result["penalty"] = {{"smallest", smallest}, {"largest", largest}};
   if (std::isfinite(margin))
     result["coercivity margin"] = margin;
-  if (interface.tie().adds_terms()) {
-    const auto variations = interface.tie().flux_variations();
+  if (terms != nullptr) {
+    const FluxVariations variations = terms->flux_variations();
     result["flux variations"] = {{"first", dealii::Utilities::MPI::sum(variations.first, communicator)},
                                  {"second", dealii::Utilities::MPI::sum(variations.second, communicator)}};
   }

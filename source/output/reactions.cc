@@ -42,9 +42,13 @@ Reactions<dim>::Reactions(const Model<dim> &model, const NodalForces<dim> &force
     auto &all = all_transmissions[interface.get()];
     if (interface->is_active(nodal.t)) {
       all = nodal.of_groups(*interface);
-      const auto others = interface->tie().transmissions();
-      all.insert(all.end(), others.begin(), others.end());
-      share_with_held(*interface, interface->tie().held());
+      const TieParts<dim> parts = interface->tie().parts();
+      if (parts.flux_recovery != nullptr) {
+        const auto others = parts.flux_recovery->transmissions();
+        all.insert(all.end(), others.begin(), others.end());
+      }
+      if (parts.elimination != nullptr)
+        share_with_held(*interface, parts.elimination->held());
     }
     add_up(*interface);
   }

@@ -79,7 +79,8 @@ std::optional<NewtonResult> AdaptiveCycles<dim>::try_cycle(const ErrorEstimate &
                                                            Vector &x)
 {
   try {
-    const NewtonResult result = solve_on_refined_meshes(estimate, t, x);
+    NewtonResult result = solve_on_refined_meshes(estimate, t, x);
+    result.is_converged = result.is_converged && step.remember(t, x);
     step.add_notes();
     if (result.is_converged)
       step.explain_solution(t, x);

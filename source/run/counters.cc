@@ -18,11 +18,13 @@ nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem
       n += material->evaluations(law);
     return sum(n);
   };
-  typename Tie<dim>::FluxVariations variations;
+  FluxVariations variations;
   InterfaceWork work;
   for (const auto &interface : model.interfaces) {
-    variations.first += interface->tie().flux_variations().first;
-    variations.second += interface->tie().flux_variations().second;
+    if (const PointTerms<dim> *terms = interface->tie().parts().point_terms) {
+      variations.first += terms->flux_variations().first;
+      variations.second += terms->flux_variations().second;
+    }
     work += interface->work();
   }
   LinearSolver::Counts linear = solver.counts();

@@ -68,7 +68,7 @@ typename StepControl<dim>::Outcome StepControl<dim>::try_step(const double next,
   const bool is_first = t == 0;
   if (!is_first && step.is_solution(next, x)) {
     results.report().add_step(next, {step.tolerance()}, {});
-    return Outcome::converged;
+    return step.remember(next, x) ? Outcome::converged : Outcome::failed_at_any_size;
   }
   step.begin(next, x);
   step.add_notes();
@@ -90,7 +90,7 @@ typename StepControl<dim>::Outcome StepControl<dim>::try_step(const double next,
   }
   results.report().add_step(next, result.residuals, result.linear_iterations);
   step.add_notes();
-  if (!result.is_converged)
+  if (!result.is_converged || !step.remember(next, trial))
     return outcome;
   step.explain_solution(next, trial);
   return Outcome::converged;

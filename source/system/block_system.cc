@@ -100,9 +100,10 @@ void BlockSystem<dim>::set_up(const double t)
       domain->add_constraints(t, all.lines);
     dealii::Timer timer;
     for (unsigned int i = 0; i < model.interfaces.size(); ++i)
-      if (model.interfaces[i]->is_active(t)) {
+      if (Elimination<dim> *elimination = model.interfaces[i]->tie().parts().elimination;
+          elimination != nullptr && model.interfaces[i]->is_active(t)) {
         all.tie = i;
-        model.interfaces[i]->tie().add_constraints(*model.interfaces[i], all, model.communicator);
+        elimination->add_constraints(*model.interfaces[i], all, model.communicator);
       }
     for (const auto &[dof, line] : all.lines)
       if (line.tie >= 0)
@@ -130,13 +131,15 @@ void BlockSystem<dim>::make_relevant_set(const double t)
     }
   for (const auto &interface : model.interfaces)
     if (interface->is_active(t)) {
-      for (unsigned int i = 0; i < interface->tie().n_terms(); ++i) {
-        const auto &of_term = interface->tie().term_dofs(i);
+      const TieParts<dim> parts = interface->tie().parts();
+      for (unsigned int i = 0; parts.multipliers != nullptr && i < parts.multipliers->n_terms(); ++i) {
+        const auto &of_term = parts.multipliers->term_dofs(i);
         all.insert(all.end(), of_term.begin(), of_term.end());
       }
-      for (const HeldUnknown &held : interface->tie().held())
-        for (const auto &[dof, weight] : held.source)
-          all.push_back(dof);
+      if (parts.elimination != nullptr)
+        for (const HeldUnknown &held : parts.elimination->held())
+          for (const auto &[dof, weight] : held.source)
+            all.push_back(dof);
     }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -229,7 +232,7 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
   for (unsigned int i = 0; i < n; ++i)
     for (unsigned int j = 0; j < n; ++j)
       depends(i, j) = interface.couples(component[i], component[j]);
-  const bool by_flux = interface.tie().couples_fluxes();
+  const bool by_flux = interface.tie().parts().point_terms->couples_fluxes();
   const auto is_of_source = [&](const unsigned int i) { return i < interface.n_local(source); };
 
   dealii::Table<2, bool> couples(n, n);
@@ -261,14 +264,15 @@ void BlockSystem<dim>::make_sparsity(const double t)
   dropped.clear();
   dealii::Timer timer;
   for (const auto &interface : model.interfaces) {
-    const Tie<dim> &tie = interface->tie();
+    const TieParts<dim> parts = interface->tie().parts();
     if (interface->is_active(t)) {
-      if (tie.adds_terms())
+      if (parts.point_terms != nullptr)
         add_pattern(*interface, pattern);
-      for (unsigned int i = 0; i < tie.n_terms(); ++i) {
-        constraints.add_entries_local_to_global(tie.term_dofs(i), pattern, false);
-        if (tie.term_dofs(i).size() == 1)
-          dropped.insert(tie.term_dofs(i)[0]);
+      for (unsigned int i = 0; parts.multipliers != nullptr && i < parts.multipliers->n_terms(); ++i) {
+        const auto &dofs = parts.multipliers->term_dofs(i);
+        constraints.add_entries_local_to_global(dofs, pattern, false);
+        if (dofs.size() == 1)
+          dropped.insert(dofs[0]);
       }
     } else
       for_each_multiplier(*interface, [&](const auto dof) {
@@ -367,7 +371,7 @@ bool BlockSystem<dim>::update_penalties(const double t, const Vector &x)
   dealii::Timer timer;
   ghosted_scratch = x;
   const bool is_any_outdated = change_active_ties(model, t, [&](const auto &interface) {
-    return interface.tie().refreeze(interface, t, ghosted_values(), model.communicator);
+    return interface.tie().update_penalties(interface, t, ghosted_values(), model.communicator);
   });
   tie_seconds += timer.wall_time();
   return is_any_outdated;
@@ -381,7 +385,8 @@ bool BlockSystem<dim>::adapt_ties(const double t, const Vector &x)
   dealii::Timer timer;
   ghosted_scratch = x;
   const bool is_any_adapted = change_active_ties(model, t, [&](const auto &interface) {
-    return interface.tie().adapt(interface, t, ghosted_values(), model.communicator);
+    PointTerms<dim> *terms = interface.tie().parts().point_terms;
+    return terms != nullptr && terms->adapt(interface, t, ghosted_values(), model.communicator);
   });
   tie_seconds += timer.wall_time();
   return is_any_adapted;
@@ -389,7 +394,7 @@ bool BlockSystem<dim>::adapt_ties(const double t, const Vector &x)
 
 /// Of ghosted_scratch.
 template <int dim>
-typename Tie<dim>::Unknowns BlockSystem<dim>::ghosted_values() const
+ValuesOf BlockSystem<dim>::ghosted_values() const
 {
   return [this](const std::vector<dealii::types::global_dof_index> &dofs, std::vector<double> &values) {
     values.resize(dofs.size());
@@ -479,7 +484,49 @@ template <int dim>
 void BlockSystem<dim>::accept_state()
 {
   for (const auto &interface : model.interfaces)
-    interface->tie().accept_state();
+    if (PointTerms<dim> *terms = interface->tie().parts().point_terms)
+      terms->accept_state();
+}
+
+/// At ghosted_scratch. Points of interfaces that are switched off belong to their bodies still.
+template <int dim>
+bool BlockSystem<dim>::evaluate_memory(const double t)
+{
+  bool is_defined = true;
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns;
+  for (unsigned int d = 0; d < model.domains.size(); ++d)
+    if (const Domain<dim> &domain = *model.domains[d]; domain.memory)
+      for (const auto &cell : domain.dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned()) {
+          domain.cell_dofs(cell, dofs);
+          ghosted_values()(dofs, unknowns);
+          is_defined = cell_terms[d]->evaluate_memory(cell, t, unknowns) && is_defined;
+        }
+  for (const auto &interface : model.interfaces)
+    if (!interface->memory.empty())
+      is_defined = (interface->is_active(t)
+                        ? interface->tie().evaluate_memory(*interface, t, ghosted_values())
+                        : interface->tie().Tie<dim>::evaluate_memory(*interface, t, ghosted_values())) &&
+                   is_defined;
+  return is_defined;
+}
+
+template <int dim>
+bool BlockSystem<dim>::remember(const double t, const Vector &x)
+{
+  if (std::none_of(model.materials.begin(), model.materials.end(),
+                   [](const auto &material) { return material->has_memory(); }))
+    return true;
+  ghosted_scratch = x;
+  if (dealii::Utilities::MPI::min(evaluate_memory(t) ? 1 : 0, model.communicator) == 0)
+    return false;
+  for (const auto &domain : model.domains)
+    if (domain->memory)
+      domain->memory->accept();
+  for (const auto &interface : model.interfaces)
+    interface->memory.accept();
+  return true;
 }
 
 /// @return whether all laws are defined on this rank.
@@ -492,7 +539,7 @@ bool BlockSystem<dim>::assemble_all(const bool with_tangent)
   if (!model.interfaces.empty()) {
     dealii::Timer timer;
     for (const auto &interface : model.interfaces) {
-      if (interface->is_active(time) && interface->tie().adds_terms())
+      if (interface->is_active(time) && interface->tie().parts().point_terms != nullptr)
         is_defined = assemble_interface(*interface, ghosted_scratch, with_tangent) && is_defined;
       assemble_multipliers(*interface, ghosted_scratch, with_tangent);
     }
@@ -553,6 +600,7 @@ template <int dim>
 bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vector &ghosted,
                                           const bool with_tangent)
 {
+  PointTerms<dim> &terms = *interface.tie().parts().point_terms;
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns, residual;
   const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
@@ -564,8 +612,7 @@ bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vecto
     residual.assign(n_local, 0.);
     if (with_tangent)
       local_matrix = 0;
-    if (!interface.tie().assemble(interface, group, time, unknowns, residual,
-                                  with_tangent ? &local_matrix : nullptr)) {
+    if (!terms.assemble(interface, group, time, unknowns, residual, with_tangent ? &local_matrix : nullptr)) {
       note_undefined("interface " + interface.name + " near " +
                      in_words(interface.pairing().X(source, group.begin)));
       return false;
@@ -592,24 +639,26 @@ template <int dim>
 void BlockSystem<dim>::assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted,
                                             const bool with_tangent)
 {
-  const Tie<dim> &tie = interface.tie();
+  const Multipliers<dim> *multipliers = interface.tie().parts().multipliers;
   std::vector<double> unknowns, residual;
+  if (multipliers == nullptr)
+    return;
   if (!interface.is_active(time)) { // they are zero
     local_matrix.reinit(1, 1);
     local_matrix(0, 0) = 1;
     for_each_multiplier(interface, [&](const auto dof) { scatter({ghosted(dof)}, {dof}, with_tangent); });
     return;
   }
-  for (unsigned int i = 0; i < tie.n_terms(); ++i) {
-    const auto &dofs = tie.term_dofs(i);
+  for (unsigned int i = 0; i < multipliers->n_terms(); ++i) {
+    const auto &dofs = multipliers->term_dofs(i);
     unknowns.resize(dofs.size());
     ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
     residual.assign(dofs.size(), 0.);
     local_matrix.reinit(dofs.size(), dofs.size());
-    tie.assemble_term(i, unknowns, residual, with_tangent ? &local_matrix : nullptr);
+    multipliers->assemble_term(i, unknowns, residual, with_tangent ? &local_matrix : nullptr);
     std::vector<double> of_rows = residual;
     if (dofs.size() > 1) // in the multiplier's equation the traces cancel
-      of_rows.back() = tie.magnitude_of_term(i, unknowns);
+      of_rows.back() = multipliers->magnitude_of_term(i, unknowns);
     add_sizes(dofs, of_rows, unknowns, dofs.size(), with_tangent);
     scatter(residual, dofs, with_tangent);
   }
@@ -629,7 +678,7 @@ template <int dim>
 bool BlockSystem<dim>::has_multipliers() const
 {
   return std::any_of(model.interfaces.begin(), model.interfaces.end(), [this](const auto &interface) {
-    return interface->is_active(time) && interface->tie().has_multipliers();
+    return interface->is_active(time) && interface->tie().parts().flux_recovery != nullptr;
   });
 }
 
@@ -648,8 +697,9 @@ void BlockSystem<dim>::find_multipliers(const Vector &x, const NodalForces<dim> 
 {
   ghosted_scratch = x;
   for (const auto &interface : model.interfaces)
-    if (interface->is_active(time) && interface->tie().has_multipliers())
-      interface->tie().find_multipliers(
+    if (FluxRecovery<dim> *recovery = interface->tie().parts().flux_recovery;
+        recovery != nullptr && interface->is_active(time))
+      recovery->find_multipliers(
           *interface, [&](const auto dof) { return ghosted_scratch(dof); },
           [&](const auto dof) { return forces(dof); }, model.communicator);
 }

@@ -180,7 +180,7 @@ private:
         for (unsigned int c = 0; c < field.n_components; ++c) {
           const double residual = flux[side][c] - (side == source ? 1 : -1) * numerical_flux[c];
           share[side] += weight * size[side] / (24 * stiffness[side]) * residual * residual;
-          if (!interface.tie().adds_terms())
+          if (interface.tie().parts().point_terms == nullptr)
             share[side] += weight * mean_stiffness / (2 * size[side]) * jump[c] * jump[c];
         }
     }

@@ -76,7 +76,8 @@ void Model<dim>::number()
   numbering = std::make_unique<Numbering>(domains, communicator);
   for (const auto &interface : interfaces)
     for (TiedField &field : interface->fields) {
-      field.n_multipliers = interface->tie().n_multipliers(*interface, field);
+      const Multipliers<dim> *multipliers = interface->tie().parts().multipliers;
+      field.n_multipliers = multipliers != nullptr ? multipliers->n_multipliers(*interface, field) : 0;
       field.first_multiplier =
           numbering->add_multipliers(interface->name, field.name, field.n_multipliers, communicator);
     }
@@ -107,7 +108,7 @@ void Model<dim>::tell_other_interfaces()
           if (&of_other != &side && of_other.domain == side.domain)
             for (const TiedField &field : other->fields) {
               side.others[field.name].push_back(&of_other);
-              if (other->tie().is_strong())
+              if (other->tie().parts().elimination != nullptr)
                 side.strong_others[field.name].push_back(&of_other);
             }
     }

@@ -42,7 +42,7 @@ NodalForces<dim>::NodalForces(const Model<dim> &model, const ConstraintLines &li
   for (const auto &interface : model.interfaces) {
     transmissions[interface.get()] = {};
     if (interface->is_active(t)) {
-      if (interface->tie().adds_terms())
+      if (interface->tie().parts().point_terms != nullptr)
         add_groups(*interface, solution, residual);
       add_terms(*interface, solution, residual);
     }
@@ -95,6 +95,7 @@ void NodalForces<dim>::add_cells(const Domain<dim> &domain, const Vector &soluti
 template <int dim>
 void NodalForces<dim>::add_groups(const Interface<dim> &interface, const Vector &solution, Vector &residual)
 {
+  PointTerms<dim> &terms = *interface.tie().parts().point_terms;
   std::vector<Index> dofs;
   std::vector<double> unknowns, of_group;
   for (const auto &group : interface.pairing().groups) {
@@ -102,7 +103,7 @@ void NodalForces<dim>::add_groups(const Interface<dim> &interface, const Vector 
     unknowns.resize(dofs.size());
     solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
     of_group.assign(dofs.size(), 0.);
-    is_defined = interface.tie().assemble(interface, group, t, unknowns, of_group, nullptr) && is_defined;
+    is_defined = terms.assemble(interface, group, t, unknowns, of_group, nullptr) && is_defined;
     add_at_constrained(dofs, of_group, residual);
     for (unsigned int f = 0; f < interface.fields.size(); ++f)
       for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
@@ -124,14 +125,14 @@ template <int dim>
 void NodalForces<dim>::add_terms(const Interface<dim> &interface, const Vector &solution,
                                  Vector &residual) const
 {
-  const Tie<dim> &tie = interface.tie();
+  const Multipliers<dim> *multipliers = interface.tie().parts().multipliers;
   std::vector<double> unknowns, of_term;
-  for (unsigned int i = 0; i < tie.n_terms(); ++i) {
-    const std::vector<Index> &dofs = tie.term_dofs(i);
+  for (unsigned int i = 0; multipliers != nullptr && i < multipliers->n_terms(); ++i) {
+    const std::vector<Index> &dofs = multipliers->term_dofs(i);
     unknowns.resize(dofs.size());
     solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
     of_term.assign(dofs.size(), 0.);
-    tie.assemble_term(i, unknowns, of_term, nullptr);
+    multipliers->assemble_term(i, unknowns, of_term, nullptr);
     add_at_constrained(dofs, of_term, residual);
   }
 }
@@ -185,7 +186,7 @@ double NodalForces<dim>::rounding(const Domain<dim> &domain, const Field &field,
   for (bool is_new = true; is_new;) {
     is_new = false;
     for (const auto &interface : model.interfaces)
-      if (interface->is_active(t) && interface->tie().is_strong() &&
+      if (interface->is_active(t) && interface->tie().parts().elimination != nullptr &&
           bodies.count(interface->sides[source].domain) > 0)
         is_new = bodies.insert(interface->sides[destination].domain).second || is_new;
   }
@@ -229,7 +230,8 @@ double NodalForces<dim>::rounding_of_groups(const Domain<dim> &domain, const Fie
   std::vector<double> unknowns, residual;
   dealii::FullMatrix<double> tangent;
   for (const auto &interface : model.interfaces)
-    if (interface->is_active(t) && interface->tie().adds_terms() &&
+    if (PointTerms<dim> *terms = interface->tie().parts().point_terms;
+        terms != nullptr && interface->is_active(t) &&
         std::any_of(interface->sides.begin(), interface->sides.end(),
                     [&](const auto &side) { return side.domain == &domain; }) &&
         std::any_of(interface->fields.begin(), interface->fields.end(),
@@ -240,7 +242,7 @@ double NodalForces<dim>::rounding_of_groups(const Domain<dim> &domain, const Fie
         solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
         residual.assign(dofs.size(), 0.);
         tangent.reinit(dofs.size(), dofs.size());
-        if (interface->tie().assemble(*interface, group, t, unknowns, residual, &tangent))
+        if (terms->assemble(*interface, group, t, unknowns, residual, &tangent))
           for (unsigned int i = 0; i < dofs.size(); ++i)
             for (unsigned int j = 0; j < dofs.size(); ++j)
               sum += std::abs(tangent(i, j) * unknowns[j]);

@@ -97,6 +97,7 @@ Errors check(const Laws &laws, const Choice &choice, const unsigned int degree, 
   Model<dim> &model = scene_model.model;
   const Interface<dim> &interface = *model.interfaces[0];
   Tie<dim> &tie = interface.tie();
+  PointTerms<dim> &terms = *tie.parts().point_terms;
 
   std::vector<double> x(model.numbering->n_dofs());
   for (unsigned int i = 0; i < x.size(); ++i)
@@ -120,15 +121,15 @@ Errors check(const Laws &laws, const Choice &choice, const unsigned int degree, 
     const unsigned int n = unknowns.size();
     std::vector<double> residual(n, 0.);
     dealii::FullMatrix<double> tangent(n, n), difference(n, n);
-    bool is_defined = tie.assemble(interface, group, 1., unknowns, residual, &tangent);
+    bool is_defined = terms.assemble(interface, group, 1., unknowns, residual, &tangent);
     const double h = 1e-5;
     for (unsigned int j = 0; j < n; ++j) {
       std::vector<double> plus(n, 0.), minus(n, 0.);
       const double center = unknowns[j];
       unknowns[j] = center + h;
-      is_defined = tie.assemble(interface, group, 1., unknowns, plus, nullptr) && is_defined;
+      is_defined = terms.assemble(interface, group, 1., unknowns, plus, nullptr) && is_defined;
       unknowns[j] = center - h;
-      is_defined = tie.assemble(interface, group, 1., unknowns, minus, nullptr) && is_defined;
+      is_defined = terms.assemble(interface, group, 1., unknowns, minus, nullptr) && is_defined;
       unknowns[j] = center;
       for (unsigned int i = 0; i < n; ++i)
         difference(i, j) = (plus[i] - minus[i]) / (2 * h);
@@ -159,7 +160,7 @@ Errors check(const Laws &laws, const Choice &choice, const unsigned int degree, 
         if (!interface.couples(component[i], component[j]))
           errors.coupling = std::max(errors.coupling, std::abs(tangent(i, j)));
   }
-  const auto variations = tie.flux_variations();
+  const auto variations = terms.flux_variations();
   if (choice.theta == "0")
     errors.variations = variations.first;
   else if (variations.first == 0)

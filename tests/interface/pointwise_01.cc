@@ -76,7 +76,8 @@ void check(const std::string &name, const std::string &left, const std::string &
     domain->add_constraints(1., given);
   TieConstraints all_constraints;
   all_constraints.lines = given;
-  model.interfaces[0]->tie().add_constraints(*model.interfaces[0], all_constraints, MPI_COMM_WORLD);
+  model.interfaces[0]->tie().parts().elimination->add_constraints(*model.interfaces[0], all_constraints,
+                                                                  MPI_COMM_WORLD);
   const ConstraintLines &lines = all_constraints.lines;
   double error = 0, n_given = 0;
   bool keeps_given = true;

@@ -25,16 +25,12 @@ template <int dim>
 class CellPoints
 {
 public:
-  CellPoints(const Domain<dim> &domain, const double t)
-      : domain(domain), state(domain.n_components()), response(domain.n_components()),
-        shape(domain.n_nodes()), gradient(domain.n_nodes())
-  {
-    state.t = t;
-  }
+  CellPoints(const Domain<dim> &domain, double t);
+  CellPoints(const CellPoints &) = delete;
 
   /// Point @p q of a cell or of its face, with the cell's unknowns in the order component, node.
   void reinit(const dealii::FEValuesBase<dim> &values, unsigned int q, const std::vector<double> &unknowns);
-  /// A point X anywhere in the cell, where the shape functions have these values and gradients.
+  /// A point X anywhere in that cell, where the shape functions have these values and gradients.
   void reinit(const dealii::Point<dim> &X, const double *shape_values,
               const dealii::Tensor<1, dim> *shape_gradients, const std::vector<double> &unknowns);
   /// The response at the state; @return false if a law is not defined there.
@@ -51,8 +47,11 @@ public:
   Response<dim> response;
 
 private:
+  void remember(); ///< at the state's X
   std::vector<double> shape;
   std::vector<dealii::Tensor<1, dim>> gradient;
+  std::vector<double> trial_memory;
+  typename dealii::Triangulation<dim>::active_cell_iterator cell; ///< of the point; only with memory
 };
 
 } // namespace dovetail

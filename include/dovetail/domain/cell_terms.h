@@ -41,6 +41,11 @@ public:
   bool assemble_loads(const typename Domain<dim>::cell_iterator &cell, double t,
                       const std::vector<double> &unknowns, std::vector<double> &residual);
 
+  /// What the laws remember of a state: the trial of the domain's memory. @return false if one is not defined
+  /// there.
+  bool evaluate_memory(const typename Domain<dim>::cell_iterator &cell, double t,
+                       const std::vector<double> &unknowns);
+
   /// Of the last assemble(), by local unknown: the sum of the absolute contributions of all points.
   const std::vector<double> &forces() const { return force_sizes; }
   /// How many roundings stand behind an entry of the residual: the terms of a gradient, of the product with

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/domain/cell_memory.h>
 #include <dovetail/domain/condition.h>
 #include <dovetail/domain/constraint_lines.h>
 #include <dovetail/domain/cover.h>
@@ -59,6 +60,8 @@ public:
   const std::vector<Field> &fields() const { return material.fields(); }
   unsigned int n_components() const { return material.n_components(); }
   unsigned int n_nodes() const { return scalar_element().n_dofs_per_cell(); } ///< of one cell
+  /// The rule of all integrals over cells in the balance: degree + 1 points per direction.
+  dealii::Quadrature<dim> cell_quadrature() const;
   unsigned int dofs_per_cell() const { return n_components() * n_nodes(); }
 
   /// Global unknowns of a cell in the order component, node. @p indices is resized.
@@ -120,6 +123,8 @@ public:
 
   std::vector<Cover<dim>> covers; ///< of its boundary, by interfaces
 
+  std::unique_ptr<CellMemory<dim>> memory; ///< nullptr if the material remembers nothing
+
 private:
   void read_given(const Section &section);
   void read_conditions(const Section &section, const Toggles &toggles);
@@ -129,6 +134,8 @@ private:
   void choose_element();
   void measure_box(const MPI_Comm &communicator);
   void distribute_dofs();
+  void make_memory();
+  void divide_cells();
 
   std::unique_ptr<Mesh<dim>> triangulation;
   std::unique_ptr<dealii::Mapping<dim>> cell_mapping;

@@ -19,15 +19,14 @@ class GradientChange
 {
 public:
   /// Remember a state.
-  void start(const Interface<dim> &interface, const typename Tie<dim>::Unknowns &unknowns);
+  void start(const Interface<dim> &interface, const ValuesOf &unknowns);
   /// The mean of |grad B - grad B of the state before| over the points, the larger of both sides' [-]; the
   /// state is remembered. Collective.
-  double advance(const Interface<dim> &interface, const typename Tie<dim>::Unknowns &unknowns,
-                 const MPI_Comm &communicator);
+  double advance(const Interface<dim> &interface, const ValuesOf &unknowns, const MPI_Comm &communicator);
 
 private:
   using Gradients = std::array<std::vector<dealii::Tensor<1, dim>>, 2>; ///< by side: point, field, component
-  Gradients gradients_at(const Interface<dim> &interface, const typename Tie<dim>::Unknowns &unknowns) const;
+  Gradients gradients_at(const Interface<dim> &interface, const ValuesOf &unknowns) const;
 
   Gradients last;
 };

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/interface/interface_memory.h>
 #include <dovetail/interface/tie.h>
 
 #include <memory>
@@ -33,12 +34,14 @@ public:
   /// Find the partners; obeys `Uncovered`. Collective.
   void pair(const MPI_Comm &communicator);
   const Pairing<dim> &pairing() const { return *geometry; }
+  /// What the laws of both sides remember at the points.
+  InterfaceMemory<dim> memory;
   /// What it has cost so far; whoever works for it adds to that.
   InterfaceWork &work() const { return all_work; }
   /// Finds points on the faces of a side as pair() does.
   FaceLocator<dim> make_locator(unsigned int side, const MPI_Comm &communicator) const;
-  /// For the next one on meshes that have been refined: what the one before has tied stays tied, and its work
-  /// counts.
+  /// For the next one on meshes that have been refined: what the one before has tied stays tied, what is
+  /// remembered at its points goes over to the nearest ones, and its work counts. Collective.
   void follow(const Interface &other);
   GapExtension gap_extension() const { return options.gap_extension; }
 

@@ -40,12 +40,12 @@ public:
 
 private:
   const Interface<dim> *interface = nullptr;
+  std::array<std::vector<double>, 2> trial_memory;
 };
 
 /// Call visit(group, unknowns) for all groups of points of this rank, in order.
 template <int dim, typename Visit>
-void for_each_group(const Interface<dim> &interface, const typename Tie<dim>::Unknowns &values_of,
-                    const Visit &visit)
+void for_each_group(const Interface<dim> &interface, const ValuesOf &values_of, const Visit &visit)
 {
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;

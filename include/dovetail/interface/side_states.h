@@ -25,7 +25,7 @@ class SideStates : public SidePoints<dim>
 public:
   /// Choose the points that take the gradient of the centre: those at which a law of a nonlinear vector field
   /// is not defined, or |N.dA/dgrad B| is more than largest_stiffening times that at the centre.
-  void begin_step(const Interface<dim> &interface, double t, const typename Tie<dim>::Unknowns &unknowns);
+  void begin_step(const Interface<dim> &interface, double t, const ValuesOf &unknowns);
 
   /// State and response of a side at a point of a group, whose unknowns are given. Where the law is not
   /// defined, the point takes the gradient of the centre from now on, if the state is accepted. @return

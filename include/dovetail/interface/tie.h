@@ -33,6 +33,7 @@ struct TiedField
   unsigned int n_components;
   std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
   std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
+  bool has_curvature = true; ///< the laws of both sides know the second derivatives of its flux
   /// Multipliers of this rank, if the tie has any, and the global index of the first; set by the numbering.
   unsigned int n_multipliers = 0;
   dealii::types::global_dof_index first_multiplier = dealii::numbers::invalid_dof_index;
@@ -56,14 +57,132 @@ struct TieConstraints
   }
 };
 
-/// How an interface is tied. A plugin overrides only what it needs: constraints between the unknowns of the
-/// two sides, terms at the points of the pairing, or multipliers of its own. It may assume that a group's
-/// unknowns are those of Interface::group_dofs, in that order. Copy nitsche.cc or pointwise.cc.
+/// For the report; infinity or zero where there is nothing to say.
+struct PenaltyRange
+{
+  double smallest = std::numeric_limits<double>::infinity();
+  double largest = 0;
+  /// gamma over its lower bound, minus 1: coercive if positive.
+  double coercivity_margin = std::numeric_limits<double>::infinity();
+};
+
+/// How often first and second variations of a flux have been evaluated at points of this rank.
+struct FluxVariations
+{
+  unsigned long first = 0, second = 0;
+};
+
+/// Gives the values of unknowns of cells that this rank owns or of groups of its points.
+using ValuesOf = std::function<void(const std::vector<dealii::types::global_dof_index> &dofs,
+                                    std::vector<double> &values)>;
+/// A value at an unknown that this rank owns, by global index.
+using ValueAt = std::function<double(dealii::types::global_dof_index dof)>;
+
+/// The part of a tie that adds terms at the points of the pairing. It may assume that a group's unknowns are
+/// those of Interface::group_dofs, in that order.
+template <int dim>
+class PointTerms
+{
+public:
+  virtual ~PointTerms() = default;
+
+  /// Residual and, if @p tangent is not nullptr, its exact derivative over the points of a group; both come
+  /// in as zero. @return false if a law is not defined at the state of a point.
+  virtual bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
+                        const std::vector<double> &unknowns, std::vector<double> &residual,
+                        dealii::FullMatrix<double> *tangent) = 0;
+
+  /// Whether two unknowns that are both zero in the jump, of different sides, have an entry in the tangent.
+  virtual bool couples_fluxes() const { return true; }
+  /// Whether both sides get the same flux at every point; else each gets that of the points on its own faces.
+  virtual bool is_balanced() const { return true; }
+
+  /// After each full update of Newton's method that does not end the iteration: change the equations where
+  /// the way to the solution asks for it. Collective. @return whether they have changed, on all ranks alike.
+  virtual bool adapt(const Interface<dim> & /*interface*/, double /*t*/, const ValuesOf & /*unknowns*/,
+                     const MPI_Comm & /*communicator*/)
+  {
+    return false;
+  }
+  /// The state of the last assembly becomes the solution so far: of a trial that is rejected nothing may
+  /// stay.
+  virtual void accept_state() {}
+
+  virtual PenaltyRange penalty() const { return {}; } ///< of this rank's points
+  virtual FluxVariations flux_variations() const { return {}; }
+};
+
+/// The part of a tie by which destination unknowns follow from those of the source.
+template <int dim>
+class Elimination
+{
+public:
+  virtual ~Elimination() = default;
+
+  /// Lines for destination unknowns that this rank owns. Collective. Keep what is already there: hanging
+  /// nodes and prescribed values win, and ties that come first in the scene.
+  virtual void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
+                               const MPI_Comm &communicator) = 0;
+  /// After add_constraints: unknowns of this rank that miss in them because they are prescribed.
+  virtual const std::vector<HeldUnknown> &held() const
+  {
+    static const std::vector<HeldUnknown> none;
+    return none;
+  }
+};
+
+/// The part of a tie whose multipliers are unknowns of their own.
+template <int dim>
+class Multipliers
+{
+public:
+  virtual ~Multipliers() = default;
+
+  /// Unknowns for a field that this rank owns; numbered from TiedField::first_multiplier on.
+  virtual unsigned int n_multipliers(const Interface<dim> &interface, const TiedField &field) const = 0;
+  /// Terms with multipliers, this rank's, known after add_constraints; the last unknown of each is the
+  /// multiplier. Residual and tangent come in as zero.
+  virtual unsigned int n_terms() const = 0;
+  virtual const std::vector<dealii::types::global_dof_index> &term_dofs(unsigned int term) const = 0;
+  virtual void assemble_term(unsigned int term, const std::vector<double> &unknowns,
+                             std::vector<double> &residual, dealii::FullMatrix<double> *tangent) const = 0;
+  /// The size of what cancels in the equation of the multiplier.
+  virtual double magnitude_of_term(unsigned int term, const std::vector<double> &unknowns) const = 0;
+};
+
+/// The part of a tie that finds for output what it transmits by constraints and multipliers.
+template <int dim>
+class FluxRecovery
+{
+public:
+  virtual ~FluxRecovery() = default;
+
+  /// At a solution: multipliers that are no unknowns follow from the forces that constraints transmit.
+  /// @p force: the residual at an unknown without the line that this tie gave it. Collective.
+  virtual void find_multipliers(const Interface<dim> &interface, const ValueAt &solution,
+                                const ValueAt &force, const MPI_Comm &communicator) = 0;
+  /// After find_multipliers: what it gives the sides, this rank's.
+  virtual std::vector<Transmission> transmissions() const = 0;
+};
+
+/// The parts that a tie has; nullptr for the others.
+template <int dim>
+struct TieParts
+{
+  PointTerms<dim> *point_terms = nullptr;
+  Elimination<dim> *elimination = nullptr; ///< it takes destination unknowns for itself
+  Multipliers<dim> *multipliers = nullptr;
+  FluxRecovery<dim> *flux_recovery = nullptr;
+};
+
+/// How an interface is tied: a few facts, and parts that do the work. Copy nitsche.cc or pointwise.cc.
 template <int dim>
 class Tie
 {
 public:
   virtual ~Tie() = default;
+
+  virtual TieParts<dim> parts() = 0;
 
   /// Once the fields are known: check the entries that depend on them.
   virtual void set_fields(const Section & /*section*/, const std::vector<TiedField> & /*fields*/) {}
@@ -71,115 +190,35 @@ public:
   /// The sides on whose faces the points of the pairing lie.
   virtual std::array<bool, 2> integrates_on() const = 0;
 
-  /// Lines for destination unknowns that this rank owns. Collective. Keep what is already there: hanging
-  /// nodes and prescribed values win, and ties that come first in the scene.
-  virtual void add_constraints(const Interface<dim> & /*interface*/, TieConstraints & /*constraints*/,
-                               const MPI_Comm & /*communicator*/)
-  {
-  }
-  /// Whether it takes destination unknowns for itself, by constraints or by multipliers.
-  virtual bool is_strong() const { return false; }
-
-  /// Unknowns of its own for a field that this rank owns; numbered from TiedField::first_multiplier on.
-  virtual unsigned int n_multipliers(const Interface<dim> & /*interface*/, const TiedField & /*field*/) const
-  {
-    return 0;
-  }
-  /// Terms with multipliers, this rank's, known after add_constraints; the last unknown of each is the
-  /// multiplier. Residual and tangent come in as zero.
-  virtual unsigned int n_terms() const { return 0; }
-  virtual const std::vector<dealii::types::global_dof_index> &term_dofs(unsigned int /*term*/) const
-  {
-    Assert(false, dealii::ExcNotImplemented());
-    static const std::vector<dealii::types::global_dof_index> none;
-    return none;
-  }
-  virtual void assemble_term(unsigned int /*term*/, const std::vector<double> & /*unknowns*/,
-                             std::vector<double> & /*residual*/,
-                             dealii::FullMatrix<double> * /*tangent*/) const
-  {
-  }
-  /// The size of what cancels in the equation of the multiplier.
-  virtual double magnitude_of_term(unsigned int /*term*/, const std::vector<double> & /*unknowns*/) const
-  {
-    return 0;
-  }
-
-  virtual bool adds_terms() const { return false; }
-  /// Whether two unknowns that are both zero in the jump, of different sides, have an entry in the tangent.
-  virtual bool couples_fluxes() const { return true; }
-
-  /// Gives the values of unknowns of cells that this rank owns or of groups of its points.
-  using Unknowns = std::function<void(const std::vector<dealii::types::global_dof_index> &dofs,
-                                      std::vector<double> &values)>;
   /// Before the first iteration of a step: freeze penalty and weights at the last good state. Collective.
-  virtual void begin_step(const Interface<dim> & /*interface*/, double /*t*/, const Unknowns & /*unknowns*/,
+  virtual void begin_step(const Interface<dim> & /*interface*/, double /*t*/, const ValuesOf & /*unknowns*/,
                           const MPI_Comm & /*communicator*/)
   {
   }
-
   /// After a step has converged at time @p t: if what begin_step() has frozen fits the solution no more,
   /// freeze it anew. Collective. @return whether it did, on all ranks alike: then the step must be solved on.
-  virtual bool refreeze(const Interface<dim> & /*interface*/, double /*t*/, const Unknowns & /*unknowns*/,
-                        const MPI_Comm & /*communicator*/)
+  virtual bool update_penalties(const Interface<dim> & /*interface*/, double /*t*/,
+                                const ValuesOf & /*unknowns*/, const MPI_Comm & /*communicator*/)
   {
     return false;
   }
-
-  /// After each full update of Newton's method that does not end the iteration: change the equations where
-  /// the way to the solution asks for it. Collective. @return whether they have changed, on all ranks alike.
-  virtual bool adapt(const Interface<dim> & /*interface*/, double /*t*/, const Unknowns & /*unknowns*/,
-                     const MPI_Comm & /*communicator*/)
-  {
-    return false;
-  }
-
-  /// Residual and, if @p tangent is not nullptr, its exact derivative over the points of a group; both come
-  /// in as zero. @return false if a law is not defined at the state of a point.
-  virtual bool assemble(const Interface<dim> & /*interface*/, const typename Pairing<dim>::Group & /*group*/,
-                        double /*t*/, const std::vector<double> & /*unknowns*/,
-                        std::vector<double> & /*residual*/, dealii::FullMatrix<double> * /*tangent*/)
-  {
-    return true;
-  }
-
-  /// The state of the last assembly becomes the solution so far: of a trial that is rejected nothing may
-  /// stay.
-  virtual void accept_state() {}
-
-  /// Values at unknowns that this rank owns, by global index.
-  using Owned = std::function<double(dealii::types::global_dof_index dof)>;
-  virtual bool has_multipliers() const { return false; }
-  virtual bool needs_forces() const { return has_multipliers(); } ///< to find them
-  /// For output, at a solution: multipliers that are no unknowns follow from the forces that constraints
-  /// transmit. @p force: the residual at an unknown without the line that this tie gave it. Collective.
-  virtual void find_multipliers(const Interface<dim> & /*interface*/, const Owned & /*solution*/,
-                                const Owned & /*force*/, const MPI_Comm & /*communicator*/)
-  {
-  }
-  /// After find_multipliers: what it gives the sides by constraints and multipliers, this rank's.
-  virtual std::vector<Transmission> transmissions() const { return {}; }
-  /// After add_constraints: unknowns of this rank that miss in them because they are prescribed.
-  virtual const std::vector<HeldUnknown> &held() const
-  {
-    static const std::vector<HeldUnknown> none;
-    return none;
-  }
+  /// What the laws of both sides remember of a state: the trial of the interface's memory. @return false if
+  /// one is not defined there, on this rank.
+  virtual bool evaluate_memory(Interface<dim> &interface, double t, const ValuesOf &unknowns);
 
   /// What a user should know about this tie, if anything; after add_constraints, the same on all ranks.
   virtual std::vector<std::string> notes() const { return {}; }
-
-  /// Whether the derivatives of all terms are the same in all steps; if so, a linear scene assembles them
-  /// once.
-  virtual bool has_constant_tangent(const Interface<dim> & /*interface*/) const { return false; }
-
   /// For the plan: what distinguishes it from others of its Type, "Theta = 1, …", and "what: why" it can do
   /// without at this interface.
   virtual std::string description() const { return {}; }
   virtual std::vector<std::string> left_out(const Interface<dim> & /*interface*/) const { return {}; }
 
+  /// Whether the derivatives of all terms are the same in all steps; if so, a linear scene assembles them
+  /// once.
+  virtual bool has_constant_tangent(const Interface<dim> & /*interface*/) const { return false; }
   virtual bool is_symmetric() const { return true; } ///< if the laws are
   virtual bool is_linear() const { return true; }    ///< the terms are affine in the unknowns if the laws are
+
   /// Whether a constant of the field that one side has and the other not costs anything: then what keeps one
   /// side from drifting keeps the other, too.
   virtual bool holds(const TiedField & /*field*/) const { return true; }
@@ -187,10 +226,6 @@ public:
   virtual bool allows_jump(const TiedField & /*field*/) const { return false; }
   /// Whether at time @p t it surely resists every motion of one side against the other, rotations too.
   virtual bool surely_holds(const TiedField &field, double /*t*/) const { return !allows_jump(field); }
-  /// Whether the integral of numerical_flux is what each side gets, exactly.
-  virtual bool has_flux() const { return adds_terms(); }
-  /// Whether both sides get the same flux at every point; else each gets that of the points on its own faces.
-  virtual bool is_balanced() const { return true; }
 
   /// The influx into the source at a point as the tie sees it, from the states of both sides, their influxes
   /// A.N (each through its own normal) and the jump; without a better one the mean of the influxes.
@@ -202,23 +237,6 @@ public:
     for (unsigned int c = 0; c < jump.size(); ++c)
       result[c] = (flux[source][c] - flux[destination][c]) / 2;
   }
-
-  /// For the report; infinity or zero where there is nothing to say.
-  struct Penalty
-  {
-    double smallest = std::numeric_limits<double>::infinity();
-    double largest = 0;
-    /// gamma over its lower bound, minus 1: coercive if positive.
-    double coercivity_margin = std::numeric_limits<double>::infinity();
-  };
-  virtual Penalty penalty() const { return {}; } ///< of this rank's points
-
-  /// How often first and second variations of a flux have been evaluated at points of this rank.
-  struct FluxVariations
-  {
-    unsigned long first = 0, second = 0;
-  };
-  virtual FluxVariations flux_variations() const { return {}; }
 };
 
 template <int dim>

@@ -34,6 +34,6 @@ struct TraceEigenvalues
 /// The rank that owns a cell is told the points on its faces, and answers with the eigenvalues. Collective.
 template <int dim>
 TraceEigenvalues trace_eigenvalues(const Interface<dim> &interface, const TiedField &field, double t,
-                                   const typename Tie<dim>::Unknowns &unknowns, const MPI_Comm &communicator);
+                                   const ValuesOf &unknowns, const MPI_Comm &communicator);
 
 } // namespace dovetail

@@ -32,8 +32,8 @@ public:
   unsigned int n_components() const;
 
   /// @return false if a law is not defined at this state. A term that needs a component whose value is
-  /// NaN gives NaN: an interface does not know the fields that it does not tie. Derivatives that vanish
-  /// identically are not touched; coupling() tells them.
+  /// NaN gives NaN and remembers what it has: an interface does not know the fields that it does not tie.
+  /// Derivatives that vanish identically are not touched; coupling() tells them.
   bool evaluate(const State<dim> &state, bool with_derivatives, Response<dim> &response) const;
 
   /// Second derivatives of sum_c w_c . A_c by all of S = (B_0, grad B_0, B_1, grad B_1, …): a symmetric
@@ -63,6 +63,13 @@ public:
   bool has_large_strain() const;                  ///< of a vector field whose law is nonlinear
   bool is_symmetric(unsigned int field) const;    ///< own block of the tangent is symmetric, and not negative
   bool depends_on_time() const;
+  /// Whether all nonlinear fluxes of a field have second derivatives.
+  bool has_curvature(unsigned int field) const;
+
+  /// What its terms remember at a point, and how that begins, number by number.
+  std::vector<InternalVariable> internal_variables() const;
+  const std::vector<double> &initial_memory() const { return memory_at_start; }
+  bool has_memory() const { return !memory_at_start.empty(); }
 
   /// "Fourier, linear"
   std::string description(unsigned int field) const;
@@ -81,6 +88,7 @@ private:
   std::vector<std::vector<unsigned int>> needed_by;   ///< components, by term
   std::vector<Coupling> couplings;                    ///< of components (c, d) at c * n + d
   std::vector<unsigned int> flux_pairs, source_pairs; ///< those that have derivatives
+  std::vector<double> memory_at_start;
 };
 
 } // namespace dovetail

@@ -26,7 +26,11 @@ public:
                 Response &response) const override;
   Curvature curvature(const dealii::Tensor<2, 3> &H, double e, const dealii::Tensor<2, 3> &w) const override;
   bool is_linear() const override { return law->is_linear(); }
-  std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double e) const override;
+  std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double e,
+                                                    const Memory &memory) const override;
+  std::vector<InternalVariable> internal_variables() const override { return law->internal_variables(); }
+  bool has_curvature() const override { return law->has_curvature(); }
+  bool is_symmetric() const override { return law->is_symmetric(); }
 
 private:
   /// @p H with the strain across, and the response of the law there with derivatives.

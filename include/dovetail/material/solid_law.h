@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/material/memory.h>
 #include <dovetail/scene/section.h>
 
 #include <deal.II/base/tensor.h>
@@ -24,6 +25,8 @@ public:
 
   struct Response
   {
+    /// Given: what the law remembers at the point. It reads the accepted variables and writes the trial ones.
+    Memory memory;
     dealii::Tensor<2, 3> P;     ///< first Piola-Kirchhoff stress [Pa]
     dealii::Tensor<4, 3> dP_dF; ///< [i][J][k][L] = dP_iJ/dF_kL, filled only if derivatives are asked for
     dealii::Tensor<2, 3> dP_de; ///< derivative by the thermal strain, likewise
@@ -42,14 +45,27 @@ public:
   /// <= 0), with the reason left as scene/undefined.h says: the step is cut, nothing crashes.
   virtual bool evaluate(const dealii::Tensor<2, 3> &H, double e, bool with_derivatives,
                         Response &response) const = 0;
-  virtual Curvature curvature(const dealii::Tensor<2, 3> &H, double e,
-                              const dealii::Tensor<2, 3> &w) const = 0;
+  /// @pre has_curvature()
+  virtual Curvature curvature(const dealii::Tensor<2, 3> & /*H*/, double /*e*/,
+                              const dealii::Tensor<2, 3> & /*w*/) const
+  {
+    AssertThrow(false, dealii::ExcNotImplemented());
+    return {};
+  }
 
   /// All of grad u where the law itself finds a part of it (plane stress); nothing if it is not defined.
-  virtual std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double /*e*/) const
+  virtual std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double /*e*/,
+                                                            const Memory & /*memory*/) const
   {
     return H;
   }
+
+  /// What it remembers at a point; nothing if the stress is a function of the present state.
+  virtual std::vector<InternalVariable> internal_variables() const { return {}; }
+  /// Whether the second derivatives exist. A law with memory has different branches, so it has none.
+  virtual bool has_curvature() const { return internal_variables().empty(); }
+  /// dP/dF is, and it is not negative at rest: there is an energy, or an incremental one.
+  virtual bool is_symmetric() const { return true; }
 
   /// P is affine in (F, e): one solve, no curvature.
   virtual bool is_linear() const { return false; }

@@ -34,9 +34,11 @@ public:
   bool has_source() const override { return false; }
   Coupling coupling(unsigned int c, unsigned int d) const override;
   bool is_linear() const override { return law->is_linear(); }
-  bool is_symmetric() const override { return true; } // there is an energy
+  bool is_symmetric() const override { return law->is_symmetric(); }
   bool depends_on_time() const override { return false; }
   std::string description() const override { return name_of_law; }
+  std::vector<InternalVariable> internal_variables() const override { return law->internal_variables(); }
+  bool has_curvature() const override { return law->has_curvature(); }
 
   bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const override;
   void add_curvature(const State<dim> &state, const std::vector<dealii::Tensor<1, dim>> &w,
@@ -50,6 +52,7 @@ public:
 
 private:
   dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;
+  Memory memory(const State<dim> &state) const; ///< of the law
   double thermal_strain(const State<dim> &state) const
   {
     return expansion ? expansion->coefficient * (state.value[expansion->temperature] - expansion->reference)
@@ -59,6 +62,7 @@ private:
   const std::unique_ptr<SolidLaw> law;
   const std::optional<Expansion> expansion;
   const std::string name_of_material, name_of_law;
+  const unsigned int n_internal_variables; ///< numbers
 };
 
 } // namespace dovetail

@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include <dovetail/material/memory.h>
+
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 #include <deal.II/lac/full_matrix.h>
@@ -25,7 +27,8 @@ struct Field
   std::string symbol;           ///< of a scalar in formulas: T for the temperature; "" if it has none
 };
 
-/// What a law sees at a point: position, time, and for each component c the trace B_c and its gradient.
+/// What a law sees at a point: position, time, for each component c the trace B_c and its gradient, and what
+/// the terms of the material remember there.
 template <int dim>
 struct State
 {
@@ -34,6 +37,7 @@ struct State
   double t = 0;
   std::vector<double> value;
   std::vector<dealii::Tensor<1, dim>> gradient;
+  Memory memory; ///< empty if no term remembers anything; of terms one after the other
 };
 
 /// What it answers: for each component c the flux A_c and the source S_c of the balance
@@ -96,6 +100,11 @@ public:
   virtual bool is_symmetric() const = 0;    ///< its derivatives by its own field are, and not negative
   virtual bool depends_on_time() const = 0; ///< through t itself
   virtual std::string description() const = 0;
+  /// What it remembers at a point, in the order of its part of the state's memory.
+  virtual std::vector<InternalVariable> internal_variables() const { return {}; }
+  /// Whether add_curvature() knows the second derivatives.
+  virtual bool has_curvature() const { return true; }
+  unsigned int first_internal_variable = 0; ///< of its numbers in the memory; set by the material
 
   /// Add to the flux and the source of its field and, if asked for, to the derivatives for which coupling()
   /// says so. @return false if the law is not defined at this state, with the reason left as
@@ -103,7 +112,7 @@ public:
   virtual bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const = 0;
 
   /// Add the second derivatives of sum_c w_c . A_c, c in its field, to those of the material
-  /// (Material::curvature). Asked only if some w_c is not zero and the term is not linear.
+  /// (Material::curvature). Asked only if some w_c is not zero, the term is not linear and has a curvature.
   virtual void add_curvature(const State<dim> & /*state*/, const std::vector<dealii::Tensor<1, dim>> & /*w*/,
                              dealii::FullMatrix<double> & /*result*/) const
   {

@@ -43,6 +43,9 @@ public:
   /// them. Nothing if there is no other guess.
   std::optional<NewtonResult> solve_from_given_values(double t, Vector &x);
 
+  /// Let the laws remember the solution @p x of time @p t. @return false if one is not defined there.
+  bool remember(double t, const Vector &x) { return present_system->remember(t, x); }
+
   /// Let loads() be those of a step to time @p t from @p x.
   void find_loads(double t, const Vector &x);
   /// Whether a step to time @p t from @p x would begin with others than the last one did.

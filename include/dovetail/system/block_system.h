@@ -52,6 +52,9 @@ public:
   bool assemble(const Vector &x, bool with_tangent);
   /// The state of the last assembly becomes the solution so far.
   void accept_state();
+  /// Of a solution @p x of time @p t: let all laws remember it. Nothing is remembered, and false returned on
+  /// all ranks alike, if one is not defined there. Collective; costs nothing where no law remembers anything.
+  bool remember(double t, const Vector &x);
   /// Of the last assembly since begin_step() that was not defined: which law at which state, in which domain
   /// and cell; the same on all ranks.
   const Undefined &why_undefined() const { return problem; }
@@ -130,7 +133,7 @@ public:
   } ///< set-up of constraints and terms of interfaces, this rank
 
 private:
-  typename Tie<dim>::Unknowns ghosted_values() const;
+  ValuesOf ghosted_values() const;
 
   void make_relevant_set(double t);
   ConstraintLines lines_at(double t) const;
@@ -140,6 +143,7 @@ private:
   void add_pattern(const Domain<dim> &domain, dealii::DynamicSparsityPattern &pattern) const;
   void add_pattern(const Interface<dim> &interface, dealii::DynamicSparsityPattern &pattern) const;
   void move_constraints_from(const Vector &ghosted);
+  bool evaluate_memory(double t);
   bool assemble_all(bool with_tangent);
   bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);
   bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/interface/interface_memory.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/numerics/rtree.h>
+
+#include <algorithm>
+
+namespace dovetail {
+
+template <int dim>
+void InterfaceMemory<dim>::set_points(const Pairing<dim> &pairing,
+                                      const std::array<InterfaceSide<dim>, 2> &sides,
+                                      const MPI_Comm &communicator)
+{
+  for (const unsigned int side : {source, destination}) {
+    const Material<dim> &material = sides[side].domain->material;
+    if (!material.has_memory())
+      continue;
+    const auto former_points = std::move(points[side]);
+    const InternalVariables former = std::move(variables[side]);
+    points[side].clear();
+    for (unsigned int q = 0; q < pairing.n_points(); ++q)
+      points[side].push_back(pairing.X(side, q));
+    variables[side] = InternalVariables(points[side].size(), material.initial_memory());
+    if (has_points)
+      take_from_nearest(side, former, former_points, communicator);
+  }
+  has_points = true;
+}
+
+/// All ranks look at all points, in an order that does not depend on the ranks.
+template <int dim>
+void InterfaceMemory<dim>::take_from_nearest(const unsigned int side, const InternalVariables &former,
+                                             const std::vector<dealii::Point<dim>> &former_points,
+                                             const MPI_Comm &communicator)
+{
+  std::vector<std::vector<double>> of_rank, all; // X, variables
+  for (unsigned int q = 0; q < former_points.size(); ++q) {
+    std::vector<double> row(former_points[q].begin_raw(), former_points[q].end_raw());
+    const auto values = former.accepted(q);
+    row.insert(row.end(), values.begin(), values.end());
+    of_rank.push_back(std::move(row));
+  }
+  for (const auto &other : dealii::Utilities::MPI::all_gather(communicator, of_rank))
+    all.insert(all.end(), other.begin(), other.end());
+  if (all.empty())
+    return;
+  std::sort(all.begin(), all.end());
+
+  std::vector<std::pair<dealii::Point<dim>, unsigned int>> numbered;
+  for (unsigned int i = 0; i < all.size(); ++i)
+    numbered.emplace_back(
+        dealii::Point<dim>(dealii::Tensor<1, dim>(dealii::ArrayView<const double>(all[i].data(), dim))), i);
+  const auto tree = dealii::pack_rtree(numbered);
+  for (unsigned int q = 0; q < points[side].size(); ++q) {
+    const auto nearest = tree.qbegin(boost::geometry::index::nearest(points[side][q], 1));
+    const std::vector<double> &row = all[nearest->second];
+    variables[side].set_accepted(q, {row.data() + dim, row.size() - dim});
+  }
+}
+
+template <int dim>
+void InterfaceMemory<dim>::accept()
+{
+  for (auto &of_side : variables)
+    of_side.accept();
+}
+
+template class InterfaceMemory<2>;
+template class InterfaceMemory<3>;
+
+} // namespace dovetail

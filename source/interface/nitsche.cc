@@ -33,7 +33,7 @@
 namespace dovetail {
 
 namespace {
-constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+constexpr double not_defined = std::numeric_limits<double>::quiet_NaN();
 
 const char *const multiplier_help =
     "a or c: multiplies the penalty; automatic: for eigenvalue the larger of 2 and (1+Theta)^2/2, at large "
@@ -135,7 +135,7 @@ void Nitsche<dim>::check_value(const Interface<dim> &interface, const double t,
   smallest = dealii::Utilities::MPI::min(smallest, communicator);
   largest = dealii::Utilities::MPI::max(largest, communicator);
   is_number = dealii::Utilities::MPI::min(is_number, communicator);
-  check_value(interface.section, is_number == 0 ? undefined : smallest < 0 ? smallest : largest);
+  check_value(interface.section, is_number == 0 ? not_defined : smallest < 0 ? smallest : largest);
 }
 
 /// Whether weights and penalty are the same in all steps.
@@ -207,7 +207,7 @@ void Nitsche<dim>::evaluate_stiffness(const Interface<dim> &interface,
       for (unsigned int c = 0; c < n; ++c) // the others are not touched by the next evaluation
         for (unsigned int d = 0; d < n; ++d)
           if (material.coupling(c, d).of_flux())
-            sides.response[side].by_gradient[c * n + d][0][0] = undefined;
+            sides.response[side].by_gradient[c * n + d][0][0] = not_defined;
     }
 }
 
@@ -508,7 +508,7 @@ void Nitsche<dim>::freeze(const Interface<dim> &interface, const double t,
         // a tangent that has lost its positivity says nothing about the stiffness: keep the last good one
         const bool is_good = chosen.gamma >= 0 && std::isfinite(chosen.gamma) && chosen.weight[source] >= 0 &&
                              chosen.weight[destination] >= 0;
-        parameters[i] = is_good ? chosen : old.empty() ? Parameters{{{0.5, 0.5}}, undefined} : old[i];
+        parameters[i] = is_good ? chosen : old.empty() ? Parameters{{{0.5, 0.5}}, not_defined} : old[i];
         if (!first_gamma.empty() && penalty_rule != PenaltyRule::value &&
             interface.fields[f].n_components > 1) // a conductivity is positive, whatever it was
           parameters[i].gamma = std::max(parameters[i].gamma, first_gamma[i]);
@@ -683,7 +683,7 @@ bool Nitsche<dim>::assemble(const Interface<dim> &interface, const typename Pair
     if (!evaluate_sides(interface, group, q, t, unknowns, with_derivatives))
       return false;
     for (unsigned int f = 0; f < interface.fields.size(); ++f)
-      if (!add_field(interface, f, q, unknowns, residual, tangent))
+      if (!add_field(interface, f, q, t, unknowns, residual, tangent))
         return false;
   }
   if (own_sides)
@@ -707,7 +707,7 @@ void Nitsche<dim>::keep_own_rows(const Interface<dim> &interface, const typename
 
 template <int dim>
 bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int field_index,
-                             const unsigned int q, const std::vector<double> &unknowns,
+                             const unsigned int q, const double t, const std::vector<double> &unknowns,
                              std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
   const Pairing<dim> &pairing = interface.pairing();
@@ -725,7 +725,9 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
   Series series;
   if (!join(interface, field, q, p.gamma, sides.state, series))
     return false;
-  interface.jump(field, q, unknowns, jump);
+  interface.jump(field, q, t, unknowns, jump);
+  if (!std::all_of(jump.begin(), jump.end(), [](const double value) { return std::isfinite(value); }))
+    return false;
   mean_flux.assign(n_c, 0.);
   for (const unsigned int side : {source, destination})
     if (p.weight[side] != 0)

@@ -86,16 +86,22 @@ std::vector<bool> BlockSystem<dim>::active_toggles(const double t) const
 template <int dim>
 bool BlockSystem<dim>::is_outdated(const double t) const
 {
-  return active_toggles(t) != toggles_of_set_up;
+  return active_toggles(t) != toggles_of_set_up ||
+         (t != time_of_set_up &&
+          std::any_of(model.interfaces.begin(), model.interfaces.end(), [t](const auto &interface) {
+            return interface->is_active(t) && interface->has_moving_constraints();
+          }));
 }
 
 template <int dim>
 void BlockSystem<dim>::set_up(const double t)
 {
   toggles_of_set_up = active_toggles(t);
+  time_of_set_up = t;
   tie_lines.clear();
   if (!model.interfaces.empty()) {
     TieConstraints all;
+    all.t = t;
     for (const auto &domain : model.domains)
       domain->add_constraints(t, all.lines);
     dealii::Timer timer;
@@ -151,11 +157,11 @@ ConstraintLines BlockSystem<dim>::lines_at(const double t) const
   ConstraintLines lines;
   for (const auto &domain : model.domains)
     domain->add_constraints(t, lines);
+  lines.insert(tie_lines.begin(), tie_lines.end());
   const bool are_finite = std::all_of(lines.begin(), lines.end(), [](const auto &entry) {
     return std::isfinite(entry.second.inhomogeneity);
   });
   refuse_undefined(are_finite ? Undefined() : last_undefined(), model.communicator);
-  lines.insert(tie_lines.begin(), tie_lines.end());
   return lines;
 }
 

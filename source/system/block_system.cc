@@ -329,10 +329,12 @@ template <int dim>
 void BlockSystem<dim>::begin_step(const double t, const Vector &x)
 {
   set_time(t);
+  ghosted_scratch = x;
+  for (const auto &domain : model.domains)
+    freeze_weak_penalties<dim>(*domain, t, ghosted_values());
   if (model.interfaces.empty())
     return;
   dealii::Timer timer;
-  ghosted_scratch = x;
   for (const auto &interface : model.interfaces)
     if (interface->is_active(t))
       interface->tie().begin_step(*interface, t, ghosted_values(), model.communicator);

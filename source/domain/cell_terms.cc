@@ -32,7 +32,7 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
     for (unsigned int c = 0; c < field.n_components; ++c)
       source_of_component[field.first_component + c] = {domain.source().find(field.name), c};
   for (const auto &condition : domain.conditions())
-    if (condition->adds_flux())
+    if (condition->adds_flux() || condition->is_weak())
       flux_conditions.push_back(condition.get());
   for (auto &direction : gradient_of_direction)
     direction.resize(n_nodes);
@@ -63,8 +63,11 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   if (tangent)
     add_tangent(*tangent);
   add_source(t, residual);
-  if (!flux_conditions.empty() && cell->at_boundary())
-    add_boundary_terms(cell, t, unknowns, residual, tangent);
+  if (domain.body_force().is_given())
+    add_body_force(t, unknowns, residual, tangent);
+  if (!flux_conditions.empty() && cell->at_boundary() &&
+      !add_boundary_terms(cell, t, unknowns, residual, tangent))
+    return false;
   return std::isfinite(std::accumulate(residual.begin(), residual.end(), 0.));
 }
 
@@ -89,9 +92,9 @@ template <int dim>
 bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &cell, const double t,
                                     const std::vector<double> &unknowns, std::vector<double> &residual)
 {
-  const bool has_source =
-      !with_source.empty() || std::any_of(source_of_component.begin(), source_of_component.end(),
-                                          [](const auto &source) { return source.first != nullptr; });
+  const bool has_source = !with_source.empty() || domain.body_force().is_given() ||
+                          std::any_of(source_of_component.begin(), source_of_component.end(),
+                                      [](const auto &source) { return source.first != nullptr; });
   const bool has_boundary = !flux_conditions.empty() && cell->at_boundary();
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(n * n_nodes, 0.);
@@ -99,6 +102,8 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
     cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
     has_uniform_tangent = false; // what comes next is not compared with the cell before
     add_source(t, residual);
+    if (domain.body_force().is_given())
+      add_body_force(t, unknowns, residual, nullptr);
     point.state.t = t;
     for (unsigned int q = 0; !with_source.empty() && q < cell_values.n_quadrature_points; ++q) {
       point.reinit(cell_values, q, unknowns);
@@ -107,8 +112,8 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
       add_source_of_laws(JxW, residual);
     }
   }
-  if (has_boundary)
-    add_boundary_terms(cell, t, unknowns, residual, nullptr);
+  if (has_boundary && !add_boundary_terms(cell, t, unknowns, residual, nullptr))
+    std::fill(residual.begin(), residual.end(), std::numeric_limits<double>::quiet_NaN());
   return has_source || has_boundary;
 }
 
@@ -241,43 +246,80 @@ void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
 }
 
 template <int dim>
-void CellTerms<dim>::add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, const double t,
-                                        const std::vector<double> &unknowns, std::vector<double> &residual,
-                                        dealii::FullMatrix<double> *tangent)
+void CellTerms<dim>::add_body_force(const double t, const std::vector<double> &unknowns,
+                                    std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
-  for (const unsigned int face : cell->face_indices())
-    if (cell->face(face)->at_boundary())
-      for (const Condition<dim> *condition : flux_conditions)
-        open_boundary.for_each_point(
-            cell, face, *condition, t,
-            [&](const dealii::Point<dim> &X, const std::vector<double> &shape_values, const double JxW) {
-              add_influx(*condition, X, t, shape_values, JxW, unknowns, residual, tangent);
-            });
+  const BodyForce<dim> &force = domain.body_force();
+  const unsigned int first = force.first_component();
+  for (const unsigned int q : cell_values.quadrature_point_indices()) {
+    const double JxW = cell_values.JxW(q);
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      shape[a] = cell_values.shape_value(a, q);
+    dealii::Tensor<1, dim> u;
+    for (unsigned int c = 0; force.depends_on_displacement() && c < dim; ++c)
+      u[c] = std::inner_product(shape.begin(), shape.end(), unknowns.begin() + (first + c) * n_nodes, 0.);
+    const dealii::Tensor<1, dim> b = force.value(cell_values.quadrature_point(q), t, u);
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int i = 0; i < n_nodes; ++i)
+        add((first + c) * n_nodes + i, -b[c] * shape[i] * JxW, residual);
+    if (tangent == nullptr || !force.depends_on_displacement())
+      continue;
+    const dealii::Tensor<2, dim> derivative = force.derivative(cell_values.quadrature_point(q), t);
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int i = 0; derivative[c][d] != 0 && i < n_nodes; ++i)
+          for (unsigned int j = 0; j < n_nodes; ++j)
+            (*tangent)((first + c) * n_nodes + i, (first + d) * n_nodes + j) -=
+                derivative[c][d] * shape[i] * shape[j] * JxW;
+  }
 }
 
 template <int dim>
-void CellTerms<dim>::add_influx(const Condition<dim> &condition, const dealii::Point<dim> &X, const double t,
-                                const std::vector<double> &shape_values, const double JxW,
-                                const std::vector<double> &unknowns, std::vector<double> &residual,
-                                dealii::FullMatrix<double> *tangent)
+bool CellTerms<dim>::add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, const double t,
+                                        const std::vector<double> &unknowns, std::vector<double> &residual,
+                                        dealii::FullMatrix<double> *tangent)
+{
+  bool is_defined = true;
+  for (const unsigned int face : cell->face_indices())
+    if (cell->face(face)->at_boundary())
+      for (const Condition<dim> *condition : flux_conditions)
+        open_boundary.for_each_point(cell, face, *condition, t, unknowns, [&](const auto &at) {
+          if (condition->is_weak())
+            is_defined =
+                add_weak_value(*condition, at,
+                               domain.weak_penalties.at({condition->field.name, cell->active_cell_index()}),
+                               unknowns, residual, tangent) &&
+                is_defined;
+          else
+            add_influx(*condition, at, residual, tangent);
+        });
+  return is_defined;
+}
+
+template <int dim>
+void CellTerms<dim>::add_influx(const Condition<dim> &condition, const typename OpenBoundary<dim>::Point &at,
+                                std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
   const unsigned int first = condition.field.first_component, n_c = condition.field.n_components;
-  std::vector<double> trace(n_c, 0.), flux(n_c, 0.);
-  dealii::FullMatrix<double> d_flux(n_c, n_c);
-  for (unsigned int c = 0; c < n_c; ++c)
-    for (unsigned int a = 0; a < n_nodes; ++a)
-      trace[c] += shape_values[a] * unknowns[(first + c) * n_nodes + a];
-  condition.flux(X, t, trace.data(), flux, d_flux);
+  Influx<dim> influx(n_c, n);
+  condition.influx(at.state, at.N, influx);
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int a = 0; a < n_nodes; ++a) {
-      const double test = shape_values[a] * JxW;
+      const double test = at.shape_values[a] * at.JxW;
       const unsigned int i = (first + c) * n_nodes + a;
-      add(i, -test * flux[c], residual);
-      if (tangent != nullptr)
-        for (unsigned int d = 0; d < n_c; ++d)
-          if (d_flux(c, d) != 0)
-            for (unsigned int b = 0; b < n_nodes; ++b)
-              (*tangent)(i, (first + d) * n_nodes + b) -= test * d_flux(c, d) * shape_values[b];
+      add(i, -test * influx.value[c], residual);
+      if (tangent == nullptr)
+        continue;
+      for (unsigned int d = 0; d < n; ++d) {
+        double *row = &(*tangent)(i, d * n_nodes);
+        if (const double by_value = influx.by_value(c, d); by_value != 0)
+          for (unsigned int b = 0; b < n_nodes; ++b)
+            row[b] -= test * by_value * at.shape_values[b];
+        if (const dealii::Tensor<1, dim> &by_gradient = influx.by_gradient(c, d);
+            by_gradient != dealii::Tensor<1, dim>())
+          for (unsigned int b = 0; b < n_nodes; ++b)
+            row[b] -= test * (by_gradient * at.shape_gradients[b]);
+      }
     }
 }
 

@@ -3,14 +3,14 @@
 
 #include <dovetail/domain/condition.h>
 
+#include <algorithm>
+
 namespace dovetail {
 
 namespace {
 
-Field read_field(const Section &section, const std::vector<Field> &fields)
+Field find_field(const Section &section, const std::vector<Field> &fields, const std::string &name)
 {
-  const auto name = section.require<std::string>(
-      "Field", "The field it acts on, for instance temperature or displacement [-]");
   std::vector<std::string> known;
   for (const Field &field : fields) {
     if (field.name == name)
@@ -23,8 +23,29 @@ Field read_field(const Section &section, const std::vector<Field> &fields)
   return {name, 1, 0, "", ""}; // while documenting: nobody asks for it
 }
 
-std::set<dealii::types::boundary_id> read_boundary_ids(const Section &section)
+Field read_field(const Section &section, const std::vector<Field> &fields, const Scope &scope)
 {
+  if (scope.fields == Scope::any)
+    return find_field(section, fields,
+                      section.require<std::string>(
+                          "Field", "The field it acts on, for instance temperature or displacement [-]"));
+  const auto vector =
+      std::find_if(fields.begin(), fields.end(), [](const Field &field) { return field.n_components > 1; });
+  section.check(vector != fields.end(), "Type",
+                "acts on the displacement, which this domain does not have: its material has no solid law.");
+  const Field field =
+      find_field(section, fields,
+                 section.read<std::string>("Field", vector != fields.end() ? vector->name : "",
+                                           "The field it acts on, which must be a vector [-]"));
+  section.check(field.n_components > 1, "Field",
+                "names the " + field.name + ", but this type of condition acts on the displacement.");
+  return field;
+}
+
+std::set<dealii::types::boundary_id> read_boundary_ids(const Section &section, const Scope &scope)
+{
+  if (scope.place == Scope::point)
+    return {};
   const auto ids = section.require<std::vector<unsigned int>>(
       "Boundary ids", "The boundary ids of the mesh on which the condition acts [-]",
       Patterns::List(Patterns::Integer(0), 1));
@@ -41,10 +62,38 @@ std::string last_part(const std::string &path)
 } // namespace
 
 template <int dim>
-Condition<dim>::Condition(const Section &section, const std::vector<Field> &fields, const Toggles &toggles)
-    : section(section), name(last_part(section.path())), field(read_field(section, fields)),
-      boundary_ids(read_boundary_ids(section)), toggles(&toggles), toggle(toggles.read_reference(section))
+Condition<dim>::Condition(const Section &section, const Material<dim> &material, const Toggles &toggles,
+                          const Scope &scope)
+    : section(section), name(last_part(section.path())), field(read_field(section, material.fields(), scope)),
+      boundary_ids(read_boundary_ids(section, scope)), toggles(&toggles),
+      toggle(toggles.read_reference(section))
 {
+}
+
+std::vector<unsigned int> read_components(const Section &section, const Field &field)
+{
+  const std::string letters = "xyz";
+  const auto names = section.read<std::vector<std::string>>(
+      "Components", {},
+      "The prescribed components of a vector (x, y, z); if empty, all components are prescribed [-]");
+  std::vector<unsigned int> components;
+  if (names.empty() || section.documenting())
+    for (unsigned int c = 0; c < field.n_components; ++c)
+      components.push_back(c);
+  else
+    for (const std::string &name : names) {
+      const auto c = name.size() == 1 ? letters.find(name) : std::string::npos;
+      section.check(c != std::string::npos && c < field.n_components && field.n_components > 1, "Components",
+                    "has '" + name + "', but " +
+                        (field.n_components > 1
+                             ? "the components of the " + field.name + " are " +
+                                   (field.n_components == 2 ? "x, y." : "x, y, z.")
+                             : "the " + field.name + " is a scalar: leave the entry out."));
+      section.check(std::find(components.begin(), components.end(), c) == components.end(), "Components",
+                    "has '" + name + "' twice.");
+      components.push_back(c);
+    }
+  return components;
 }
 
 template class Condition<2>;

@@ -22,8 +22,8 @@ template <int dim>
 class Convection : public Condition<dim>
 {
 public:
-  Convection(const Section &section, const std::vector<Field> &fields, const Toggles &toggles)
-      : Condition<dim>(section, fields, toggles),
+  Convection(const Section &section, const Material<dim> &material, const Toggles &toggles)
+      : Condition<dim>(section, material, toggles),
         coefficient(
             section.require_expression("Coefficient", {1}, "The heat transfer coefficient h [W/(m^2 K)]")),
         ambient(section.require_expression("Ambient", {1}, "The temperature of the surroundings [K]"))
@@ -35,15 +35,19 @@ public:
   bool adds_flux() const override { return true; }
   bool has_constant_tangent() const override { return !coefficient.depends_on_time(); }
 
-  void flux(const dealii::Point<dim> &X, const double t, const double *trace, std::vector<double> &flux,
-            dealii::FullMatrix<double> &d_flux) const override
+  void influx(const State<dim> &state, const dealii::Tensor<1, dim> & /*N*/,
+              Influx<dim> &influx) const override
   {
-    const double h = finite(coefficient.value(X, t), this->section, "Coefficient", X, t);
-    flux[0] = h * (finite(ambient.value(X, t), this->section, "Ambient", X, t) - trace[0]);
-    d_flux(0, 0) = -h;
+    const unsigned int own = this->field.first_component;
+    const double h =
+        finite(coefficient.value(state.X, state.t), this->section, "Coefficient", state.X, state.t);
+    influx.value[0] =
+        h * (finite(ambient.value(state.X, state.t), this->section, "Ambient", state.X, state.t) -
+             state.value[own]);
+    influx.by_value(0, own) = -h;
   }
 
-  bool removes_constants() const override { return true; }
+  bool removes_constant(unsigned int /*component*/) const override { return true; }
 
 private:
   const Expression coefficient;

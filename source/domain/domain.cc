@@ -6,6 +6,7 @@
 #include <dovetail/domain/is_covered.h>
 #include <dovetail/domain/mesh_size.h>
 #include <dovetail/domain/quadrature.h>
+#include <dovetail/domain/node_equations.h>
 #include <dovetail/domain/simplices.h>
 
 #include <dovetail/compatibility.h>
@@ -19,6 +20,7 @@
 #include <deal.II/fe/mapping_q.h>
 #include <deal.II/lac/affine_constraints.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace dovetail {
@@ -83,7 +85,7 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
       degree(section.read<unsigned int>(
           "Degree", 1, "Polynomial degree of all fields, and of the mapping where the mesh is curved [-]",
           Patterns::Integer(1, 4))),
-      triangulation(make_mesh<dim>(section.subsection("Mesh"), communicator))
+      triangulation(make_mesh<dim>(section.subsection("Mesh"), communicator)), force(section, material)
 {
   read_given(section);
   read_conditions(section, toggles);
@@ -100,6 +102,7 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
   dofs.reinit(*triangulation);
   distribute_dofs();
   make_memory();
+  place_conditions(communicator);
 }
 
 template <int dim>
@@ -195,7 +198,7 @@ void Domain<dim>::read_conditions(const Section &section, const Toggles &toggles
                         "Names of the boundary conditions of this domain [-]")) {
     auto created =
         ConditionCatalogue<dim>::create(section.subsection("Boundary condition " + condition), "",
-                                        "The type of the boundary condition [-]", fields(), toggles);
+                                        "The type of the boundary condition [-]", material, toggles);
     if (created)
       all_conditions.push_back(std::move(created));
   }
@@ -325,6 +328,7 @@ Domain<dim>::refine(const std::vector<bool> &marked, const dealii::TrilinosWrapp
   examine_cells(section.subsection("Mesh"), *triangulation, *cell_mapping, scalar_element(), communicator);
   collect_boundary_faces(communicator);
   distribute_dofs();
+  place_conditions(communicator);
   dealii::TrilinosWrappers::MPI::Vector refined(dofs.locally_owned_dofs(), communicator);
   transfer.interpolate(refined);
   return refined;
@@ -369,17 +373,35 @@ template <int dim>
 void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
 {
   add_hanging_nodes(lines);
+  add_values(t, lines);
+  if (!normals.empty())
+    add_planes(t, lines);
+}
 
-  // Lagrange elements: the prescribed value at the support points of the faces. The rank that owns an unknown
-  // sees all cells around it, as its own or as ghosts.
+/// Lagrange elements: the prescribed value at the support points of the faces. The rank that owns an unknown
+/// sees all cells around it, as its own or as ghosts.
+template <int dim>
+void Domain<dim>::add_values(const double t, ConstraintLines &lines) const
+{
   const unsigned int n = n_nodes();
   dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), scalar_element().get_unit_support_points(),
                                  dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> indices;
   for (const auto &condition : all_conditions) {
     const auto components = condition->prescribed_components();
-    if (components.empty() || !condition->is_active(t))
+    if (components.empty() || condition->is_weak() || condition->constrains_normal() ||
+        !condition->is_active(t))
       continue;
+    const auto add = [&](const unsigned int a) {
+      for (const unsigned int c : components) {
+        const auto dof = indices[(condition->field.first_component + c) * n + a];
+        if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)
+          continue;
+        ConstraintLine &line = lines[dof];
+        line.inhomogeneity = condition->prescribed_value(at_nodes.quadrature_point(a), t, c);
+        line.is_of_condition = true;
+      }
+    };
     for (const BoundaryFace &face : faces)
       if (condition->boundary_ids.count(face.id) > 0) {
         at_nodes.reinit(face.cell);
@@ -387,14 +409,75 @@ void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
         for (unsigned int a = 0; a < n; ++a)
           if (scalar_element().has_support_on_face(a, face.number) &&
               !is_covered(*this, condition->field.name, face, a, t))
-            for (const unsigned int c : components) {
-              const auto dof = indices[(condition->field.first_component + c) * n + a];
-              if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)
-                continue;
-              lines[dof].inhomogeneity = condition->prescribed_value(at_nodes.quadrature_point(a), t, c);
-            }
+            add(a);
       }
+    if (const auto node = point_nodes.find(condition.get()); node != point_nodes.end()) {
+      at_nodes.reinit(node->second.cell);
+      cell_dofs(dof_cell(node->second.cell), indices);
+      add(node->second.node);
+    }
   }
+}
+
+/// Of conditions that constrain normal components. At a node of several planes, or with prescribed
+/// components, which come first, their equations are solved together; those that follow from others are left
+/// out.
+template <int dim>
+void Domain<dim>::add_planes(const double t, ConstraintLines &lines) const
+{
+  const unsigned int n = n_nodes();
+  dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), scalar_element().get_unit_support_points(),
+                                 dealii::update_quadrature_points);
+  std::map<dealii::types::global_dof_index, NodeEquations<dim>> equations; // by the first unknown of a node
+  std::vector<dealii::types::global_dof_index> indices;
+  for (const auto &condition : all_conditions) {
+    if (!condition->constrains_normal() || !condition->is_active(t))
+      continue;
+    const unsigned int first = condition->field.first_component;
+    for (const BoundaryFace &face : faces) {
+      if (condition->boundary_ids.count(face.id) == 0)
+        continue;
+      at_nodes.reinit(face.cell);
+      cell_dofs(dof_cell(face.cell), indices);
+      for (unsigned int a = 0; a < n; ++a) {
+        if (!scalar_element().has_support_on_face(a, face.number) ||
+            !dofs.locally_owned_dofs().is_element(indices[first * n + a] - first_dof) ||
+            is_covered(*this, condition->field.name, face, a, t))
+          continue;
+        std::array<dealii::types::global_dof_index, dim> of_node;
+        for (unsigned int c = 0; c < dim; ++c)
+          of_node[c] = indices[(first + c) * n + a];
+        const auto &at_node = equations.try_emplace(of_node[0], of_node, lines).first;
+        at_node->second.add(plane_normal(face),
+                            condition->prescribed_normal(at_nodes.quadrature_point(a), t));
+      }
+    }
+  }
+  for (const auto &[dof, of_node] : equations)
+    of_node.add_lines(lines);
+}
+
+template <int dim>
+bool Domain<dim>::constrains(const Condition<dim> &condition, const BoundaryFace &face,
+                             const unsigned int component) const
+{
+  if (condition.is_weak() || condition.boundary_ids.count(face.id) == 0)
+    return false;
+  if (condition.constrains_normal())
+    return plane_normal(face)[component] != 0;
+  const auto components = condition.prescribed_components();
+  return std::find(components.begin(), components.end(), component) != components.end();
+}
+
+template <int dim>
+void Domain<dim>::place_conditions(const MPI_Comm &communicator)
+{
+  normals = find_plane_normals(*this, communicator);
+  point_nodes.clear();
+  for (const auto &condition : all_conditions)
+    if (condition->point())
+      if (const auto node = find_node(*this, *condition, communicator))
+        point_nodes.emplace(condition.get(), *node);
 }
 
 template class Domain<2>;

@@ -22,8 +22,8 @@ template <int dim>
 class Flux : public Condition<dim>
 {
 public:
-  Flux(const Section &section, const std::vector<Field> &fields, const Toggles &toggles)
-      : Condition<dim>(section, fields, toggles),
+  Flux(const Section &section, const Material<dim> &material, const Toggles &toggles)
+      : Condition<dim>(section, material, toggles),
         expression(section.require_expression(
             "Expression", {this->field.n_components},
             "The influx per undeformed area: traction or heat into the body [Pa or W/m^2]"))
@@ -33,11 +33,12 @@ public:
   bool adds_flux() const override { return true; }
   bool has_constant_tangent() const override { return true; } // it has none
 
-  void flux(const dealii::Point<dim> &X, const double t, const double *, std::vector<double> &flux,
-            dealii::FullMatrix<double> &) const override
+  void influx(const State<dim> &state, const dealii::Tensor<1, dim> & /*N*/,
+              Influx<dim> &influx) const override
   {
     for (unsigned int c = 0; c < this->field.n_components; ++c)
-      flux[c] = finite(expression.value(X, t, c), this->section, "Expression", X, t);
+      influx.value[c] =
+          finite(expression.value(state.X, state.t, c), this->section, "Expression", state.X, state.t);
   }
 
 private:

@@ -38,6 +38,24 @@ bool are_finite(const Domain<dim> &domain, const std::string &kind, const typena
   return true;
 }
 
+template <int dim>
+bool is_body_force_finite(const Domain<dim> &domain, const double t)
+{
+  if (!domain.body_force().is_given())
+    return true;
+  dealii::FEValues<dim> points(domain.mapping(), domain.scalar_element(),
+                               gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
+                               dealii::update_quadrature_points);
+  for (const auto &cell : domain.mesh().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      points.reinit(cell);
+      for (const auto &X : points.get_quadrature_points())
+        if (!std::isfinite(domain.body_force().value(X, t, {}).norm()))
+          return false;
+    }
+  return true;
+}
+
 } // namespace
 
 template <int dim>
@@ -45,6 +63,7 @@ bool has_finite_formulas(const Domain<dim> &domain, const double first_time, con
 {
   return are_finite(domain, "Source", domain.source(),
                     gauss_rule<dim>(domain.cell_shape(), domain.degree + 1), first_time) &&
+         is_body_force_finite(domain, first_time) &&
          are_finite(domain, "Initial", domain.initial(),
                     dealii::Quadrature<dim>(domain.scalar_element().get_unit_support_points()), 0) &&
          are_finite(domain, "Exact", domain.exact(), gauss_rule<dim>(domain.cell_shape(), domain.degree + 3),

@@ -1,24 +1,51 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/open_boundary.h>
 #include <dovetail/domain/quadrature.h>
+
+#include <algorithm>
+#include <numeric>
 
 namespace dovetail {
 
 template <int dim>
 OpenBoundary<dim>::OpenBoundary(const Domain<dim> &domain)
-    : domain(domain),
+    : domain(domain), with_gradients(std::any_of(domain.conditions().begin(), domain.conditions().end(),
+                                                 [](const auto &condition) {
+                                                   return condition->sees_gradients() || condition->is_weak();
+                                                 })),
       face_values(domain.mapping(), domain.scalar_element(),
                   gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
-                  dealii::update_values | dealii::update_quadrature_points | dealii::update_JxW_values),
-      shape_values(domain.n_nodes()), gradients(domain.n_nodes())
+                  dealii::update_values | dealii::update_quadrature_points | dealii::update_JxW_values |
+                      dealii::update_normal_vectors |
+                      (with_gradients ? dealii::update_gradients : dealii::update_default)),
+      point({State<dim>(domain.n_components()),
+             {},
+             std::vector<double>(domain.n_nodes()),
+             std::vector<dealii::Tensor<1, dim>>(domain.n_nodes()),
+             0})
 {
 }
 
 template <int dim>
+void OpenBoundary<dim>::find_state(const std::vector<double> &unknowns)
+{
+  const unsigned int n_nodes = point.shape_values.size();
+  if (with_gradients)
+    evaluate_state<dim>(domain.n_components(), n_nodes, point.shape_values.data(),
+                        point.shape_gradients.data(), unknowns.data(), point.state);
+  else
+    for (unsigned int c = 0; c < domain.n_components(); ++c)
+      point.state.value[c] = std::inner_product(point.shape_values.begin(), point.shape_values.end(),
+                                                unknowns.begin() + c * n_nodes, 0.);
+}
+
+template <int dim>
 void OpenBoundary<dim>::for_each_point(const cell_iterator &cell, const unsigned int face,
-                                       const Condition<dim> &condition, const double t, const Visitor &visit)
+                                       const Condition<dim> &condition, const double t,
+                                       const std::vector<double> &unknowns, const Visitor &visit)
 {
   if (condition.boundary_ids.count(cell->face(face)->boundary_id()) == 0 || !condition.is_active(t))
     return;
@@ -35,10 +62,18 @@ void OpenBoundary<dim>::for_each_point(const cell_iterator &cell, const unsigned
     return;
 
   face_values.reinit(cell, face);
+  point.state.t = t;
   for (const unsigned int q : face_values.quadrature_point_indices()) {
-    for (unsigned int a = 0; a < shape_values.size(); ++a)
-      shape_values[a] = face_values.shape_value(a, q);
-    visit(face_values.quadrature_point(q), shape_values, face_values.JxW(q));
+    for (unsigned int a = 0; a < point.shape_values.size(); ++a) {
+      point.shape_values[a] = face_values.shape_value(a, q);
+      if (with_gradients)
+        point.shape_gradients[a] = face_values.shape_grad(a, q);
+    }
+    point.state.X = face_values.quadrature_point(q);
+    point.N = face_values.normal_vector(q);
+    point.JxW = face_values.JxW(q);
+    find_state(unknowns);
+    visit(point);
   }
   if (covered.empty())
     return;
@@ -47,9 +82,12 @@ void OpenBoundary<dim>::for_each_point(const cell_iterator &cell, const unsigned
   anywhere->reinit(cell);
   for (const auto *part : covered)
     for (unsigned int q = 0; q < part->JxW.size(); ++q) {
-      anywhere->evaluate(part->unit_points[q], shape_values.data(), gradients.data());
-      visit(domain.mapping().transform_unit_to_real_cell(cell, part->unit_points[q]), shape_values,
-            -part->JxW[q]);
+      anywhere->evaluate(part->unit_points[q], point.shape_values.data(), point.shape_gradients.data());
+      point.state.X = domain.mapping().transform_unit_to_real_cell(cell, part->unit_points[q]);
+      point.N = part->N[q];
+      point.JxW = -part->JxW[q];
+      find_state(unknowns);
+      visit(point);
     }
 }
 

@@ -18,45 +18,24 @@ namespace dovetail {
 
 namespace {
 
-std::vector<unsigned int> read_components(const Section &section, const Field &field)
-{
-  const std::string letters = "xyz";
-  const auto names = section.read<std::vector<std::string>>(
-      "Components", {},
-      "The prescribed components of a vector (x, y, z); if empty, all components are prescribed [-]");
-  std::vector<unsigned int> components;
-  if (names.empty() || section.documenting())
-    for (unsigned int c = 0; c < field.n_components; ++c)
-      components.push_back(c);
-  else
-    for (const std::string &name : names) {
-      const auto c = name.size() == 1 ? letters.find(name) : std::string::npos;
-      section.check(c != std::string::npos && c < field.n_components && field.n_components > 1, "Components",
-                    "has '" + name + "', but " +
-                        (field.n_components > 1
-                             ? "the components of the " + field.name + " are " +
-                                   (field.n_components == 2 ? "x, y." : "x, y, z.")
-                             : "the " + field.name + " is a scalar: leave the entry out."));
-      section.check(std::find(components.begin(), components.end(), c) == components.end(), "Components",
-                    "has '" + name + "' twice.");
-      components.push_back(c);
-    }
-  return components;
-}
-
 template <int dim>
 class Value : public Condition<dim>
 {
 public:
-  Value(const Section &section, const std::vector<Field> &fields, const Toggles &toggles)
-      : Condition<dim>(section, fields, toggles), components(read_components(section, this->field)),
+  Value(const Section &section, const Material<dim> &material, const Toggles &toggles)
+      : Condition<dim>(section, material, toggles), components(read_components(section, this->field)),
         expression(
             section.require_expression("Expression", {static_cast<unsigned int>(components.size())},
-                                       "The value, one formula per component, separated by ';' [m or K]"))
+                                       "The value, one formula per component, separated by ';' [m or K]")),
+        by_nitsche(section.choose("Method", {"strong", "Nitsche"}, 0,
+                                  "strong: the nodes of the boundary have the value; Nitsche: weakly, with "
+                                  "consistent fluxes and a penalty from the trace eigenvalues of the cells "
+                                  "[-]") == 1)
   {
   }
 
   std::vector<unsigned int> prescribed_components() const override { return components; }
+  bool is_weak() const override { return by_nitsche; }
 
   double prescribed_value(const dealii::Point<dim> &X, const double t,
                           const unsigned int component) const override
@@ -65,11 +44,10 @@ public:
     return finite(expression.value(X, t, position), this->section, "Expression", X, t);
   }
 
-  bool removes_constants() const override { return true; }
-
 private:
   const std::vector<unsigned int> components;
   const Expression expression;
+  const bool by_nitsche;
 };
 
 const bool registered = add_condition<Value>("value", "The value of the field is prescribed.");

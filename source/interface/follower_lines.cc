@@ -25,7 +25,7 @@ struct Answer
   template <typename Archive>
   void serialize(Archive &archive, const unsigned int)
   {
-    archive &kind &line.from_source &line.from_destination;
+    archive &kind &line.from_source &line.from_destination &line.offset;
   }
 };
 
@@ -63,6 +63,7 @@ FollowerLine sweep(const Index own, const Follower &follower, const std::map<Ind
   const double share = feedback > largest_feedback ? largest_feedback / feedback : 1;
   FollowerLine line;
   line.add(1 - share, follower.first);
+  line.offset += share * follower.wanted.offset;
   double own_weight = 0;
   for (const auto &[dof, weight] : follower.wanted.from_source)
     line.from_source[dof] += share * weight;
@@ -84,6 +85,7 @@ void FollowerLine::add(const double factor, const FollowerLine &other)
 {
   if (factor == 0)
     return;
+  offset += factor * other.offset;
   for (const auto &[dof, weight] : other.from_source)
     from_source[dof] += factor * weight;
   for (const auto &[dof, weight] : other.from_destination)
@@ -97,6 +99,7 @@ ConstraintLine FollowerLine::as_constraint() const
     all[dof] += weight;
   ConstraintLine line;
   line.entries.assign(all.begin(), all.end());
+  line.inhomogeneity = offset;
   return line;
 }
 

@@ -3,6 +3,7 @@
 
 #include <dovetail/interface/interface.h>
 #include <dovetail/interface/side_ratios.h>
+#include <dovetail/scene/undefined.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -125,6 +126,7 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
   for (unsigned int d = 0; d < dim; ++d)
     sides[source].shift[d] = shift[d];
   if (section.documenting()) {
+    read_jump();
     for (const std::string entry : {"Source", "Destination"})
       read_material_ids(section, entry);
     section.read<std::vector<std::string>>(
@@ -134,6 +136,7 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
   check_not_to_itself();
   options.integrate_on = method->integrates_on();
   read_fields();
+  read_jump();
   method->set_fields(section, fields);
   find_components();
 }
@@ -202,6 +205,28 @@ void Interface<dim>::read_fields()
         }
     fields.push_back(tied);
   }
+}
+
+template <int dim>
+void Interface<dim>::read_jump()
+{
+  const std::string names = fields.size() > 1 ? fields[0].name + " and " + fields[1].name : "";
+  section.check(fields.size() < 2 || !section.is_set("Jump"), "Jump",
+                "belongs to one field, but the interface ties the " + names +
+                    ". Set Fields to one of them, and tie the others by interfaces of their own.");
+  given_jump = section.read_expression(
+      "Jump", "", {fields.empty() ? 1 : fields[0].n_components},
+      "Prescribed jump c of the field from the destination to the source, B_source - B_destination = c, one "
+      "formula per component: an interference fit, a drop of temperature; with a contact resistance the jump "
+      "without flux [m or K]");
+  has_jump = section.is_set("Jump") && !given_jump.is_zero();
+}
+
+template <int dim>
+double Interface<dim>::prescribed_jump(const dealii::Point<dim> &X, const double t,
+                                       const unsigned int component) const
+{
+  return finite(given_jump.value(X, t, component), section, "Jump", X, t);
 }
 
 template <int dim>
@@ -336,10 +361,12 @@ void Interface<dim>::group_dofs(const typename Pairing<dim>::Group &group,
 }
 
 template <int dim>
-void Interface<dim>::jump(const TiedField &field, const unsigned int q, const std::vector<double> &unknowns,
-                          std::vector<double> &result) const
+void Interface<dim>::jump(const TiedField &field, const unsigned int q, const double t,
+                          const std::vector<double> &unknowns, std::vector<double> &result) const
 {
   result.assign(field.n_components, 0.);
+  for (unsigned int c = 0; has_jump && c < field.n_components; ++c)
+    result[c] = -prescribed_jump(pairing().X(source, q), t, c);
   for (const unsigned int side : {source, destination}) {
     const unsigned int n = sides[side].domain->n_nodes();
     const double *trial = pairing().trial(side, q, field.index);

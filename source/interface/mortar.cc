@@ -88,13 +88,14 @@ private:
   {
     std::vector<Index> dofs;
     std::vector<double> weights; ///< of all but the last
+    double constant = 0;         ///< of a prescribed jump
     double augmentation = 0;     ///< w_j
     Index node = 0;              ///< the destination unknown it belongs to
 
     /// Of the multiplier's equation.
     double g(const std::vector<double> &unknowns) const
     {
-      return std::inner_product(weights.begin(), weights.end(), unknowns.begin(), 0.);
+      return std::inner_product(weights.begin(), weights.end(), unknowns.begin(), constant);
     }
   };
 
@@ -217,6 +218,7 @@ void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &con
     for (const auto &[other, weight] : row.weights)
       if (other != dof)
         add(follower.first, other, weight);
+    follower.first.offset = -row.constant / own;
     if (row.of_own_gradient.empty())
       continue;
     follower.wanted = follower.first;
@@ -251,6 +253,7 @@ void Mortar<dim>::make_terms(const Interface<dim> &interface, std::set<Index> &m
       term.node = node;
       if (const auto row = space->rows.find(node); row != space->rows.end()) {
         multiplied.insert(node);
+        term.constant = row->second.constant;
         for (const auto &[dof, weight] : row->second.weights) {
           term.dofs.push_back(dof);
           term.weights.push_back(weight);
@@ -357,7 +360,7 @@ void Mortar<dim>::assemble_term(const unsigned int i, const std::vector<double> 
 template <int dim>
 double Mortar<dim>::magnitude_of_term(const unsigned int i, const std::vector<double> &unknowns) const
 {
-  double sum = 0;
+  double sum = std::abs(terms[i].constant);
   for (unsigned int k = 0; k < terms[i].weights.size(); ++k)
     sum += std::abs(terms[i].weights[k] * unknowns[k]);
   return sum;

@@ -402,7 +402,7 @@ void MultiplierSpace<dim>::make_functions(Face &face) const
 }
 
 template <int dim>
-void MultiplierSpace<dim>::add_rows(const Face &face, std::map<Index, Row> &to) const
+void MultiplierSpace<dim>::add_rows(const Face &face, const double t, std::map<Index, Row> &to) const
 {
   const Pairing<dim> &pairing = interface.pairing();
   for (const Component &component : face.components)
@@ -427,7 +427,7 @@ void MultiplierSpace<dim>::add_rows(const Face &face, std::map<Index, Row> &to) 
             Row &row = to[component.dofs[j]];
             row.field = f;
             row.component = c;
-            add_source(face, pairing.groups[g], component, j, row);
+            add_source(face, pairing.groups[g], component, j, t, row);
           }
       }
   }
@@ -437,7 +437,8 @@ void MultiplierSpace<dim>::add_rows(const Face &face, std::map<Index, Row> &to) 
 /// adds to the destination's.
 template <int dim>
 void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<dim>::Group &group,
-                                      const Component &component, const unsigned int j, Row &row) const
+                                      const Component &component, const unsigned int j, const double t,
+                                      Row &row) const
 {
   const Pairing<dim> &pairing = interface.pairing();
   const unsigned int n = face.nodes.size(), f = row.field;
@@ -456,6 +457,8 @@ void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<d
     for (unsigned int a = 0; a < n; ++a)
       value += psi[a] * at_destination[face.nodes[a]];
     value *= pairing.weight(q);
+    if (interface.has_prescribed_jump())
+      row.constant += value * interface.prescribed_jump(pairing.X(source, q), t, row.component);
     const double *trial = pairing.trial(source, q, f);
     for (unsigned int k = 0; k < n_source; ++k)
       moment[k] += value * trial[k];
@@ -516,7 +519,7 @@ void MultiplierSpace<dim>::Row::add(const Row &other)
   for (const auto part : {&Row::weights, &Row::of_own_gradient, &Row::source_gain})
     for (const auto &[dof, weight] : other.*part)
       (this->*part)[dof] += weight;
-  for (const auto sum : {&Row::diagonal, &Row::of_source, &Row::of_destination})
+  for (const auto sum : {&Row::diagonal, &Row::constant, &Row::of_source, &Row::of_destination})
     this->*sum += other.*sum;
   field = other.field;
   component = other.component;
@@ -535,7 +538,7 @@ void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Com
       for (const Index dof : component.dofs)
         component.has_function.push_back(!face.groups.empty() && keeps.at(dof));
     make_functions(face);
-    add_rows(face, mine);
+    add_rows(face, constraints.t, mine);
   }
 
   OfRanks<std::map<Index, Row>> of_owners;

@@ -32,11 +32,6 @@
 
 namespace dovetail {
 
-namespace {
-constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
-
-} // namespace
-
 template <int dim>
 Nitsche<dim>::Nitsche(const Section &section)
     : theta(section.read<double>("Theta", 1.,
@@ -320,7 +315,7 @@ bool Nitsche<dim>::assemble(const Interface<dim> &interface, const typename Pair
     if (!evaluate_sides(interface, group, q, t, unknowns, with_derivatives))
       return false;
     for (unsigned int f = 0; f < interface.fields.size(); ++f)
-      if (!add_field(interface, f, q, unknowns, residual, tangent))
+      if (!add_field(interface, f, q, t, unknowns, residual, tangent))
         return false;
   }
   if (own_sides)
@@ -344,7 +339,7 @@ void Nitsche<dim>::keep_own_rows(const Interface<dim> &interface, const typename
 
 template <int dim>
 bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int field_index,
-                             const unsigned int q, const std::vector<double> &unknowns,
+                             const unsigned int q, const double t, const std::vector<double> &unknowns,
                              std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
   const Pairing<dim> &pairing = interface.pairing();
@@ -362,7 +357,9 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
   Series series;
   if (!join(interface, field, q, p.gamma, sides.state, series))
     return false;
-  interface.jump(field, q, unknowns, jump);
+  interface.jump(field, q, t, unknowns, jump);
+  if (!std::all_of(jump.begin(), jump.end(), [](const double value) { return std::isfinite(value); }))
+    return false;
   mean_flux.assign(n_c, 0.);
   for (const unsigned int side : {source, destination})
     if (p.weight[side] != 0)

@@ -180,6 +180,7 @@ void Pairing<dim>::count(const FacePoints<dim> &points, const SideFaces<dim> &fa
       if (points.matches[end].found) {
         covered_area += points.JxW[end];
         face.unit_points.push_back(points.unit_points[end]);
+        face.N.push_back(points.queries[end].N);
         face.JxW.push_back(points.JxW[end]);
       }
     }
@@ -187,7 +188,7 @@ void Pairing<dim>::count(const FacePoints<dim> &points, const SideFaces<dim> &fa
       continue;
     face.share = covered_area / area;
     if (face.share == 1)
-      face = {1., {}, {}};
+      face = {1., {}, {}, {}};
     const auto &of_side = faces.faces[points.face[q]];
     cover[own].emplace(std::make_pair(of_side.cell->active_cell_index(), of_side.face_no), std::move(face));
   }

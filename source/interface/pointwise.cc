@@ -66,6 +66,7 @@ private:
   /// source's unknowns and shapes there.
   struct Bridge
   {
+    dealii::Point<dim> X; ///< of the source
     dealii::Tensor<1, dim> gap;
     std::vector<double> own_share;
     const std::vector<dealii::types::global_dof_index> *masters;
@@ -76,7 +77,8 @@ private:
   static Bridge find_bridge(const Interface<dim> &interface, const Node &node,
                             const typename FaceLocator<dim>::Match &match, const PartnerShapes<dim> &shapes,
                             unsigned int point);
-  static Follower follow(const TiedField &field, unsigned int c, const Bridge &bridge, double own_share);
+  static Follower follow(const Interface<dim> &interface, const TiedField &field, unsigned int c,
+                         const Bridge &bridge, double t);
   static void add_own_gradient(const Domain<dim> &domain, const Node &node, unsigned int component,
                                const dealii::Tensor<1, dim> &direction,
                                const dealii::AffineConstraints<double> &hanging, ShapeEvaluator<dim> &shapes,
@@ -214,6 +216,7 @@ typename Pointwise<dim>::Bridge Pointwise<dim>::find_bridge(const Interface<dim>
   const std::array<dealii::Point<dim>, 2> X = {
       {match.X - interface.sides[source].shift, node.query.X - interface.sides[destination].shift}};
   Bridge bridge;
+  bridge.X = X[source];
   if (interface.gap_extension() != GapExtension::none)
     bridge.gap = node.query.X - match.X;
   for (const TiedField &field : interface.fields)
@@ -230,10 +233,13 @@ typename Pointwise<dim>::Bridge Pointwise<dim>::find_bridge(const Interface<dim>
 
 /// What component c of a field takes from the source.
 template <int dim>
-Follower Pointwise<dim>::follow(const TiedField &field, const unsigned int c, const Bridge &bridge,
-                                const double own_share)
+Follower Pointwise<dim>::follow(const Interface<dim> &interface, const TiedField &field, const unsigned int c,
+                                const Bridge &bridge, const double t)
 {
+  const double own_share = bridge.own_share[field.index];
   Follower follower;
+  if (interface.has_prescribed_jump())
+    follower.first.offset = follower.wanted.offset = -interface.prescribed_jump(bridge.X, t, c);
   for (unsigned int a = 0; a < bridge.n_masters; ++a) {
     const auto master = (*bridge.masters)[(field.first_component[source] + c) * bridge.n_masters + a];
     const double value = bridge.values[a], extension = bridge.gradients[a] * bridge.gap;
@@ -282,7 +288,7 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
           hold(dof, f, c, interface.fields[f], bridge, constraints);
           continue;
         }
-        Follower follower = follow(interface.fields[f], c, bridge, bridge.own_share[f]);
+        Follower follower = follow(interface, interface.fields[f], c, bridge, constraints.t);
         if (follower.first.from_source.size() == 1 && follower.first.from_source.count(dof) > 0)
           continue; // at the tip of a slit
         if (bridge.own_share[f] > 0)

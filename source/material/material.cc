@@ -137,6 +137,18 @@ const SolidTerm<dim> &Material<dim>::solid_term() const
 }
 
 template <int dim>
+const Field *Material<dim>::solid_field() const
+{
+  return find_field("displacement");
+}
+
+template <int dim>
+double Material<dim>::solid_density() const
+{
+  return solid_term().density;
+}
+
+template <int dim>
 Tensor<2, 3> Material<dim>::cauchy_stress(const State<dim> &state) const
 {
   return solid_term().cauchy_stress(state);

@@ -42,8 +42,8 @@ public:
     if (!law && !section.documenting())
       return;
     section.choose("Formulation", {"displacement"}, 0, "Unknowns of the solid [-]");
-    const double density =
-        section.read<double>("Density", 0, "Mass per volume, for the inertia of transient scenes [kg/m^3]");
+    const double density = section.read<double>(
+        "Density", 0, "Mass per volume, for body forces by acceleration and rotation [kg/m^3]");
     section.check(density >= 0, "Density", "must be positive (or 0: not given).");
     const double alpha =
         section.read<double>("Expansion coefficient", 0,
@@ -68,7 +68,7 @@ public:
       type += ", plane stress";
     }
     terms.push_back(std::make_unique<SolidTerm<dim>>(all.front(), std::move(law), expansion,
-                                                     name.substr(name.find(' ') + 1), type));
+                                                     name.substr(name.find(' ') + 1), type, density));
   }
 
 private:

@@ -27,9 +27,10 @@ unsigned int n_numbers(const std::vector<InternalVariable> &variables)
 template <int dim>
 SolidTerm<dim>::SolidTerm(const Field &field, std::unique_ptr<SolidLaw> law,
                           const std::optional<Expansion> &expansion, const std::string &name_of_material,
-                          const std::string &name_of_law)
-    : Term<dim>(field), law(std::move(law)), expansion(expansion), name_of_material(name_of_material),
-      name_of_law(name_of_law), n_internal_variables(n_numbers(this->law->internal_variables()))
+                          const std::string &name_of_law, const double density)
+    : Term<dim>(field), density(density), law(std::move(law)), expansion(expansion),
+      name_of_material(name_of_material), name_of_law(name_of_law),
+      n_internal_variables(n_numbers(this->law->internal_variables()))
 {
 }
 

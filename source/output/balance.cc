@@ -35,9 +35,11 @@ struct Flows
 template <int dim>
 void add_loads(const Domain<dim> &domain, const Vector &solution, const double t, std::vector<Flows> &flows)
 {
-  const bool has_flux = std::any_of(domain.conditions().begin(), domain.conditions().end(),
-                                    [](const auto &condition) { return condition->adds_flux(); });
-  const bool has_source = !domain.source().of_field.empty() || domain.material.has_source();
+  const bool has_flux =
+      std::any_of(domain.conditions().begin(), domain.conditions().end(),
+                  [](const auto &condition) { return condition->adds_flux() || condition->is_weak(); });
+  const bool has_source =
+      !domain.source().of_field.empty() || domain.body_force().is_given() || domain.material.has_source();
   if (!has_flux && !has_source)
     return;
   CellTerms<dim> terms(domain);
@@ -68,8 +70,8 @@ std::vector<Flows> find_flows(const Model<dim> &model, const Domain<dim> &domain
   std::vector<Flows> flows;
   for (const Field &field : domain.fields()) {
     flows.emplace_back(field.n_components);
-    for (const auto &[dof, component] : reactions.prescribed(domain, field))
-      flows.back().add(component, reactions.forces()(dof));
+    for (const auto &[dof, at_node] : reactions.at_nodes(domain, field))
+      flows.back().add(at_node.component, at_node.force);
   }
   add_loads(domain, solution, reactions.forces().t, flows);
   for (const auto &interface : model.interfaces)

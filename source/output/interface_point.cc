@@ -56,7 +56,7 @@ void InterfacePoint<dim>::evaluate(const unsigned int q, const std::vector<doubl
     }
   }
   for (unsigned int f = 0; f < fields.size(); ++f) {
-    interface.jump(interface.fields[f], q, unknowns, fields[f].jump);
+    interface.jump(interface.fields[f], q, t, unknowns, fields[f].jump);
     fields[f].numerical_flux.assign(interface.fields[f].n_components, 0.);
     if (interface.is_active(t))
       interface.tie().numerical_flux(interface, interface.fields[f], q, state, fields[f].flux, fields[f].jump,

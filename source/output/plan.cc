@@ -135,9 +135,9 @@ void plan_loads(const Model<dim> &model, Plan &plan)
 {
   bool has_flux = false, has_source = false;
   for (const auto &domain : model.domains) {
-    has_source = has_source || !domain->source().of_field.empty();
+    has_source = has_source || !domain->source().of_field.empty() || domain->body_force().is_given();
     for (const auto &condition : domain->conditions())
-      has_flux = has_flux || condition->adds_flux();
+      has_flux = has_flux || condition->adds_flux() || condition->is_weak();
   }
   if (!has_source)
     plan.left_out.push_back("source terms: none given");

@@ -37,8 +37,8 @@ public:
     const MPI_Comm communicator = this->domain.mesh().get_communicator();
     dealii::TrilinosWrappers::MPI::Vector owned(dof_handler.locally_owned_dofs(), communicator);
     for (const Field &field : this->domain.fields())
-      for (const auto &[dof, component] : reactions.prescribed(this->domain, field))
-        owned(dof - this->domain.first_dof) = reactions.forces()(dof);
+      for (const auto &[dof, at_node] : reactions.at_nodes(this->domain, field))
+        owned(dof - this->domain.first_dof) = at_node.force;
     owned.compress(dealii::VectorOperation::insert);
     forces.reinit(dof_handler.locally_owned_dofs(),
                   dealii::DoFTools::extract_locally_relevant_dofs(dof_handler), communicator);

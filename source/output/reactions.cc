@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/is_covered.h>
 #include <dovetail/domain/open_boundary.h>
 #include <dovetail/domain/quadrature.h>
@@ -23,12 +24,9 @@ bool is_prescribed(const Domain<dim> &domain, const Field &field,
                    const unsigned int component, const double t)
 {
   for (const auto &condition : domain.conditions())
-    if (condition->field.name == field.name && condition->boundary_ids.count(face.id) > 0 &&
-        condition->is_active(t)) {
-      const auto components = condition->prescribed_components();
-      if (std::find(components.begin(), components.end(), component) != components.end())
-        return !is_covered(domain, field.name, face, node, t);
-    }
+    if (condition->field.name == field.name && condition->is_active(t) &&
+        domain.constrains(*condition, face, component))
+      return !is_covered(domain, field.name, face, node, t);
   return false;
 }
 
@@ -144,34 +142,67 @@ void Reactions<dim>::add_prescribed(const Domain<dim> &domain, const Ids &ids, c
                                     return -1;
                                   return ids.count(face.id) > 0 ? 0 : 1;
                                 });
-  for (const auto &[dof, component] : prescribed(domain, field))
-    sum[component] += shares.of_first(dof, nodal(dof));
+  for (const auto &[dof, at_node] : at_nodes(domain, field))
+    sum[at_node.component] += shares.of_first(dof, at_node.force);
 }
 
 template <int dim>
-std::map<dealii::types::global_dof_index, unsigned int> Reactions<dim>::prescribed(const Domain<dim> &domain,
-                                                                                   const Field &field) const
+std::map<dealii::types::global_dof_index, typename Reactions<dim>::OfNode>
+Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
 {
   const unsigned int n = domain.n_nodes();
-  const auto &owned = domain.dof_handler().locally_owned_dofs();
   std::set<dealii::types::boundary_id> with_conditions;
   for (const auto &condition : domain.conditions())
     if (condition->field.name == field.name && !condition->prescribed_components().empty())
       with_conditions.insert(condition->boundary_ids.begin(), condition->boundary_ids.end());
   std::map<dealii::types::global_dof_index, unsigned int> component_of;
   std::vector<dealii::types::global_dof_index> dofs;
+  const auto add_node = [&](const auto &cell, const unsigned int a) {
+    domain.cell_dofs(domain.dof_cell(cell), dofs);
+    for (unsigned int c = 0; c < field.n_components; ++c)
+      component_of.emplace(dofs[(field.first_component + c) * n + a], c);
+  };
   for (const auto &[cell, face, id] : domain.boundary_faces())
-    if (with_conditions.count(id) > 0) {
-      domain.cell_dofs(domain.dof_cell(cell), dofs);
-      for (unsigned int c = 0; c < field.n_components; ++c)
-        for (unsigned int a = 0; a < n; ++a)
-          if (const auto dof = dofs[(field.first_component + c) * n + a];
-              domain.scalar_element().has_support_on_face(a, face) &&
-              owned.is_element(dof - domain.first_dof) && nodal.is_prescribed(dof))
-            component_of.emplace(dof, c);
+    for (unsigned int a = 0; with_conditions.count(id) > 0 && a < n; ++a)
+      if (domain.scalar_element().has_support_on_face(a, face))
+        add_node(cell, a);
+  for (const auto &[condition, node] : domain.nodes_of_points())
+    if (condition->field.name == field.name)
+      add_node(node.cell, node.node);
+
+  std::map<dealii::types::global_dof_index, OfNode> result;
+  for (const auto &[dof, component] : component_of)
+    if (const ConstraintLine *line = nodal.line_of_condition(dof)) {
+      const double force = nodal(dof);
+      result[dof].component = component;
+      result[dof].force += force;
+      for (const auto &[other, weight] : line->entries) {
+        result[other].component = component_of.at(other);
+        result[other].force -= weight * force;
+      }
     }
-  return component_of;
+  return result;
 }
+
+namespace {
+
+/// A_c.N - gamma (B_c - g_c) of a component that is prescribed weakly, as CellTerms has it, at a point.
+template <int dim>
+void add_weak_influx(const Condition<dim> &condition, const typename OpenBoundary<dim>::Point &at,
+                     const double gamma, const std::vector<double> &unknowns, CellPoints<dim> &point,
+                     std::vector<double> &sum)
+{
+  point.reinit(at.state.X, at.shape_values.data(), at.shape_gradients.data(), unknowns);
+  if (!point.evaluate(false))
+    return;
+  const unsigned int first = condition.field.first_component;
+  for (const unsigned int c : condition.prescribed_components())
+    sum[c] += at.JxW *
+              (point.response.flux[first + c] * at.N -
+               gamma * (at.state.value[first + c] - condition.prescribed_value(at.state.X, at.state.t, c)));
+}
+
+} // namespace
 
 /// The influxes that the conditions on these faces prescribe, with the quadrature of CellTerms.
 template <int dim>
@@ -179,29 +210,26 @@ void Reactions<dim>::add_given(const Domain<dim> &domain, const Ids &ids, const 
                                std::vector<double> &sum) const
 {
   OpenBoundary<dim> open_boundary(domain);
-  const unsigned int n_c = field.n_components, n = domain.n_nodes();
   std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns(domain.dofs_per_cell()), trace(n_c), flux(n_c);
-  dealii::FullMatrix<double> d_flux(n_c, n_c);
+  std::vector<double> unknowns(domain.dofs_per_cell());
+  CellPoints<dim> point(domain, nodal.t);
   for (const auto &condition : domain.conditions())
-    if (condition->adds_flux() && condition->field.name == field.name)
+    if ((condition->adds_flux() || condition->is_weak()) && condition->field.name == field.name)
       for (const auto &[cell, face, id] : domain.boundary_faces()) {
         if (!cell->is_locally_owned() || ids.count(id) == 0 || condition->boundary_ids.count(id) == 0)
           continue;
         domain.cell_dofs(domain.dof_cell(cell), dofs);
         solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-        open_boundary.for_each_point(
-            cell, face, *condition, nodal.t,
-            [&](const dealii::Point<dim> &X, const std::vector<double> &shape_values, const double JxW) {
-              std::fill(trace.begin(), trace.end(), 0.);
-              std::fill(flux.begin(), flux.end(), 0.);
-              for (unsigned int c = 0; c < n_c; ++c)
-                for (unsigned int a = 0; a < n; ++a)
-                  trace[c] += shape_values[a] * unknowns[(field.first_component + c) * n + a];
-              condition->flux(X, nodal.t, trace.data(), flux, d_flux);
-              for (unsigned int c = 0; c < n_c; ++c)
-                sum[c] += flux[c] * JxW;
-            });
+        const unsigned int index = cell->active_cell_index();
+        open_boundary.for_each_point(cell, face, *condition, nodal.t, unknowns, [&](const auto &at) {
+          if (condition->is_weak())
+            return add_weak_influx(*condition, at, domain.weak_penalties.at({field.name, index}), unknowns,
+                                   point, sum);
+          Influx<dim> influx(field.n_components, domain.n_components());
+          condition->influx(at.state, at.N, influx);
+          for (unsigned int c = 0; c < field.n_components; ++c)
+            sum[c] += influx.value[c] * at.JxW;
+        });
       }
 }
 

@@ -26,19 +26,22 @@ using Mean = std::array<double, 2>;
 /// The value at which a condition would leave the field alone: the prescribed one, or the ambient one, where
 /// the influx h(T) vanishes, T = -h(0)/h'(0).
 template <int dim>
-std::optional<double> value_of(const Condition<dim> &condition, const dealii::Point<dim> &X, const double t)
+std::optional<double> value_of(const Domain<dim> &domain, const Condition<dim> &condition,
+                               const dealii::Point<dim> &X, const double t)
 {
   double value = 0;
   if (!condition.prescribed_components().empty())
     value = condition.prescribed_value(X, t, 0);
   else {
-    const double trace = 0;
-    std::vector<double> flux(1, 0.);
-    dealii::FullMatrix<double> d_flux(1, 1);
-    condition.flux(X, t, &trace, flux, d_flux);
-    if (d_flux(0, 0) == 0)
+    State<dim> state(domain.n_components());
+    state.X = X;
+    state.t = t;
+    Influx<dim> influx(1, domain.n_components());
+    condition.influx(state, {}, influx);
+    const double derivative = influx.by_value(0, condition.field.first_component);
+    if (derivative == 0)
       return {};
-    value = -flux[0] / d_flux(0, 0);
+    value = -influx.value[0] / derivative;
   }
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
@@ -83,8 +86,8 @@ Mean mean_of(const Domain<dim> &domain, const std::string &field, const double t
   Mean sum{};
   for_each_vertex(domain, field, t,
                   [&](const Condition<dim> &condition, const dealii::Point<dim> &X, const double size) {
-                    auto value = value_of(condition, X, 0.); // loads that grow with t begin there
-                    value = value ? value : value_of(condition, X, t);
+                    auto value = value_of(domain, condition, X, 0.); // loads that grow with t begin there
+                    value = value ? value : value_of(domain, condition, X, t);
                     if (value) {
                       sum[0] += size * *value;
                       sum[1] += size;
@@ -147,7 +150,7 @@ std::optional<std::array<double, 2>> given_range(const Model<dim> &model, const 
       has_others = has_others || (fields[f].name == field && domain->material.has_source(f));
     has_others = has_others || domain->source().find(field) != nullptr;
     for_each_node(*domain, field, t, [&](const Condition<dim> &condition, const dealii::Point<dim> &X) {
-      if (const auto value = value_of(condition, X, t)) {
+      if (const auto value = value_of(*domain, condition, X, t)) {
         smallest = std::min(smallest, *value);
         largest = std::max(largest, *value);
       } else

@@ -86,16 +86,22 @@ std::vector<bool> BlockSystem<dim>::active_toggles(const double t) const
 template <int dim>
 bool BlockSystem<dim>::is_outdated(const double t) const
 {
-  return active_toggles(t) != toggles_of_set_up;
+  return active_toggles(t) != toggles_of_set_up ||
+         (t != time_of_set_up &&
+          std::any_of(model.interfaces.begin(), model.interfaces.end(), [t](const auto &interface) {
+            return interface->is_active(t) && interface->has_moving_constraints();
+          }));
 }
 
 template <int dim>
 void BlockSystem<dim>::set_up(const double t)
 {
   toggles_of_set_up = active_toggles(t);
+  time_of_set_up = t;
   tie_lines.clear();
   if (!model.interfaces.empty()) {
     TieConstraints all;
+    all.t = t;
     for (const auto &domain : model.domains)
       domain->add_constraints(t, all.lines);
     dealii::Timer timer;
@@ -154,11 +160,11 @@ ConstraintLines BlockSystem<dim>::lines_at(const double t) const
   ConstraintLines lines;
   for (const auto &domain : model.domains)
     domain->add_constraints(t, lines);
+  lines.insert(tie_lines.begin(), tie_lines.end());
   const bool are_finite = std::all_of(lines.begin(), lines.end(), [](const auto &entry) {
     return std::isfinite(entry.second.inhomogeneity);
   });
   refuse_undefined(are_finite ? Undefined() : last_undefined(), model.communicator);
-  lines.insert(tie_lines.begin(), tie_lines.end());
   return lines;
 }
 
@@ -327,10 +333,12 @@ template <int dim>
 void BlockSystem<dim>::begin_step(const double t, const Vector &x)
 {
   set_time(t);
+  ghosted_scratch = x;
+  for (const auto &domain : model.domains)
+    freeze_weak_penalties<dim>(*domain, t, ghosted_values());
   if (model.interfaces.empty())
     return;
   dealii::Timer timer;
-  ghosted_scratch = x;
   for (const auto &interface : model.interfaces)
     if (interface->is_active(t))
       interface->tie().begin_step(*interface, t, ghosted_values(), model.communicator);

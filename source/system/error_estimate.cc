@@ -169,7 +169,7 @@ private:
           flux[side].push_back(points.response[side].flux[field.first_component[side] + c] *
                                interface.pairing().N(side, q));
       }
-      interface.jump(field, q, unknowns, jump);
+      interface.jump(field, q, points.state[source].t, unknowns, jump);
       numerical_flux.assign(field.n_components, 0.);
       interface.tie().numerical_flux(interface, field, q, points.state, flux, jump, numerical_flux);
 

@@ -102,23 +102,34 @@ dealii::FullMatrix<double> orthonormal_basis(const dealii::FullMatrix<double> &M
   return basis;
 }
 
-/// Whether the prescribed unknowns of a group see all its rigid motions: once rotations are taken about the
-/// middle of what is prescribed (a Schur complement), whatever its size.
+/// Whether what is constrained in a group sees all its rigid motions: all translations, and the rotations
+/// once they are taken about the middle of what is constrained (a Schur complement), whatever its size.
 bool is_regular(const dealii::FullMatrix<double> &P, const unsigned int dim)
 {
   const unsigned int n_translations = P.m() == 1 ? 1 : dim, n_rotations = P.m() - n_translations;
   for (unsigned int c = 0; c < n_translations; ++c)
     if (!(P(c, c) > 0))
       return false;
+  dealii::FullMatrix<double> A(n_translations, n_translations), scaled(A); // translations
+  for (unsigned int c = 0; c < n_translations; ++c)
+    for (unsigned int d = 0; d < n_translations; ++d) {
+      A(c, d) = P(c, d);
+      scaled(c, d) = P(c, d) / std::sqrt(P(c, c) * P(d, d));
+    }
+  const auto of_translations = eigenvectors(scaled).first;
+  if (!(*std::min_element(of_translations.begin(), of_translations.end()) > 1e-6))
+    return false;
   if (n_rotations == 0)
     return true;
-  dealii::FullMatrix<double> S(n_rotations, n_rotations); // P is diagonal in the translations
+  A.gauss_jordan();
+  dealii::FullMatrix<double> S(n_rotations, n_rotations);
   double trace = 0, of_P = 0;
   for (unsigned int k = 0; k < n_rotations; ++k) {
     for (unsigned int l = 0; l < n_rotations; ++l) {
       S(k, l) = P(n_translations + k, n_translations + l);
       for (unsigned int c = 0; c < n_translations; ++c)
-        S(k, l) -= P(c, n_translations + k) * P(c, n_translations + l) / P(c, c);
+        for (unsigned int d = 0; d < n_translations; ++d)
+          S(k, l) -= P(c, n_translations + k) * A(c, d) * P(d, n_translations + l);
     }
     trace += S(k, k);
     of_P += P(n_translations + k, n_translations + k);
@@ -213,6 +224,28 @@ FreeMotion<dim> describe(const Model<dim> &model, const std::string &field,
   return motion;
 }
 
+/// z_i - sum_j w_j z_j of the modes z for the line of an unknown; nothing if it allows all of them, as those
+/// of hanging nodes and ties do, or follows unknowns of another block.
+std::vector<double> seen_by_constraint(const dealii::AffineConstraints<double> &constraints,
+                                       const Block &block, const dealii::types::global_dof_index local,
+                                       const std::vector<std::vector<double>> &modes)
+{
+  if (!constraints.is_constrained(block.begin + local))
+    return {};
+  const auto &entries = *constraints.get_constraint_entries(block.begin + local);
+  std::vector<double> z;
+  for (const auto &mode : modes)
+    z.push_back(mode[block.owned.index_within_set(local)]);
+  for (const auto &[other, weight] : entries) {
+    if (other < block.begin || other >= block.end || !block.owned.is_element(other - block.begin))
+      return {};
+    for (unsigned int k = 0; k < z.size(); ++k)
+      z[k] -= weight * modes[k][block.owned.index_within_set(other - block.begin)];
+  }
+  const bool is_seen = std::any_of(z.begin(), z.end(), [](const double v) { return std::abs(v) > 1e-8; });
+  return entries.empty() || is_seen ? z : std::vector<double>();
+}
+
 } // namespace
 
 template <int dim>
@@ -228,9 +261,6 @@ template <int dim>
 bool is_surely_held(const Model<dim> &model, const std::string &field, const double t,
                     const dealii::AffineConstraints<double> &constraints)
 {
-  const auto is_prescribed = [&](const dealii::types::global_dof_index dof) {
-    return constraints.is_constrained(dof) && constraints.get_constraint_entries(dof)->empty();
-  };
   for (const auto &group : groups_of(model, field, t)) {
     dealii::FullMatrix<double> P(group.n_modes, group.n_modes);
     for (const unsigned int b : group.blocks) {
@@ -242,13 +272,11 @@ bool is_surely_held(const Model<dim> &model, const std::string &field, const dou
           }))
         continue;
       const auto modes = rigid_motions(*model.domains[block.domain_index], block, group.centre, group.length);
-      unsigned int i = 0;
       for (const auto local : block.owned) {
-        if (is_prescribed(block.begin + local))
-          for (unsigned int k = 0; k < group.n_modes; ++k)
-            for (unsigned int l = 0; l < group.n_modes; ++l)
-              P(k, l) += modes[k][i] * modes[l][i];
-        ++i;
+        const std::vector<double> z = seen_by_constraint(constraints, block, local, modes);
+        for (unsigned int k = 0; k < z.size(); ++k)
+          for (unsigned int l = 0; l < z.size(); ++l)
+            P(k, l) += z[k] * z[l];
       }
     }
     const unsigned int size = group.n_modes * group.n_modes;

@@ -176,6 +176,8 @@ void Model<dim>::make_covers()
 template <int dim>
 void Model<dim>::check_acts_somewhere(const Domain<dim> &domain, const Condition<dim> &condition) const
 {
+  if (condition.point())
+    return;
   std::vector<std::string> covering;
   std::map<std::pair<unsigned int, unsigned int>, double> share;
   std::set<std::array<unsigned int, 3>> nodes;
@@ -189,7 +191,7 @@ void Model<dim>::check_acts_somewhere(const Domain<dim> &domain, const Condition
   unsigned int n_open = 0;
   for (const auto &[cell, face, id] : domain.boundary_faces())
     if (cell->is_locally_owned() && condition.boundary_ids.count(id) > 0) {
-      if (condition.prescribed_components().empty())
+      if (condition.prescribed_components().empty() || condition.is_weak())
         n_open += share[{cell->active_cell_index(), face}] < 1 - 1e-9 ? 1 : 0;
       else
         for (unsigned int a = 0; a < domain.n_nodes(); ++a)
@@ -282,11 +284,8 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
                                                        const bool with_reactions) const
 {
   const auto holds = [&](const Condition<dim> &condition) {
-    const auto components = condition.prescribed_components();
-    return condition.field.name == field && condition.removes_constants() &&
-           (!t || condition.is_active(*t)) &&
-           (condition.adds_flux() ||
-            std::find(components.begin(), components.end(), component) != components.end());
+    return condition.field.name == field && condition.removes_constant(component) &&
+           (!t || condition.is_active(*t));
   };
   const auto first = joined_domains<dim>(*this, field, [&](const auto &interface, const TiedField &tied) {
     return interface.tie().holds(tied) && (!t || interface.is_active(*t));
@@ -386,10 +385,14 @@ bool Model<dim>::has_constant_tangent() const
 template <int dim>
 bool Model<dim>::is_symmetric(const std::string &field) const
 {
-  for (const auto &domain : domains)
+  for (const auto &domain : domains) {
     for (unsigned int f = 0; f < domain->fields().size(); ++f)
       if (domain->fields()[f].name == field && !domain->material.is_symmetric(f))
         return false;
+    for (const auto &condition : domain->conditions())
+      if (condition->field.name == field && !condition->is_symmetric())
+        return false;
+  }
   for (const auto &interface : interfaces)
     for (const auto &tied : interface->fields)
       if (tied.name == field && !interface->is_symmetric())

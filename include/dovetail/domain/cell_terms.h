@@ -21,6 +21,8 @@ namespace dovetail {
 /// Residual and tangent of
 /// @f[ R(\delta) = \int_K A\cdot\nabla\delta B + S\cdot\delta B - f\cdot\delta B \,dV
 ///                 - \int_{\partial K} h(B)\cdot\delta B \,dA @f]
+/// and, for components c that are prescribed weakly (Nitsche 1971), with e = B_c - g_c,
+/// @f[ \int_{\partial K} - A_c\cdot N\,\delta B_c - \delta A_c\cdot N\,e + \gamma\,e\,\delta B_c\,dA @f]
 /// with the fluxes A and sources S of the domain's material, the given sources f and the boundary influxes h
 /// of its conditions. Gauss quadrature with degree + 1 points per direction. One object per thread; reuse it
 /// for all cells.
@@ -60,6 +62,8 @@ private:
   }
 
   void add_source(double t, std::vector<double> &residual);
+  void add_body_force(double t, const std::vector<double> &unknowns, std::vector<double> &residual,
+                      dealii::FullMatrix<double> *tangent);
   /// The response of the laws at the current point.
   void add_flux(double JxW, std::vector<double> &residual);
   void add_source_of_laws(double JxW, std::vector<double> &residual);
@@ -68,12 +72,18 @@ private:
   void add_tangent_at_point(const Response<dim> &response, double JxW,
                             dealii::FullMatrix<double> &tangent) const;
   bool has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const;
-  void add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, double t,
+  bool add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, double t,
                           const std::vector<double> &unknowns, std::vector<double> &residual,
                           dealii::FullMatrix<double> *tangent);
-  void add_influx(const Condition<dim> &condition, const dealii::Point<dim> &X, double t,
-                  const std::vector<double> &shape_values, double JxW, const std::vector<double> &unknowns,
+  void add_influx(const Condition<dim> &condition, const typename OpenBoundary<dim>::Point &point,
                   std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
+  /// @return false if a law is not defined there.
+  bool add_weak_value(const Condition<dim> &condition, const typename OpenBoundary<dim>::Point &point,
+                      double gamma, const std::vector<double> &unknowns, std::vector<double> &residual,
+                      dealii::FullMatrix<double> *tangent);
+  void add_weak_tangent(const Field &field, const std::vector<double> &factor,
+                        const std::vector<double> &mismatch, const typename OpenBoundary<dim>::Point &point,
+                        double gamma, dealii::FullMatrix<double> &tangent);
   void load_directions(unsigned int q);
 
   const Domain<dim> &domain;

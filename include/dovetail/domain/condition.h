@@ -11,24 +11,60 @@
 
 #include <deal.II/base/types.h>
 
+#include <algorithm>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 namespace dovetail {
 
-/// A condition on one field on some boundary ids. It prescribes components of the trace B (strong), or adds
-/// an influx to the weak form (weak); a plugin overrides one of the two pairs of functions. Copy flux.cc or
-/// value.cc.
+/// The influx h(B, grad B) of a weak condition at a point, per area of the undeformed boundary: of each
+/// component c of its field, with the derivatives by component d of the domain.
+template <int dim>
+class Influx
+{
+public:
+  Influx(const unsigned int n_of_field, const unsigned int n_of_domain)
+      : value(n_of_field), n(n_of_domain), values(n_of_field * n), gradients(n_of_field * n)
+  {
+  }
+  std::vector<double> value; ///< h_c
+  double &by_value(const unsigned int c, const unsigned int d) { return values[c * n + d]; }
+  /// dh_c / d(grad B_d)_L
+  dealii::Tensor<1, dim> &by_gradient(const unsigned int c, const unsigned int d)
+  {
+    return gradients[c * n + d];
+  }
+
+private:
+  unsigned int n;
+  std::vector<double> values;
+  std::vector<dealii::Tensor<1, dim>> gradients;
+};
+
+/// On what a condition may act.
+struct Scope
+{
+  enum { any, vectors } fields;
+  enum { boundary, point } place;
+};
+
+/// A condition on one field on some boundary ids, or at a point. It prescribes components of the trace B
+/// (strong), prescribes the component along the normal of planes (strong), or adds an influx to the weak form
+/// (weak); a plugin overrides one of the three groups of functions. Copy value.cc, symmetry.cc or flux.cc.
 template <int dim>
 class Condition
 {
 public:
-  /// Reads Field, Boundary ids and Toggle, which every condition has.
-  Condition(const Section &section, const std::vector<Field> &fields, const Toggles &toggles);
+  /// Reads Field, Toggle and, if it acts on a boundary, Boundary ids. A condition on vectors finds its Field
+  /// itself.
+  Condition(const Section &section, const Material<dim> &material, const Toggles &toggles,
+            const Scope &scope = {Scope::any, Scope::boundary});
   virtual ~Condition() = default;
 
-  /// Components of the field (0 … n_components-1) whose value is prescribed.
+  /// Components of the field (0 … n_components-1) that it may constrain; those whose value is prescribed,
+  /// unless it constrains normal components.
   virtual std::vector<unsigned int> prescribed_components() const { return {}; }
   virtual double prescribed_value(const dealii::Point<dim> & /*X*/, double /*t*/,
                                   unsigned int /*component*/) const
@@ -36,19 +72,36 @@ public:
     return 0;
   }
 
+  /// Whether the components are prescribed weakly, by Nitsche's method (weak_values.cc), not by constraints.
+  virtual bool is_weak() const { return false; }
+
+  /// Whether it constrains N.B of a vector at the nodes of its faces, which must then lie in planes.
+  virtual bool constrains_normal() const { return false; }
+  virtual double prescribed_normal(const dealii::Point<dim> & /*X*/, double /*t*/) const { return 0; }
+
+  /// Where it acts, if not on a boundary: at the node there.
+  virtual std::optional<dealii::Point<dim>> point() const { return {}; }
+
   virtual bool adds_flux() const { return false; }
-  /// The influx per area of the undeformed boundary for each component of the field, and its derivative by
-  /// the trace, d_flux(c, d). Both come in as zero.
-  virtual void flux(const dealii::Point<dim> & /*X*/, double /*t*/, const double * /*trace*/,
-                    std::vector<double> & /*flux*/, dealii::FullMatrix<double> & /*d_flux*/) const
+  /// The influx and its derivatives at a state of the domain, all components of which are known, on a
+  /// boundary with the outward normal @p N. All come in as zero. Derivatives by a component are taken only
+  /// where the fluxes of its field depend on that component's field (Material::depends).
+  virtual void influx(const State<dim> & /*state*/, const dealii::Tensor<1, dim> & /*N*/,
+                      Influx<dim> & /*influx*/) const
   {
   }
-  virtual bool is_linear() const { return true; } ///< the flux is affine in the trace
-  /// Whether d_flux is the same in all steps; if so, a linear scene assembles it once.
+  virtual bool sees_gradients() const { return false; } ///< else those of the state are zero
+  virtual bool is_linear() const { return true; }       ///< the influx is affine in the state
+  virtual bool is_symmetric() const { return true; }    ///< its derivative is
+  /// Whether the derivatives are the same in all steps; if so, a linear scene assembles them once.
   virtual bool has_constant_tangent() const { return !adds_flux(); }
 
-  /// Whether the condition keeps the value of the field from drifting by a constant.
-  virtual bool removes_constants() const { return false; }
+  /// Whether the condition keeps a component of the field from drifting by a constant.
+  virtual bool removes_constant(const unsigned int component) const
+  {
+    const auto all = prescribed_components();
+    return std::find(all.begin(), all.end(), component) != all.end();
+  }
 
   bool is_active(const double t) const { return toggles->is_active(toggle, t); }
   const std::string &toggle_name() const { return toggle; }
@@ -63,8 +116,11 @@ private:
   const std::string toggle;
 };
 
+/// The entry Components of a condition on @p field: x, y, z as 0, 1, 2; all if it is empty.
+std::vector<unsigned int> read_components(const Section &section, const Field &field);
+
 template <int dim>
-using ConditionCatalogue = Catalogue<Condition<dim>, const std::vector<Field> &, const Toggles &>;
+using ConditionCatalogue = Catalogue<Condition<dim>, const Material<dim> &, const Toggles &>;
 
 /// Register a class template over dim in both dimensions.
 template <template <int> class Derived>

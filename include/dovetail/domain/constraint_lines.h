@@ -18,12 +18,13 @@ struct ConstraintLine
 {
   std::vector<std::pair<dealii::types::global_dof_index, double>> entries;
   double inhomogeneity = 0;
-  int tie = -1; ///< the position in the scene of the interface that made it, if one did
+  int tie = -1;                 ///< the position in the scene of the interface that made it, if one did
+  bool is_of_condition = false; ///< a boundary condition made it
 
   template <typename Archive>
   void serialize(Archive &archive, const unsigned int)
   {
-    archive &entries &inhomogeneity &tie;
+    archive &entries &inhomogeneity &tie &is_of_condition;
   }
 };
 using ConstraintLines = std::map<dealii::types::global_dof_index, ConstraintLine>;

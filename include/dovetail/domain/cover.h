@@ -26,6 +26,7 @@ struct Cover
   {
     double share = 0;                            ///< of its area that is covered
     std::vector<dealii::Point<dim>> unit_points; ///< a quadrature of that part, if it is not the whole
+    std::vector<dealii::Tensor<1, dim>> N;       ///< outward normals there
     std::vector<double> JxW;
   };
   /// By active_cell_index and number of the face; owned cells only.

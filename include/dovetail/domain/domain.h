@@ -6,10 +6,13 @@
 #pragma once
 
 #include <dovetail/domain/cell_memory.h>
+#include <dovetail/domain/body_force.h>
 #include <dovetail/domain/condition.h>
+#include <dovetail/domain/condition_places.h>
 #include <dovetail/domain/constraint_lines.h>
 #include <dovetail/domain/cover.h>
 #include <dovetail/domain/mesh.h>
+#include <dovetail/domain/weak_penalties.h>
 #include <dovetail/material/material.h>
 
 #include <deal.II/dofs/dof_handler.h>
@@ -84,6 +87,17 @@ public:
   };
   const std::vector<BoundaryFace> &boundary_faces() const { return faces; }
 
+  /// The unit normal of the plane of a face on which a condition constrains normal components; components
+  /// that are rounding are zero.
+  const dealii::Tensor<1, dim> &plane_normal(const BoundaryFace &face) const
+  {
+    return normals.at({face.cell->active_cell_index(), face.number});
+  }
+  /// The nodes of conditions that act at a point, on the rank that owns them.
+  const std::map<const Condition<dim> *, NodeOfCell<dim>> &nodes_of_points() const { return point_nodes; }
+  /// Whether a strong condition constrains a component of its field at the nodes of a face.
+  bool constrains(const Condition<dim> &condition, const BoundaryFace &face, unsigned int component) const;
+
   /// Per component, flattened over the fields; nullptr if the scene does not give it.
   struct Given
   {
@@ -95,6 +109,7 @@ public:
     }
   };
   const Given &source() const { return given_source; }
+  const BodyForce<dim> &body_force() const { return force; }
   const Given &initial() const { return given_initial; }
   const Given &exact() const { return given_exact; }
 
@@ -122,6 +137,7 @@ public:
   dealii::types::global_dof_index first_dof = 0;
 
   std::vector<Cover<dim>> covers; ///< of its boundary, by interfaces
+  WeakPenalties weak_penalties;   ///< of values that are prescribed weakly, set at the beginning of a step
 
   std::unique_ptr<CellMemory<dim>> memory; ///< nullptr if the material remembers nothing
 
@@ -129,7 +145,10 @@ private:
   void read_given(const Section &section);
   void read_conditions(const Section &section, const Toggles &toggles);
   void check_conditions() const;
+  void place_conditions(const MPI_Comm &communicator);
   void add_hanging_nodes(ConstraintLines &lines) const;
+  void add_values(double t, ConstraintLines &lines) const;
+  void add_planes(double t, ConstraintLines &lines) const;
   void collect_boundary_faces(const MPI_Comm &communicator);
   void choose_element();
   void measure_box(const MPI_Comm &communicator);
@@ -145,8 +164,11 @@ private:
   std::vector<unsigned int> by_component; ///< position in deal.II's cell order of local index c * n_nodes + a
   std::vector<std::unique_ptr<Condition<dim>>> all_conditions;
   std::vector<BoundaryFace> faces;
+  PlaneNormals<dim> normals;
+  std::map<const Condition<dim> *, NodeOfCell<dim>> point_nodes;
   std::map<dealii::types::boundary_id, double> measures; ///< of the parts of the boundary, over all ranks
   Given given_source, given_initial, given_exact;
+  const BodyForce<dim> force;
   double length = 0;
   dealii::Point<dim> middle;
 };

@@ -25,20 +25,30 @@ public:
   explicit OpenBoundary(const Domain<dim> &domain);
 
   using cell_iterator = typename dealii::Triangulation<dim>::active_cell_iterator;
-  /// At a point: its position, the shape values of the scalar element there, and its weight.
-  using Visitor =
-      std::function<void(const dealii::Point<dim> &X, const std::vector<double> &shape_values, double JxW)>;
+  /// What there is at a point.
+  struct Point
+  {
+    State<dim> state;         ///< of the domain; the gradients only if some condition sees them, else zero
+    dealii::Tensor<1, dim> N; ///< outward, of the undeformed boundary
+    std::vector<double> shape_values;                    ///< of the scalar element
+    std::vector<dealii::Tensor<1, dim>> shape_gradients; ///< as the gradients
+    double JxW;
+  };
+  using Visitor = std::function<void(const Point &point)>;
 
   /// Visit the points of a face on which @p condition acts at time @p t; none if it does not act there.
+  /// @param unknowns of the cell, in the order component, node
   void for_each_point(const cell_iterator &cell, unsigned int face, const Condition<dim> &condition, double t,
-                      const Visitor &visit);
+                      const std::vector<double> &unknowns, const Visitor &visit);
 
 private:
+  void find_state(const std::vector<double> &unknowns);
+
   const Domain<dim> &domain;
+  const bool with_gradients;
   dealii::FEFaceValues<dim> face_values;
   std::unique_ptr<ShapeEvaluator<dim>> anywhere; ///< made when a partly covered face needs it
-  std::vector<double> shape_values;
-  std::vector<dealii::Tensor<1, dim>> gradients;
+  Point point;
 };
 
 } // namespace dovetail

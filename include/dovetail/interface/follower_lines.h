@@ -12,10 +12,11 @@
 
 namespace dovetail {
 
-/// What an unknown of the destination is set to, sum_k weight_k B_k.
+/// What an unknown of the destination is set to, sum_k weight_k B_k + offset.
 struct FollowerLine
 {
   std::map<dealii::types::global_dof_index, double> from_source, from_destination;
+  double offset = 0; ///< by a prescribed jump
 
   void add(double factor, const FollowerLine &other);
   ConstraintLine as_constraint() const;

@@ -64,9 +64,18 @@ public:
   /// Global unknowns of a group: source then destination, each in the order component, node.
   void group_dofs(const typename Pairing<dim>::Group &group,
                   std::vector<dealii::types::global_dof_index> &dofs) const;
-  /// The jump of a field at a point, all components.
-  void jump(const TiedField &field, unsigned int q, const std::vector<double> &unknowns,
+  /// The jump of a field at a point less the prescribed one, [B] - c, all components.
+  void jump(const TiedField &field, unsigned int q, double t, const std::vector<double> &unknowns,
             std::vector<double> &result) const;
+  /// The entry Jump, c: what [B] is to be where it is tied; at a point @p X of the source. NaN, with the
+  /// reason left, where it is not a finite number.
+  bool has_prescribed_jump() const { return has_jump; }
+  double prescribed_jump(const dealii::Point<dim> &X, double t, unsigned int component) const;
+  /// Whether constraints or equations of multipliers change with t because it does.
+  bool has_moving_constraints() const
+  {
+    return has_jump && given_jump.depends_on_time() && method->is_strong();
+  }
   /// Which of the unknowns of a group the jump of a tied field or its variation depends on, at any point of
   /// it.
   std::vector<bool> unknowns_in_jump(const typename Pairing<dim>::Group &group) const;
@@ -89,12 +98,15 @@ public:
 private:
   void check_not_to_itself() const;
   void read_fields();
+  void read_jump();
   void find_components();
   double distance_of_sides(const MPI_Comm &communicator) const;
   void report_uncovered(const MPI_Comm &communicator) const;
 
   typename Pairing<dim>::Options options;
   std::string uncovered; ///< error, warn or allow
+  bool has_jump = false;
+  Expression given_jump;
   const Toggles *toggles;
   std::string toggle;
   std::unique_ptr<Tie<dim>> method;

@@ -18,7 +18,8 @@ namespace dovetail {
 
 /// The basis of the multipliers, one function psi_j for each node of the destination's faces, and the
 /// equations
-/// @f[ \int_\Gamma \psi_j\, (B_{dst} - B_{src}) \, d\Gamma = 0 . @f]
+/// @f[ \int_\Gamma \psi_j\, (B_{dst} - B_{src} + c) \, d\Gamma = 0 . @f]
+/// with the prescribed jump c (Interface::prescribed_jump), as a rule 0.
 ///
 /// `standard`: psi_j is the trace of the destination's shape function phi_j. `dual`: on each face
 /// biorthogonal, int psi_i phi_j = delta_ij int phi_j over the covered part of the face (Wohlmuth 2000), so
@@ -36,12 +37,13 @@ class MultiplierSpace
 public:
   using Index = dealii::types::global_dof_index;
 
-  /// The equation of one multiplier, sum of weights times unknowns = 0. Destination unknowns enter with the
-  /// weight int psi_j phi_i.
+  /// The equation of one multiplier, sum of weights times unknowns + constant = 0. Destination unknowns enter
+  /// with the weight int psi_j phi_i.
   struct Row
   {
     std::map<Index, double> weights;
     double diagonal = 0; ///< of the unknown that the row belongs to
+    double constant = 0; ///< int psi_j c
     /// If the destination's gradient bridges a share of a gap: its part of the weights, and what the source's
     /// gain if its own gradient bridges that share instead.
     std::map<Index, double> of_own_gradient, source_gain;
@@ -54,7 +56,8 @@ public:
     template <typename Archive>
     void serialize(Archive &archive, const unsigned int)
     {
-      archive &weights &diagonal &of_own_gradient &source_gain &of_source &of_destination &field &component;
+      archive &weights &diagonal &constant &of_own_gradient &source_gain &of_source &of_destination &field
+          &component;
     }
   };
 
@@ -123,9 +126,9 @@ private:
   void make_functions(Face &face) const;
   dealii::FullMatrix<double> node_coordinates(const Face &face) const;
   dealii::FullMatrix<double> polynomials(const Face &face, unsigned int degree) const;
-  void add_rows(const Face &face, std::map<Index, Row> &to) const;
+  void add_rows(const Face &face, double t, std::map<Index, Row> &to) const;
   void add_source(const Face &face, const typename Pairing<dim>::Group &group, const Component &component,
-                  unsigned int j, Row &row) const;
+                  unsigned int j, double t, Row &row) const;
   void add_own_gradient(const typename Pairing<dim>::Group &group, unsigned int field, unsigned int component,
                         const std::vector<double> &of_destination, const std::vector<double> &of_source,
                         Row &row) const;

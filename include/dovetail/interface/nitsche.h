@@ -113,7 +113,7 @@ private:
             const std::array<State<dim>, 2> &of_sides, Series &series) const;
   bool evaluate_sides(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
                       unsigned int q, double t, const std::vector<double> &unknowns, bool with_derivatives);
-  bool add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q,
+  bool add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q, double t,
                  const std::vector<double> &unknowns, std::vector<double> &residual,
                  dealii::FullMatrix<double> *tangent);
   void keep_own_rows(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,

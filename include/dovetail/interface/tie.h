@@ -46,6 +46,7 @@ struct TieConstraints
   ConstraintLines lines;                                ///< hanging nodes, prescribed values, ties
   std::set<dealii::types::global_dof_index> multiplied; ///< have an equation of a multiplier
   int tie = -1; ///< the position in the scene of the interface whose tie adds now
+  double t = 0; ///< the time, for prescribed jumps
   void add(const dealii::types::global_dof_index dof, ConstraintLine line)
   {
     line.tie = tie;

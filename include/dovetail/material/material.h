@@ -30,6 +30,8 @@ public:
   const std::vector<Field> &fields() const { return all_fields; }
   const Field *find_field(const std::string &field_name) const; ///< nullptr if it has no such field
   unsigned int n_components() const;
+  const Field *solid_field() const; ///< the displacement; nullptr without a solid law
+  double solid_density() const;     ///< mass per undeformed volume, 0: not given. @pre It has a displacement.
 
   /// @return false if a law is not defined at this state. A term that needs a component whose value is
   /// NaN gives NaN and remembers what it has: an interface does not know the fields that it does not tie.

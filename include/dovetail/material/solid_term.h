@@ -28,7 +28,9 @@ public:
 
   /// @param name of the material and of its law, for messages
   SolidTerm(const Field &field, std::unique_ptr<SolidLaw> law, const std::optional<Expansion> &expansion,
-            const std::string &name_of_material, const std::string &name_of_law);
+            const std::string &name_of_material, const std::string &name_of_law, double density);
+
+  const double density; ///< mass per undeformed volume [kg/m^3]; 0: not given
 
   bool has_flux() const override { return true; }
   bool has_source() const override { return false; }

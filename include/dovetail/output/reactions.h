@@ -43,9 +43,17 @@ public:
     return all_transmissions.at(&interface);
   }
 
-  /// The prescribed unknowns of a field that this rank owns, and their components.
-  std::map<dealii::types::global_dof_index, unsigned int> prescribed(const Domain<dim> &domain,
-                                                                     const Field &field) const;
+  /// What a boundary condition that constrains an unknown puts into the body there.
+  struct OfNode
+  {
+    unsigned int component = 0; ///< of the field
+    double force = 0;
+  };
+  /// By unknown that this rank owns. Where a plane that is not parallel to the axes holds the body, the
+  /// unknown that its line B_k = sum_i w_i B_i + b constrains has the force r_k, and each other one -w_i r_k:
+  /// none of them does work on a motion that the line allows.
+  std::map<dealii::types::global_dof_index, OfNode> at_nodes(const Domain<dim> &domain,
+                                                             const Field &field) const;
   const NodalForces<dim> &forces() const { return nodal; }
 
 private:

@@ -34,7 +34,7 @@ public:
 
   /// Constraints, sparsity and matrix for what is active at time @p t. Collective.
   void set_up(double t);
-  /// Whether set_up must be called again because toggles have changed.
+  /// Whether set_up must be called again because toggles have changed, or prescribed jumps of strong ties.
   bool is_outdated(double t) const;
 
   /// Prescribed values of time @p t; weights and penalties of the ties frozen at @p x.
@@ -172,6 +172,7 @@ private:
   bool constraints_move = false;
   double move = 0;
   std::vector<bool> toggles_of_set_up;
+  double time_of_set_up = 0;
   BlockMatrix matrix;
   bool has_tangent = false;        ///< since set_up
   Undefined problem, problem_here; ///< over all ranks; on this one, in the present assembly

@@ -46,6 +46,12 @@ public:
     const auto line = lines.find(dof);
     return line != lines.end() && line->second.entries.empty();
   }
+  /// The line that a boundary condition gave an owned unknown; nullptr if none did.
+  const ConstraintLine *line_of_condition(const dealii::types::global_dof_index dof) const
+  {
+    const auto line = lines.find(dof);
+    return line != lines.end() && line->second.is_of_condition ? &line->second : nullptr;
+  }
   /// Whether a relevant unknown is prescribed, perhaps by way of others.
   bool is_fixed(dealii::types::global_dof_index dof) const;
 

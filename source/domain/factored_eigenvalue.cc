@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/interface/factored_eigenvalue.h>
+#include <dovetail/domain/factored_eigenvalue.h>
 
 #include <deal.II/base/config.h>
 

@@ -3,6 +3,8 @@
 
 #include <dovetail/domain/cell_points.h>
 
+#include <numeric>
+
 namespace dovetail {
 
 template <int dim>
@@ -61,6 +63,46 @@ void CellPoints<dim>::reinit(const dealii::Point<dim> &X, const double *shape_va
   remember();
   evaluate_state<dim>(domain.n_components(), shape.size(), shape_values, shape_gradients, unknowns.data(),
                       state);
+  if (!state.rate.empty())
+    evaluate_rates(shape_values);
+}
+
+template <int dim>
+void CellPoints<dim>::set_rates(const Rates *rates, const std::vector<dealii::types::global_dof_index> &dofs)
+{
+  const auto extract = [&](const Rates::Vector &vector, const bool is_known, std::vector<double> &at_point,
+                           std::vector<double> &of_cell) {
+    at_point.resize(is_known ? domain.n_components() : 0);
+    of_cell.resize(is_known ? dofs.size() : 0);
+    if (is_known)
+      vector.extract_subvector_to(dofs.begin(), dofs.end(), of_cell.begin());
+  };
+  const unsigned int order = rates == nullptr || !rates->has_first() ? 0 : domain.material.order_in_time();
+  if (order == 0) {
+    state.rate.clear();
+    state.second_rate.clear();
+    return;
+  }
+  extract(rates->rest, true, state.rate, rest);
+  extract(rates->second_rest, order > 1 && rates->has_second(), state.second_rate, second_rest);
+  state.rate_by_value = rates->by_value;
+  state.second_rate_by_value = rates->second_by_value;
+}
+
+template <int dim>
+void CellPoints<dim>::evaluate_rates(const double *shape_values)
+{
+  const unsigned int n_nodes = shape.size();
+  const auto at_point = [&](const std::vector<double> &of_cell, const unsigned int c) {
+    return std::inner_product(shape_values, shape_values + n_nodes, of_cell.begin() + c * n_nodes, 0.);
+  };
+  for (unsigned int c = 0; c < domain.n_components(); ++c) {
+    const unsigned int order = domain.material.order_in_time(c);
+    if (order > 0)
+      state.rate[c] = state.rate_by_value * state.value[c] + at_point(rest, c);
+    if (order > 1)
+      state.second_rate[c] = state.second_rate_by_value * state.value[c] + at_point(second_rest, c);
+  }
 }
 
 template void evaluate_state<2>(unsigned int, unsigned int, const double *, const dealii::Tensor<1, 2> *,

@@ -25,9 +25,11 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
     for (unsigned int d = 0; d < n; ++d)
       if (const Coupling &coupling = domain.material.coupling(c, d); coupling.any())
         pairs.push_back({c, d, c * n + d, coupling});
-  for (unsigned int f = 0; f < fields.size(); ++f)
+  for (unsigned int f = 0; f < fields.size(); ++f) {
     for (unsigned int c = 0; domain.material.has_source(f) && c < fields[f].n_components; ++c)
       with_source.push_back(fields[f].first_component + c);
+    has_loads = has_loads || domain.material.has_load(f);
+  }
   for (const Field &field : fields)
     for (unsigned int c = 0; c < field.n_components; ++c)
       source_of_component[field.first_component + c] = {domain.source().find(field.name), c};
@@ -36,6 +38,16 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
       flux_conditions.push_back(condition.get());
   for (auto &direction : gradient_of_direction)
     direction.resize(n_nodes);
+}
+
+template <int dim>
+void CellTerms<dim>::find_rates(const typename Domain<dim>::cell_iterator &cell)
+{
+  if (domain.material.order_in_time() == 0)
+    return;
+  if (rates != nullptr)
+    domain.cell_dofs(cell, dofs);
+  point.set_rates(rates, dofs);
 }
 
 template <int dim>
@@ -48,6 +60,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   if (tangent)
     *tangent = 0;
   point.state.t = t;
+  find_rates(cell);
   cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     point.reinit(cell_values, q, unknowns);
@@ -92,7 +105,7 @@ template <int dim>
 bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &cell, const double t,
                                     const std::vector<double> &unknowns, std::vector<double> &residual)
 {
-  const bool has_source = !with_source.empty() || domain.body_force().is_given() ||
+  const bool has_source = has_loads || domain.body_force().is_given() ||
                           std::any_of(source_of_component.begin(), source_of_component.end(),
                                       [](const auto &source) { return source.first != nullptr; });
   const bool has_boundary = !flux_conditions.empty() && cell->at_boundary();
@@ -105,7 +118,8 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
     if (domain.body_force().is_given())
       add_body_force(t, unknowns, residual, nullptr);
     point.state.t = t;
-    for (unsigned int q = 0; !with_source.empty() && q < cell_values.n_quadrature_points; ++q) {
+    point.set_rates(nullptr, {});
+    for (unsigned int q = 0; has_loads && q < cell_values.n_quadrature_points; ++q) {
       point.reinit(cell_values, q, unknowns);
       const double JxW =
           point.evaluate(false) ? cell_values.JxW(q) : std::numeric_limits<double>::quiet_NaN();
@@ -122,6 +136,7 @@ bool CellTerms<dim>::evaluate_memory(const typename Domain<dim>::cell_iterator &
                                      const std::vector<double> &unknowns)
 {
   point.state.t = t;
+  find_rates(cell);
   cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
   has_uniform_tangent = false; // what comes next is not compared with the cell before
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
@@ -129,6 +144,26 @@ bool CellTerms<dim>::evaluate_memory(const typename Domain<dim>::cell_iterator &
     if (!point.evaluate(false))
       return false;
     domain.memory->set_trial(cell, q, point.state.memory.trial);
+  }
+  return true;
+}
+
+template <int dim>
+bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator &cell, const double t,
+                                      const std::vector<double> &unknowns, std::vector<double> &residual)
+{
+  if (rates == nullptr || !rates->has_first() || domain.material.order_in_time() == 0)
+    return false;
+  std::fill(residual.begin(), residual.end(), 0.);
+  force_sizes.assign(n * n_nodes, 0.);
+  point.state.t = t;
+  find_rates(cell);
+  cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+  has_uniform_tangent = false; // what comes next is not compared with the cell before
+  for (const unsigned int q : cell_values.quadrature_point_indices()) {
+    point.reinit(cell_values, q, unknowns);
+    add_source_of_laws(
+        point.evaluate_storage() ? cell_values.JxW(q) : std::numeric_limits<double>::quiet_NaN(), residual);
   }
   return true;
 }

@@ -178,7 +178,8 @@ void Domain<dim>::read_given(const Section &section)
   for (auto [kind, given, text] :
        {std::make_tuple("Source", &given_source,
                         "Source per volume: body force or heat source [N/m^3 or W/m^3]"),
-        std::make_tuple("Initial", &given_initial, "First guess of a static scene [m or K]"),
+        std::make_tuple("Initial", &given_initial,
+                        "State at t = 0 of a transient scene, first guess of a static one [m or K]"),
         std::make_tuple("Exact", &given_exact,
                         "Exact solution; the report contains the errors against this solution [m or K]")}) {
     const Section part = section.subsection(kind);
@@ -186,8 +187,24 @@ void Domain<dim>::read_given(const Section &section)
       const Expression expression = part.read_expression(field.name, "", {field.n_components}, text);
       if (part.is_set(field.name))
         given->of_field.emplace(field.name, expression);
+      if (given == &given_initial && !field.rate.empty())
+        read_initial_rate(part, field);
     }
   }
+}
+
+template <int dim>
+void Domain<dim>::read_initial_rate(const Section &initial, const Field &field)
+{
+  const Expression expression = initial.read_expression(
+      field.rate, "", {field.n_components},
+      "Rate of the " + field.name + " at t = 0 of a transient scene with Inertia [m/s]");
+  if (!initial.is_set(field.rate) || expression.is_zero())
+    return;
+  initial.check(material.order_in_time(field.first_component) > 1, field.rate,
+                "needs a transient scene with inertia: set Kind = transient and Inertia = true in the "
+                "subsection Steps, or remove it.");
+  given_initial.of_field.emplace(field.rate, expression);
 }
 
 template <int dim>

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The heat of a material: the temperature and its conduction.
+// The heat of a material: the temperature, its conduction and, in transient scenes, the heat stored
+//
+//     S = rho c(T, X, t) dT/dt
 //
 //     subsection Heat
-//       set Type         = Fourier
-//       set Conductivity = 15        # W/(m K)
+//       set Type          = Fourier
+//       set Conductivity  = 15             # W/(m K)
+//       set Density       = 7800           # kg/m^3
+//       set Heat capacity = 420 + 0.2*T    # J/(kg K)
 //     end
 
+#include <dovetail/material/capacity_term.h>
 #include <dovetail/material/diffusion_term.h>
 #include <dovetail/material/material_part.h>
+#include <dovetail/material/transient.h>
 #include <dovetail/scene/catalogue.h>
 
 #include <algorithm>
@@ -41,15 +47,32 @@ public:
         symbols_of(all));
     if (!law && !section.documenting())
       return;
-    for (const auto &[entry, description] :
-         {std::pair("Density", "Mass per volume, for the heat stored in transient scenes [kg/m^3]"),
-          std::pair("Heat capacity", "Heat capacity per mass [J/(kg K)]")})
-      section.check(section.read<double>(entry, 0, description) >= 0, entry,
-                    "must be positive (or 0: not given).");
+    const double density = section.read<double>(
+        "Density", 0, "Mass per volume, for the heat stored in transient scenes [kg/m^3]");
+    section.check(density >= 0, "Density", "must be positive (or 0: not given).");
+    const Expression capacity = read_capacity(
+        section, "Heat capacity", "0",
+        "Heat capacity per mass, which may depend on x, y, z, t and every scalar of the material, for "
+        "transient scenes [J/(kg K)]",
+        symbols_of(all));
     const auto own =
         std::find_if(all.begin(), all.end(), [](const Field &field) { return field.law == "heat"; });
-    if (law)
-      terms.push_back(std::make_unique<DiffusionTerm<dim>>(*own, all, std::move(law), section.peek("Type")));
+    if (!law)
+      return;
+    terms.push_back(std::make_unique<DiffusionTerm<dim>>(*own, all, std::move(law), section.peek("Type")));
+    if (!is_transient(section))
+      return;
+    const auto check_given = [&](const bool is_given, const std::string &entry) {
+      const bool is_set = section.is_set(entry);
+      section.check(is_given, is_set ? entry : "",
+                    (is_set ? "is zero" : "has no " + entry) +
+                        ", but a transient scene needs it: the heat stored is Density times Heat capacity "
+                        "times the rate of the temperature.");
+    };
+    check_given(density > 0, "Density");
+    check_given(!capacity.is_zero(), "Heat capacity");
+    terms.push_back(
+        std::make_unique<CapacityTerm<dim>>(*own, all, section, "Heat capacity", capacity, density));
   }
 
 private:

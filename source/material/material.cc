@@ -29,9 +29,13 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
 
   const unsigned int n = n_components();
   couplings.resize(n * n);
+  orders_in_time.assign(n, 0);
   for (const auto &term : terms) {
     const unsigned int first = term->field.first_component, end = first + term->field.n_components;
     needed_by.emplace_back();
+    largest_order_in_time = std::max(largest_order_in_time, term->order_in_time());
+    for (unsigned int c = first; c < end; ++c)
+      orders_in_time[c] = std::max(orders_in_time[c], term->order_in_time());
     for (unsigned int d = 0; d < n; ++d) {
       bool is_needed = d >= first && d < end;
       for (unsigned int c = first; c < end; ++c) {
@@ -95,6 +99,8 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
   for (unsigned int i = 0; i < terms.size(); ++i) {
     const auto &term = terms[i];
     const unsigned int first = term->field.first_component;
+    if (term->order_in_time() > 0 && state.rate.empty())
+      continue;
     if (std::any_of(needed_by[i].begin(), needed_by[i].end(),
                     [&](const unsigned int c) { return std::isnan(state.value[c]); })) {
       const double not_known = std::numeric_limits<double>::quiet_NaN();
@@ -111,6 +117,15 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
       return false;
   }
   return true;
+}
+
+template <int dim>
+bool Material<dim>::evaluate_storage(const State<dim> &state, Response<dim> &response) const
+{
+  std::fill(response.source.begin(), response.source.end(), 0.);
+  return std::all_of(terms.begin(), terms.end(), [&](const auto &term) {
+    return term->order_in_time() == 0 || term->add(state, false, response);
+  });
 }
 
 template <int dim>
@@ -202,9 +217,10 @@ bool Material<dim>::has_source(const unsigned int field) const
 }
 
 template <int dim>
-bool Material<dim>::has_source() const
+bool Material<dim>::has_load(const unsigned int field) const
 {
-  return std::any_of(terms.begin(), terms.end(), [](const auto &term) { return term->has_source(); });
+  return !all_terms(field,
+                    [](const Term<dim> &term) { return !term.has_source() || term.order_in_time() > 0; });
 }
 
 template <int dim>

@@ -8,9 +8,11 @@
 //       set Expansion coefficient = 1.2e-5           # 1/K
 //     end
 
+#include <dovetail/material/inertia_term.h>
 #include <dovetail/material/material_part.h>
 #include <dovetail/material/plane_stress.h>
 #include <dovetail/material/solid_term.h>
+#include <dovetail/material/transient.h>
 #include <dovetail/scene/catalogue.h>
 
 #include <algorithm>
@@ -32,7 +34,7 @@ public:
     const std::string type = section.peek("Type");
     if (!section.documenting() && (type.empty() || type == "none"))
       return {};
-    return {{"displacement", dim, 0, "solid", ""}};
+    return {{"displacement", dim, 0, "solid", "", "velocity"}};
   }
 
   void add_terms(const std::vector<Field> &all, typename MaterialPart<dim>::Terms &terms) const override
@@ -43,7 +45,7 @@ public:
       return;
     section.choose("Formulation", {"displacement"}, 0, "Unknowns of the solid [-]");
     const double density = section.read<double>(
-        "Density", 0, "Mass per volume, for body forces by acceleration and rotation [kg/m^3]");
+        "Density", 0, "Mass per undeformed volume, for body forces by acceleration and rotation, and for inertia [kg/m^3]");
     section.check(density >= 0, "Density", "must be positive (or 0: not given).");
     const double alpha =
         section.read<double>("Expansion coefficient", 0,
@@ -69,6 +71,12 @@ public:
     }
     terms.push_back(std::make_unique<SolidTerm<dim>>(all.front(), std::move(law), expansion,
                                                      name.substr(name.find(' ') + 1), type, density));
+    if (!has_inertia(section))
+      return;
+    section.check(density > 0, section.is_set("Density") ? "Density" : "",
+                  std::string(section.is_set("Density") ? "is zero" : "has no Density") +
+                      ", but inertia needs it. Give it, or remove Inertia from the subsection Steps.");
+    terms.push_back(std::make_unique<InertiaTerm<dim>>(all.front(), density));
   }
 
 private:

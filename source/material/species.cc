@@ -3,9 +3,9 @@
 //
 // The species of a material: a scalar field each, the concentration c, with diffusion and reaction,
 //
-//     R(delta) = int A.grad delta c + S delta c,   S = -r(scalars, X, t)
+//     R(delta) = int A.grad delta c + S delta c,   S = -r(scalars, X, t) + C(scalars, X, t) dc/dt
 //
-// where the reaction r is what is produced.
+// where the reaction r is what is produced, and C, in transient scenes only, the capacity.
 //
 //     set Species = carbon
 //     subsection Species carbon
@@ -14,9 +14,11 @@
 //       set Reaction    = -1e-4 * carbon     # amount/(m^3 s)
 //     end
 
+#include <dovetail/material/capacity_term.h>
 #include <dovetail/material/diffusion_term.h>
 #include <dovetail/material/material_part.h>
 #include <dovetail/material/reaction_term.h>
+#include <dovetail/material/transient.h>
 #include <dovetail/scene/catalogue.h>
 
 #include <algorithm>
@@ -50,7 +52,7 @@ public:
           "names '" + name +
               "', but a species is a field and a variable of formulas: its name begins with a letter, holds "
               "letters, digits and underscores only (spaces become underscores in formulas), and is none of "
-              "x, y, z, t, T, pi, inf, displacement, temperature.");
+              "x, y, z, t, T, pi, inf, displacement, velocity, temperature.");
     std::set<std::string> symbols;
     for (const std::string &name : names)
       material.check(symbols.insert(symbol_of(name)).second, "Species",
@@ -75,6 +77,11 @@ public:
           "Reaction", "0", {1},
           "Production of the species by reactions, negative where it is consumed [1/(m^3 s)]",
           symbols_of(all));
+      const Expression capacity = read_capacity(
+          section, "Capacity", "1",
+          "What is stored per volume and concentration in transient scenes, for instance a porosity; it may "
+          "depend on x, y, z, t and every scalar of the material [-]",
+          symbols_of(all));
       if (section.documenting())
         continue;
       const Field &own =
@@ -82,13 +89,16 @@ public:
       terms.push_back(std::make_unique<DiffusionTerm<dim>>(own, all, std::move(law), section.peek("Type")));
       if (!reaction.is_zero())
         terms.push_back(std::make_unique<ReactionTerm<dim>>(own, all, section, "Reaction", reaction));
+      if (is_transient(section) && !capacity.is_zero())
+        terms.push_back(std::make_unique<CapacityTerm<dim>>(own, all, section, "Capacity", capacity));
     }
   }
 
 private:
   static bool is_good_name(const std::string &name)
   {
-    for (const std::string reserved : {"x", "y", "z", "t", "T", "pi", "inf", "displacement", "temperature"})
+    for (const std::string reserved :
+         {"x", "y", "z", "t", "T", "pi", "inf", "displacement", "velocity", "temperature"})
       if (name == reserved)
         return false;
     return std::isalpha(static_cast<unsigned char>(name[0])) &&

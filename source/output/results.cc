@@ -135,6 +135,31 @@ double Results<dim>::last_residual() const
   return residuals.empty() || !residuals.back().is_number() ? 0 : residuals.back().template get<double>();
 }
 
+/// Of a nonlinear scene that of Newton's method; a linear one is solved as exactly as it can be.
+template <int dim>
+double Results<dim>::tolerance_of_balance(const double tolerance) const
+{
+  return model.is_linear() ? 10 * last_residual() : tolerance;
+}
+
+template <int dim>
+void Results<dim>::record_step(const Solution<dim> &solution, const double tolerance)
+{
+  const Phases::Scope scope(phases, "output");
+  const Vector ghosted = solution.system.ghosted(solution.x);
+  const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
+  std::vector<std::string> sentences; // that of the last step is told by measure()
+  const Balance balance =
+      measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), sentences);
+  report()["steps"].back()["imbalance"] = balance.worst;
+  nlohmann::ordered_json numbers = probes.evaluate(ghosted, reactions);
+  numbers["balance"] = balance.report;
+  for (auto &of_domain : numbers["balance"])
+    for (auto &of_field : of_domain)
+      of_field.erase("rounding");
+  step_table.add(solution.t, numbers);
+}
+
 template <int dim>
 void Results<dim>::measure(const Solution<dim> &solution, const double tolerance)
 {
@@ -145,8 +170,8 @@ void Results<dim>::measure(const Solution<dim> &solution, const double tolerance
   report()["dofs"] = model.numbering->n_dofs();
   report()["domains"] = measure_domains(model, ghosted, solution.t);
   report()["interfaces"] = measure_interfaces(model, ghosted, reactions);
-  report()["balance"] = measure_balance(model, reactions, ghosted,
-                                        model.is_linear() ? 10 * last_residual() : tolerance, sentences);
+  report()["balance"] =
+      measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), sentences).report;
   report()["probes"] = probes.evaluate(ghosted, reactions);
   if (solution.is_last) // else the ties are those of the step that failed
     notes.add(sentences);
@@ -199,6 +224,12 @@ void Results<dim>::finish(const bool is_converged, const Plan &plan, const nlohm
   report()["seconds"] = phases.largest_of_ranks(model.communicator);
   report()["notes"] = notes.all();
   try_to_write([&]() { report().write(); });
+  if (!step_table.is_empty())
+    try_to_write([&]() {
+      if (const Obstacle obstacle = write_on_first_rank(directory + "/probes.csv", StepTable::first_word,
+                                                        step_table.text(), model.communicator))
+        obstacle.raise(set_another_directory);
+    });
   log.finish(report().all(), directory);
 }
 

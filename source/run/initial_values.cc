@@ -164,6 +164,28 @@ std::optional<std::array<double, 2>> given_range(const Model<dim> &model, const 
   return std::array<double, 2>{{smallest, largest}};
 }
 
+/// Set the unknowns of a field that this rank owns to value(X, component).
+template <int dim, typename Value>
+void set_nodes(const Model<dim> &model, const Domain<dim> &domain, const Field &field, const Value &value,
+               Vector &x)
+{
+  const unsigned int n = domain.n_nodes();
+  dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
+                                 domain.scalar_element().get_unit_support_points(),
+                                 dealii::update_quadrature_points);
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+      domain.cell_dofs(cell, dofs);
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        for (unsigned int a = 0; a < n; ++a)
+          if (const auto dof = dofs[(field.first_component + c) * n + a];
+              model.numbering->owned.is_element(dof))
+            x(dof) = value(at_nodes.quadrature_point(a), c);
+    }
+}
+
 } // namespace
 
 template <int dim>
@@ -174,31 +196,39 @@ void set_initial_values(const Model<dim> &model, const double t, Vector &x,
   const bool may_guess = !model.is_linear();
   for (unsigned int d = 0; d < model.domains.size(); ++d) {
     const auto &domain = model.domains[d];
-    const unsigned int n = domain->n_nodes();
-    dealii::FEValues<dim> at_nodes(domain->mapping(), domain->scalar_element(),
-                                   domain->scalar_element().get_unit_support_points(),
-                                   dealii::update_quadrature_points);
-    std::vector<dealii::types::global_dof_index> dofs;
-    for (const Field &field : domain->fields())
-      if (const Expression *initial =
-              field.name == without_initial ? nullptr : domain->initial().find(field.name);
-          initial || (may_guess && field.n_components == 1)) {
-        if (!initial && guesses.count(field.name) == 0)
-          guesses[field.name] = mean_given_values(model, field.name, t);
-        for (const auto &cell : domain->dof_handler().active_cell_iterators())
-          if (cell->is_locally_owned()) {
-            at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-            domain->cell_dofs(cell, dofs);
-            for (unsigned int c = 0; c < field.n_components; ++c)
-              for (unsigned int a = 0; a < n; ++a)
-                if (const auto dof = dofs[(field.first_component + c) * n + a];
-                    model.numbering->owned.is_element(dof))
-                  x(dof) = initial ? initial->value(at_nodes.quadrature_point(a), 0., c)
-                                   : guesses.at(field.name)[d];
-          }
-      }
+    for (const Field &field : domain->fields()) {
+      const Expression *initial =
+          field.name == without_initial ? nullptr : domain->initial().find(field.name);
+      const bool is_guessed = !initial && may_guess && field.n_components == 1 &&
+                              domain->material.order_in_time(field.first_component) == 0;
+      if (is_guessed && guesses.count(field.name) == 0)
+        guesses[field.name] = mean_given_values(model, field.name, t);
+      if (initial || is_guessed)
+        set_nodes(
+            model, *domain, field,
+            [&](const dealii::Point<dim> &X, const unsigned int c) {
+              return initial ? initial->value(X, 0., c) : guesses.at(field.name)[d];
+            },
+            x);
+    }
   }
   x.compress(dealii::VectorOperation::insert);
+}
+
+template <int dim>
+Vector initial_rates(const Model<dim> &model, const Vector &x)
+{
+  Vector rates = x;
+  rates = 0;
+  for (const auto &domain : model.domains)
+    for (const Field &field : domain->fields())
+      if (const Expression *initial = domain->initial().find(field.rate))
+        set_nodes(
+            model, *domain, field,
+            [&](const dealii::Point<dim> &X, const unsigned int c) { return initial->value(X, 0., c); },
+            rates);
+  rates.compress(dealii::VectorOperation::insert);
+  return rates;
 }
 
 template <int dim>
@@ -235,6 +265,8 @@ std::vector<std::string> explain_range(const Model<dim> &model, const Vector &so
 
 template std::vector<std::string> explain_range(const Model<2> &, const Vector &, double);
 template std::vector<std::string> explain_range(const Model<3> &, const Vector &, double);
+template Vector initial_rates(const Model<2> &, const Vector &);
+template Vector initial_rates(const Model<3> &, const Vector &);
 template void set_initial_values(const Model<2> &, double, Vector &, const std::string &);
 template void set_initial_values(const Model<3> &, double, Vector &, const std::string &);
 

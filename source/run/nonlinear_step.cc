@@ -17,9 +17,19 @@ template <int dim>
 NonlinearStep<dim>::NonlinearStep(const Section &scene, Model<dim> &model, Phases &phases, Notes &notes,
                                   Log &log)
     : model(model), phases(phases), notes(notes), log(log), newton(scene.subsection("Newton")),
+      scheme(make_time_scheme(scene.subsection("Steps"))),
       linear_solver(scene.subsection("Linear solver"),
                     scene.documenting() ? std::vector<SolveGroup>() : solve_groups())
 {
+  if (model.order_in_time() == 0)
+    scheme.reset();
+}
+
+template <int dim>
+void NonlinearStep<dim>::add_to(Plan &plan) const
+{
+  if (scheme)
+    plan.needed.push_back("rates in time: " + scheme->description());
 }
 
 template <int dim>
@@ -44,6 +54,30 @@ void NonlinearStep<dim>::release_system()
   linear_solver.forget_matrix();
   problem.reset();
   present_system.reset();
+}
+
+template <int dim>
+void NonlinearStep<dim>::start(const Vector &x)
+{
+  if (scheme && model.order_in_time() > 1)
+    scheme->start(x, initial_rates(model, x));
+  else if (scheme)
+    scheme->start(x);
+}
+
+template <int dim>
+Rates NonlinearStep<dim>::rates_to(const double t) const
+{
+  return scheme ? scheme->rates(scheme->step_to(t)) : Rates();
+}
+
+template <int dim>
+void NonlinearStep<dim>::accept_step(const double t, const Vector &x)
+{
+  if (!scheme)
+    return;
+  rates_of_last_good = rates_to(t);
+  scheme->accept_step(scheme->step_to(t), x);
 }
 
 template <int dim>
@@ -81,6 +115,7 @@ bool NonlinearStep<dim>::is_solution(const double t, const Vector &x)
 {
   if (model.is_linear() || model.interfaces.empty() || present_system->is_outdated(t))
     return false;
+  present_system->set_rates(rates_to(t));
   present_system->set_time(t);
   problem->begin_step(t, x);
   return problem->residual(x) <= tolerance() && !present_system->moves_constraints();
@@ -89,10 +124,23 @@ bool NonlinearStep<dim>::is_solution(const double t, const Vector &x)
 template <int dim>
 void NonlinearStep<dim>::begin(const double t, const Vector &x)
 {
+  begin(t, x, rates_to(t));
+}
+
+template <int dim>
+void NonlinearStep<dim>::begin_last_good(const double t, const Vector &x)
+{
+  begin(t, x, rates_of_last_good);
+}
+
+template <int dim>
+void NonlinearStep<dim>::begin(const double t, const Vector &x, const Rates &rates)
+{
   if (present_system->is_outdated(t))
     set_up(t);
   const Phases::Scope scope(phases, "setup");
   has_jumped = false;
+  present_system->set_rates(rates);
   present_system->begin_step(t, x);
   problem->begin_step(t, x);
 }
@@ -153,7 +201,7 @@ void NonlinearStep<dim>::find_loads(const double t, const Vector &x)
 template <int dim>
 bool NonlinearStep<dim>::has_other_loads(const double t, const Vector &x)
 {
-  if (present_system->is_outdated(t))
+  if (has_rates() || present_system->is_outdated(t))
     return true;
   const auto of_last = problem->loads();
   find_loads(t, x);

@@ -67,6 +67,7 @@ template <int dim>
 Plan Simulation<dim>::plan() const
 {
   Plan result = make_plan(model, steps.n_steps, step.solver().description());
+  step.add_to(result);
   results.add_to(result);
   adaptive_cycles.add_to(result);
   return result;
@@ -97,6 +98,7 @@ bool Simulation<dim>::run()
   step.make_system(steps.size());
   Vector x = step.system().owned_vector();
   set_initial_values(model, steps.size(), x);
+  step.start(x);
 
   bool is_converged = step_control.run(x);
   const double t = step_control.time();

@@ -14,16 +14,21 @@ const double smallest_size = 1. / 1024; ///< of a step or of a share of the load
 } // namespace
 
 Steps::Steps(const Section &section)
-    : end_time(
-          (section.choose("Kind", {"static"}, 0,
-                          "static: loads follow the time t, and inertia is neglected [-]"),
-           section.read<double>("End time", 1., "The time t of the last step; the first step starts at 0 [s]",
-                                Patterns::Double(1e-300)))),
+    : is_transient(section.choose("Kind", {"static", "transient"}, 0,
+                                  "static: loads follow the time t, and nothing is stored; transient: heat "
+                                  "and species are stored, by their capacities [-]") == 1),
+      end_time(section.read<double>("End time", 1.,
+                                    "The time t of the last step; the first step starts at 0 [s]",
+                                    Patterns::Double(1e-300))),
       n_steps(section.read<unsigned int>("Number of steps", 1, "Equal steps up to the end time [-]",
                                          Patterns::Integer(1))),
       is_adaptive(section.read<bool>("Adaptive", true,
                                      "Halve a step that does not converge, down to 1/1024 of its size [-]"))
 {
+  const bool has_inertia =
+      section.read<bool>("Inertia", false, "Solids have inertia, by their Density, in transient scenes [-]");
+  section.check(!has_inertia || is_transient, "Inertia",
+                "needs Kind = transient: a static scene has no accelerations.");
 }
 
 template <int dim>
@@ -65,8 +70,8 @@ template <int dim>
 typename StepControl<dim>::Outcome StepControl<dim>::try_step(const double next, const Vector &x,
                                                               Vector &trial)
 {
-  const bool is_first = t == 0;
-  if (!is_first && step.is_solution(next, x)) {
+  const bool is_first = t == 0 && !step.has_rates(); // else the first state is no guess
+  if (t > 0 && step.is_solution(next, x)) {
     results.report().add_step(next, {step.tolerance()}, {});
     return step.remember(next, x) ? Outcome::converged : Outcome::failed_at_any_size;
   }
@@ -132,11 +137,15 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
 {
   t = next;
   ++n_good;
+  step.accept_step(next, x);
   size = std::min(steps.size(), 2 * size);
   log.step_ends();
   results.forget_solution();
-  if (results.is_due(n_good) || t == steps.end_time)
-    results.write_pictures({step.system(), x, t, true});
+  if (!results.is_due(n_good) && t != steps.end_time)
+    return;
+  results.write_pictures({step.system(), x, t, true});
+  if (step.has_rates())
+    results.record_step({step.system(), x, t, true}, step.tolerance());
 }
 
 /// @return whether a smaller step than that to time @p next can be tried.
@@ -157,7 +166,7 @@ void StepControl<dim>::end_at_last_good(const double failed, const Vector &x)
   log.step_ends(problem_of_step ? "cannot be done" : "did not converge");
   if (!problem_of_step)
     step.explain_failure(failed, x);
-  step.begin(t, x);
+  step.begin_last_good(t, x);
   results.forget_solution(); // the ties may have been set up anew
   if (n_good > 0 && !results.is_due(n_good))
     results.write_pictures({step.system(), x, t, false});

@@ -346,11 +346,11 @@ bool Section::has_subsection(const std::string &name) const
   return documenting() || state().tree.find(join_path(section_path, name)) != nullptr;
 }
 
-Section Section::variant(const std::string &type, const std::string &help) const
+Section Section::variant(const std::string &type, const std::string &help, const std::string &entry) const
 {
   if (!documenting())
     return *this;
-  const std::string name = (variant_name.empty() ? "" : variant_name + ", ") + "Type = " + type;
+  const std::string name = (variant_name.empty() ? "" : variant_name + ", ") + entry + " = " + type;
   state().declarations.add_section(section_path, name, help);
   return Section(text, section_path, name);
 }
@@ -362,8 +362,14 @@ bool Section::is_set(const std::string &name) const
 
 std::string Section::peek(const std::string &name) const
 {
-  state().declarations.add_known_entry(section_path, name);
-  const SceneTree::Entry *entry = state().tree.find(section_path, name);
+  return peek("", name);
+}
+
+std::string Section::peek(const std::string &subsection, const std::string &name) const
+{
+  const std::string path = subsection.empty() ? section_path : join_path(section_path, subsection);
+  state().declarations.add_known_entry(path, name);
+  const SceneTree::Entry *entry = state().tree.find(path, name);
   return entry ? entry->value : "";
 }
 

@@ -258,7 +258,8 @@ NewtonResult Newton::Iteration::solve()
   result.residuals.push_back(norm);
   if (!std::isfinite(norm))
     return result;
-  if (norm <= settings.relative_tolerance && !problem.moves_constraints()) // nothing has changed
+  const double sufficient = problem.is_always_solved() ? 0 : settings.relative_tolerance;
+  if (norm <= sufficient && !problem.moves_constraints()) // nothing has changed
     result.is_converged = true;
   else if (problem.is_linear())
     solve_linear();

@@ -67,8 +67,10 @@ BlockSystem<dim>::BlockSystem(Model<dim> &model) : model(model)
   is_of_multipliers.assign(fields.size(), false);
   for (unsigned int b = 0; b < field_of_block.size(); ++b)
     is_of_multipliers[field_of_block[b]] = model.numbering->blocks()[b].is_of_multipliers;
-  for (const auto &domain : model.domains)
+  for (const auto &domain : model.domains) {
     cell_terms.push_back(std::make_unique<CellTerms<dim>>(*domain));
+    cell_terms.back()->set_rates(&step_rates);
+  }
 }
 
 template <int dim>
@@ -318,6 +320,18 @@ Vector BlockSystem<dim>::ghosted(const Vector &owned) const
 }
 
 template <int dim>
+void BlockSystem<dim>::set_rates(const Rates &rates)
+{
+  step_rates = {};
+  step_rates.by_value = rates.by_value;
+  step_rates.second_by_value = rates.second_by_value;
+  if (rates.has_first())
+    step_rates.rest = ghosted(rates.rest);
+  if (rates.has_second())
+    step_rates.second_rest = ghosted(rates.second_rest);
+}
+
+template <int dim>
 void BlockSystem<dim>::set_time(const double t)
 {
   share = 1;
@@ -480,6 +494,8 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   throw_on_all_ranks(fault, model.communicator);
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   has_tangent = with_tangent ? is_defined : has_tangent;
+  if (with_tangent)
+    rates_of_tangent = {{step_rates.by_value, step_rates.second_by_value}};
   if (!is_defined) {
     problem = first_of_ranks(problem_here, model.communicator);
     if (problem.is_at_every_state)
@@ -697,7 +713,7 @@ NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x) const
   for (const auto dof : freed)
     lines.erase(dof);
   ghosted_scratch = x;
-  return NodalForces<dim>(model, lines, constraints, ghosted_scratch, time);
+  return NodalForces<dim>(model, lines, constraints, ghosted_scratch, time, step_rates);
 }
 
 template <int dim>

@@ -261,7 +261,13 @@ template <int dim>
 bool is_surely_held(const Model<dim> &model, const std::string &field, const double t,
                     const dealii::AffineConstraints<double> &constraints)
 {
+  const auto stores = [&](const unsigned int b) {
+    const Domain<dim> &body = *model.domains[model.numbering->blocks()[b].domain_index];
+    return body.material.order_in_time(body.material.find_field(field)->first_component) > 0;
+  };
   for (const auto &group : groups_of(model, field, t)) {
+    if (std::any_of(group.blocks.begin(), group.blocks.end(), stores)) // rates resist all motions
+      continue;
     dealii::FullMatrix<double> P(group.n_modes, group.n_modes);
     for (const unsigned int b : group.blocks) {
       const Block &block = model.numbering->blocks()[b];

@@ -259,17 +259,20 @@ void Model<dim>::check_constants(const std::optional<double> t) const
       }
 }
 
-/// Whether a source depends on this component itself, and on others only if conditions hold these: a and b
-/// that react with each other may drift together.
+/// Whether a body stores the component, so that it does not drift without reason; or a source depends on this
+/// component itself, and on others only if conditions hold these: a and b that react with each other may
+/// drift together.
 template <int dim>
-bool Model<dim>::is_held_by_reaction(const Domain<dim> &domain, const unsigned int c,
-                                     const std::optional<double> t) const
+bool Model<dim>::is_held_by_source(const Domain<dim> &domain, const unsigned int c,
+                                   const std::optional<double> t) const
 {
+  if (domain.material.order_in_time(c) > 0)
+    return true;
   if (!domain.material.coupling(c, c).source_by_value)
     return false;
   for (const Field &other : domain.fields())
     for (unsigned int d = 0; d < other.n_components; ++d)
-      if (other.first_component + d != c &&
+      if (other.first_component + d != c && domain.material.order_in_time(other.first_component + d) == 0 &&
           domain.material.coupling(c, other.first_component + d).of_source() &&
           held_domains(other.name, d, t, false).count(&domain) == 0)
         return false;
@@ -297,7 +300,7 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
         is_held[first[d]] = true;
   for (unsigned int d = 0; with_reactions && d < domains.size(); ++d)
     if (const Field *of_domain = domains[d]->material.find_field(field))
-      if (is_held_by_reaction(*domains[d], of_domain->first_component + component, t))
+      if (is_held_by_source(*domains[d], of_domain->first_component + component, t))
         is_held[first[d]] = true;
   std::set<const Domain<dim> *> held;
   for (unsigned int d = 0; d < domains.size(); ++d)
@@ -347,6 +350,15 @@ std::vector<std::vector<std::string>> Model<dim>::field_groups() const
     groups.push_back(group);
   }
   return groups;
+}
+
+template <int dim>
+unsigned int Model<dim>::order_in_time() const
+{
+  unsigned int order = 0;
+  for (const auto &domain : domains)
+    order = std::max(order, domain->material.order_in_time());
+  return order;
 }
 
 template <int dim>

@@ -33,8 +33,8 @@ std::vector<bool> vertices_at_boundary(const Domain<dim> &domain)
 template <int dim>
 NodalForces<dim>::NodalForces(const Model<dim> &model, const ConstraintLines &lines,
                               const dealii::AffineConstraints<double> &constraints, const Vector &solution,
-                              const double t)
-    : t(t), model(model), lines(lines), constraints(constraints)
+                              const double t, const Rates &rates)
+    : t(t), rates(rates), model(model), lines(lines), constraints(constraints)
 {
   Vector residual(model.numbering->split(model.numbering->owned), model.communicator);
   for (const auto &domain : model.domains)
@@ -72,6 +72,7 @@ void NodalForces<dim>::add_cells(const Domain<dim> &domain, const Vector &soluti
   const std::vector<bool> at_boundary = vertices_at_boundary(domain);
   const bool has_hanging_nodes = domain.mesh().has_hanging_nodes();
   CellTerms<dim> terms(domain);
+  terms.set_rates(&rates);
   std::vector<Index> dofs;
   std::vector<double> unknowns(domain.dofs_per_cell()), of_cell(unknowns.size());
   for (const auto &cell : domain.dof_handler().active_cell_iterators()) {
@@ -205,6 +206,7 @@ double NodalForces<dim>::rounding_of_cells(const Domain<dim> &domain, const Fiel
   const unsigned int begin = field.first_component * domain.n_nodes(),
                      end = begin + field.n_components * domain.n_nodes();
   CellTerms<dim> terms(domain);
+  terms.set_rates(&rates);
   dealii::FullMatrix<double> tangent(domain.dofs_per_cell(), domain.dofs_per_cell());
   std::vector<Index> dofs;
   std::vector<double> unknowns(domain.dofs_per_cell()), residual(unknowns.size());

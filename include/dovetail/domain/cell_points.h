@@ -7,6 +7,8 @@
 
 #include <dovetail/domain/domain.h>
 
+#include <dovetail/time/rates.h>
+
 #include <deal.II/fe/fe_values.h>
 
 #include <vector>
@@ -28,6 +30,10 @@ public:
   CellPoints(const Domain<dim> &domain, double t);
   CellPoints(const CellPoints &) = delete;
 
+  /// The rates of the states that come next, at points of a cell with these unknowns: those of @p rates
+  /// (ghosted), or none (nullptr). Nothing happens if no term of the material asks for rates.
+  void set_rates(const Rates *rates, const std::vector<dealii::types::global_dof_index> &dofs);
+
   /// Point @p q of a cell or of its face, with the cell's unknowns in the order component, node.
   void reinit(const dealii::FEValuesBase<dim> &values, unsigned int q, const std::vector<double> &unknowns);
   /// A point X anywhere in that cell, where the shape functions have these values and gradients.
@@ -39,6 +45,9 @@ public:
     return domain.material.evaluate(state, with_derivatives, response);
   }
 
+  /// Of the sources only what is stored. @pre The rates are known.
+  bool evaluate_storage() { return domain.material.evaluate_storage(state, response); }
+
   const std::vector<double> &shape_values() const { return shape; } ///< of the first reinit()
   const std::vector<dealii::Tensor<1, dim>> &shape_gradients() const { return gradient; }
 
@@ -48,10 +57,13 @@ public:
 
 private:
   void remember(); ///< at the state's X
+  void evaluate_rates(const double *shape_values);
+
   std::vector<double> shape;
   std::vector<dealii::Tensor<1, dim>> gradient;
   std::vector<double> trial_memory;
   typename dealii::Triangulation<dim>::active_cell_iterator cell; ///< of the point; only with memory
+  std::vector<double> rest, second_rest;                          ///< of the rates of the cell's unknowns
 };
 
 } // namespace dovetail

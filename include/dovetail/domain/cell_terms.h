@@ -32,14 +32,18 @@ class CellTerms
 public:
   explicit CellTerms(const Domain<dim> &domain);
 
+  /// The rates of all unknowns (ghosted) in the step, kept by reference; nullptr: none are known.
+  void set_rates(const Rates *of_step) { rates = of_step; }
+
   /// Overwrites @p residual and, if @p tangent is not nullptr, the tangent. @return false if a law is not
   /// defined at the state of a quadrature point; the results are then incomplete.
   bool assemble(const typename Domain<dim>::cell_iterator &cell, double t,
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent);
 
-  /// The part of the residual without the fluxes: the sources of the laws minus the given ones and the
-  /// boundary influxes. Overwrites @p residual. @return false if the cell has none of them; it is zero then.
+  /// The part of the residual without the fluxes and what is stored: the sources of the laws minus the given
+  /// ones and the boundary influxes. Overwrites @p residual. @return false if the cell has none of them; it
+  /// is zero then.
   bool assemble_loads(const typename Domain<dim>::cell_iterator &cell, double t,
                       const std::vector<double> &unknowns, std::vector<double> &residual);
 
@@ -47,6 +51,9 @@ public:
   /// there.
   bool evaluate_memory(const typename Domain<dim>::cell_iterator &cell, double t,
                        const std::vector<double> &unknowns);
+  /// The part of what is stored. Overwrites @p residual. @return false if nothing is; it is zero then.
+  bool assemble_storage(const typename Domain<dim>::cell_iterator &cell, double t,
+                        const std::vector<double> &unknowns, std::vector<double> &residual);
 
   /// Of the last assemble(), by local unknown: the sum of the absolute contributions of all points.
   const std::vector<double> &forces() const { return force_sizes; }
@@ -67,6 +74,7 @@ private:
   /// The response of the laws at the current point.
   void add_flux(double JxW, std::vector<double> &residual);
   void add_source_of_laws(double JxW, std::vector<double> &residual);
+  void find_rates(const typename Domain<dim>::cell_iterator &cell);
   /// The terms of the fluxes' derivatives, or those of the cell before if nothing can have changed.
   void add_tangent(dealii::FullMatrix<double> &tangent);
   void add_tangent_at_point(const Response<dim> &response, double JxW,
@@ -103,7 +111,10 @@ private:
   };
   std::vector<Pair> pairs;
   std::vector<unsigned int> with_source; ///< components for which the laws have one
-  std::vector<double> shape;             ///< at the current point, as the next two
+  bool has_loads = false;                ///< some of them is not storage alone
+  const Rates *rates = nullptr;
+  std::vector<dealii::types::global_dof_index> dofs; ///< scratch
+  std::vector<double> shape;                         ///< at the current point, as the next two
   std::vector<dealii::Tensor<1, dim>> gradient;
   std::array<std::vector<double>, dim> gradient_of_direction; ///< the same by direction, for the inner loop
   std::vector<const Condition<dim> *> flux_conditions;

@@ -110,7 +110,7 @@ public:
   };
   const Given &source() const { return given_source; }
   const BodyForce<dim> &body_force() const { return force; }
-  const Given &initial() const { return given_initial; }
+  const Given &initial() const { return given_initial; } ///< rates too, by Field::rate
   const Given &exact() const { return given_exact; }
 
   double typical_length() const { return length; }     ///< the diagonal of the body's bounding box
@@ -143,6 +143,7 @@ public:
 
 private:
   void read_given(const Section &section);
+  void read_initial_rate(const Section &initial, const Field &field);
   void read_conditions(const Section &section, const Toggles &toggles);
   void check_conditions() const;
   void place_conditions(const MPI_Comm &communicator);

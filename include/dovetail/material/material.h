@@ -37,6 +37,9 @@ public:
   /// NaN gives NaN and remembers what it has: an interface does not know the fields that it does not tie.
   /// Derivatives that vanish identically are not touched; coupling() tells them.
   bool evaluate(const State<dim> &state, bool with_derivatives, Response<dim> &response) const;
+  /// Likewise, but of the sources only what is stored: that of the terms that ask for rates. The fluxes are
+  /// not touched. @pre The rates are known.
+  bool evaluate_storage(const State<dim> &state, Response<dim> &response) const;
 
   /// Second derivatives of sum_c w_c . A_c by all of S = (B_0, grad B_0, B_1, grad B_1, …): a symmetric
   /// matrix of size n (1 + dim), component d at rows d (1 + dim) …; zero blocks are zero. Only the terms of
@@ -59,7 +62,10 @@ public:
   bool depends(unsigned int field, unsigned int on_field) const; ///< A or S of one field on another
   bool flux_depends(unsigned int field, unsigned int on_field) const;
   bool has_source(unsigned int field) const;
-  bool has_source() const;                        ///< of any field
+  bool has_load(unsigned int field) const; ///< a source that stores nothing
+  /// The highest order of the rates that the terms of a component's field ask for; 0 in static scenes.
+  unsigned int order_in_time(const unsigned int component) const { return orders_in_time[component]; }
+  unsigned int order_in_time() const { return largest_order_in_time; } ///< of all fields
   bool is_linear(unsigned int field) const;       ///< affine in all fields, so constant derivatives
   bool has_linear_flux(unsigned int field) const; ///< the same of the flux alone
   bool has_large_strain() const;                  ///< of a vector field whose law is nonlinear
@@ -91,6 +97,8 @@ private:
   std::vector<Coupling> couplings;                    ///< of components (c, d) at c * n + d
   std::vector<unsigned int> flux_pairs, source_pairs; ///< those that have derivatives
   std::vector<double> memory_at_start;
+  std::vector<unsigned int> orders_in_time;           ///< by component
+  unsigned int largest_order_in_time = 0;
 };
 
 } // namespace dovetail

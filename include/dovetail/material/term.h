@@ -25,6 +25,7 @@ struct Field
   unsigned int first_component; ///< among the components of all fields of the material
   std::string law;              ///< what gives a material this field: "solid" for the displacement
   std::string symbol;           ///< of a scalar in formulas: T for the temperature; "" if it has none
+  std::string rate = "";        ///< what its rate is called, if a scene may give it: velocity
 };
 
 /// What a law sees at a point: position, time, for each component c the trace B_c and its gradient, and what
@@ -38,6 +39,12 @@ struct State
   std::vector<double> value;
   std::vector<dealii::Tensor<1, dim>> gradient;
   Memory memory; ///< empty if no term remembers anything; of terms one after the other
+
+  /// In transient scenes, where a term of the material asks for them, dB_c/dt and d2B_c/dt2 with their
+  /// derivatives by B_c, which a time scheme gives. Empty where nobody knows them: on interfaces, in
+  /// pictures.
+  std::vector<double> rate, second_rate;
+  double rate_by_value = 0, second_rate_by_value = 0;
 };
 
 /// What it answers: for each component c the flux A_c and the source S_c of the balance
@@ -94,6 +101,9 @@ public:
 
   virtual bool has_flux() const = 0;
   virtual bool has_source() const = 0;
+  /// Of the rates it asks for: 1 for State::rate, 2 for State::second_rate. Such a term is a source that
+  /// stores; it is left out where the rates are not known.
+  virtual unsigned int order_in_time() const { return 0; }
   /// How component c of its field depends on component d of the material.
   virtual Coupling coupling(unsigned int c, unsigned int d) const = 0;
   virtual bool is_linear() const = 0;       ///< affine in all fields, so its derivatives are constant

@@ -12,6 +12,7 @@
 #include <dovetail/output/probes.h>
 #include <dovetail/output/reference.h>
 #include <dovetail/output/report.h>
+#include <dovetail/output/step_table.h>
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/solve/linear_solver.h>
 #include <dovetail/system/block_system.h>
@@ -55,6 +56,8 @@ public:
   void forget_solution() { forces.reset(); } ///< there is another one, or soon another system
   void find_new_meshes();                    ///< after the old ones have been forgotten
 
+  /// Probes and balance of a good step, for probes.csv, and its largest imbalance for the report.
+  void record_step(const Solution<dim> &solution, double tolerance);
   /// Numbers about domains, interfaces, balance and probes. @p tolerance: of Newton's method.
   void measure(const Solution<dim> &solution, double tolerance);
   /// With a run that is more exact, or for runs that are less so.
@@ -74,6 +77,7 @@ private:
   void write_used() const;
   const NodalForces<dim> &nodal_forces(const Solution<dim> &solution);
   double last_residual() const;
+  double tolerance_of_balance(double tolerance) const;
 
   const SceneText &text;
   const Model<dim> &model;
@@ -88,6 +92,7 @@ private:
   Reference<dim> reference;
   std::unique_ptr<DirectoryLock> lock;
   std::unique_ptr<Report> content;
+  StepTable step_table;
   std::optional<NodalForces<dim>> forces; ///< at the solution, once they are asked for
   std::exception_ptr problem_of_output;   ///< why no more pictures are written
 };

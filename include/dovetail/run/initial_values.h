@@ -13,13 +13,19 @@
 
 namespace dovetail {
 
-/// Set the fields of @p x that have an `Initial` to it, and other scalar fields of nonlinear scenes in each
+/// Set the fields of @p x that have an `Initial` to it, and other scalar fields of nonlinear scenes without
+/// rates in each
 /// body to the mean of those values at the beginning, over all that is tied to it and active at time @p t.
 /// The `Initial` of the field @p without_initial, if one is named, does not count. A linear scene needs no
 /// guess, and an update from one far from the solution has the rounding of the guess. Collective.
 template <int dim>
 void set_initial_values(const Model<dim> &model, double t, Vector &x,
                         const std::string &without_initial = "");
+
+/// The rates at the time 0 that the scene gives (`Initial`: velocity), else zero. @param x whose layout they
+/// get. Collective.
+template <int dim>
+Vector initial_rates(const Model<dim> &model, const Vector &x);
 
 /// Sentences about scalar fields of a solution that leave the range of those values at time @p t by more than
 /// its width: a mesh that is too coarse may overshoot, but not so far. Fields with sources or given influxes

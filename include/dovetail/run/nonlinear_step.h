@@ -6,7 +6,9 @@
 #pragma once
 
 #include <dovetail/output/notes.h>
+#include <dovetail/output/plan.h>
 #include <dovetail/run/step_problem.h>
+#include <dovetail/time/time_scheme.h>
 
 #include <memory>
 #include <optional>
@@ -29,11 +31,19 @@ public:
   /// Before the meshes change.
   void release_system();
 
+  /// The state @p x at the time 0, from which rates go on.
+  void start(const Vector &x);
+  /// The step to time @p t has led to @p x. A step that fails leaves no trace in the time scheme.
+  void accept_step(double t, const Vector &x);
+  bool has_rates() const { return scheme != nullptr; } ///< a term asks for them
+
   /// Whether @p x solves the equations of time @p t as it is. Newton's method sees that for itself, unless
   /// weights and penalties of ties are frozen anew in each step: here they stay as they are. Collective.
   bool is_solution(double t, const Vector &x);
   /// A step to time @p t from @p x begins.
   void begin(double t, const Vector &x);
+  /// The last good step, which led to @p x at time @p t, is what the system stands for again.
+  void begin_last_good(double t, const Vector &x);
   /// Newton's method from @p x, which becomes the last iterate.
   NewtonResult iterate(Vector &x, Newton::Start start = Newton::Start::nearby);
   /// Likewise, and again from there until the penalties that are frozen during a step fit the solution.
@@ -65,11 +75,14 @@ public:
   BlockSystem<dim> &system() { return *present_system; }
   bool has_system() const { return present_system && problem; } ///< not if the meshes have changed in vain
   const LinearSolver &solver() const { return linear_solver; }
+  void add_to(Plan &plan) const;
   std::vector<SolveGroup> solve_groups() const;
   typename BlockSystem<dim>::Assemblies assemblies() const; ///< of all systems so far
 
 private:
   void set_up(double t);
+  void begin(double t, const Vector &x, const Rates &rates);
+  Rates rates_to(double t) const;
   std::vector<std::string> describe_failure() const;
   std::string what_failed() const;
   std::string what_may_help() const;
@@ -79,6 +92,8 @@ private:
   Notes &notes;
   Log &log;
   Newton newton;
+  std::unique_ptr<TimeScheme> scheme; ///< nullptr if no term asks for rates
+  Rates rates_of_last_good;
   std::unique_ptr<BlockSystem<dim>> present_system;
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<StepProblem<dim>> problem;

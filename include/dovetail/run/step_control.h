@@ -18,6 +18,7 @@ struct Steps
   explicit Steps(const Section &section);
   double size() const { return end_time / n_steps; } ///< of a step, if none fails
 
+  bool is_transient; ///< the state at the time 0 is given, not guessed
   double end_time;
   unsigned int n_steps;
   bool is_adaptive; ///< halve a step that does not converge, down to 1/1024

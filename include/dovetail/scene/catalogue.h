@@ -55,12 +55,21 @@ public:
   static std::unique_ptr<Base> create(const Section &section, const std::string &default_type,
                                       const std::string &description, Arguments... arguments)
   {
+    return create_by("Type", section, default_type, description, arguments...);
+  }
+
+  /// The same where the name stands in another @p entry.
+  static std::unique_ptr<Base> create_by(const std::string &entry, const Section &section,
+                                         const std::string &default_type, const std::string &description,
+                                         Arguments... arguments)
+  {
     std::vector<std::string> all = names();
     if (default_type == "none")
       all.insert(all.begin(), "none");
-    const std::string type = read_type(section, all, default_type, description);
+    const std::string type = read_type(entry, section, all, default_type, description);
     if (section.documenting())
-      document(section, arguments...);
+      for (const auto &[name, member] : members())
+        member.create(section.variant(name, member.help, entry), arguments...);
     return section.documenting() || type == "none" ? nullptr : create_member(type, section, arguments...);
   }
 
@@ -93,15 +102,16 @@ private:
     return all;
   }
 
-  static std::string read_type(const Section &section, const std::vector<std::string> &names,
-                               const std::string &default_type, const std::string &description)
+  static std::string read_type(const std::string &entry, const Section &section,
+                               const std::vector<std::string> &names, const std::string &default_type,
+                               const std::string &description)
   {
     std::string alternatives;
     for (const std::string &name : names)
       alternatives += (alternatives.empty() ? "" : "|") + name;
     const Patterns::Selection pattern(alternatives);
-    return default_type.empty() ? section.require<std::string>("Type", description, pattern)
-                                : section.read<std::string>("Type", default_type, description, pattern);
+    return default_type.empty() ? section.require<std::string>(entry, description, pattern)
+                                : section.read<std::string>(entry, default_type, description, pattern);
   }
 };
 

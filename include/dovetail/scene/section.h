@@ -90,13 +90,15 @@ public:
   /// The subsection @p name below this one (created empty if the scene does not have it).
   Section subsection(const std::string &name) const;
   bool has_subsection(const std::string &name) const; ///< always while documenting
-  /// While documenting: the same section under the heading "Type = <type>: help"; else *this.
-  Section variant(const std::string &type, const std::string &help) const;
+  /// While documenting: the same section under the heading "<entry> = <type>: help"; else *this.
+  Section variant(const std::string &type, const std::string &help, const std::string &entry = "Type") const;
 
   /// Whether the scene itself gives the entry a value. An empty value counts as none, because used.prm writes
   /// the defaults too.
   bool is_set(const std::string &name) const;
   std::string peek(const std::string &name) const; ///< its text without declaring it, or ""
+  /// The same of an entry in a subsection, without making that.
+  std::string peek(const std::string &subsection, const std::string &name) const;
   /// Put an entry into the scene that the program has found instead of the user, in @p subsection of this
   /// section ("": this one); used.prm shows it. @p reason stands for its line in messages.
   void give(const std::string &subsection, const std::string &name, const std::string &value,

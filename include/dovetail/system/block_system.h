@@ -12,10 +12,12 @@
 #include <dovetail/system/model.h>
 #include <dovetail/system/nodal_forces.h>
 #include <dovetail/system/vector.h>
+#include <dovetail/time/rates.h>
 
 #include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -36,6 +38,9 @@ public:
   void set_up(double t);
   /// Whether set_up must be called again because toggles have changed, or prescribed jumps of strong ties.
   bool is_outdated(double t) const;
+
+  /// Those of the unknowns in the present step, from a time scheme; without any what is stored is left out.
+  void set_rates(const Rates &rates);
 
   /// Prescribed values of time @p t; weights and penalties of the ties frozen at @p x.
   void begin_step(double t, const Vector &x);
@@ -65,8 +70,13 @@ public:
   void hold_back_from(const Vector &x);
   void set_share(double value) { share = value; }
 
-  /// Whether the tangent of the last assembly is that of every state and time until set_up is called again.
-  bool keeps_tangent() const { return has_tangent && model.has_constant_tangent(); }
+  /// Whether the tangent of the last assembly is that of every state and time until set_up is called again or
+  /// the derivatives of the rates change.
+  bool keeps_tangent() const
+  {
+    return has_tangent && model.has_constant_tangent() && step_rates.by_value == rates_of_tangent[0] &&
+           step_rates.second_by_value == rates_of_tangent[1];
+  }
   /// Make @p x satisfy the constraints of the current time, by moving the constrained unknowns alone.
   void constrain(Vector &x) const;
 
@@ -174,8 +184,10 @@ private:
   std::vector<bool> toggles_of_set_up;
   double time_of_set_up = 0;
   BlockMatrix matrix;
-  bool has_tangent = false;        ///< since set_up
-  Undefined problem, problem_here; ///< over all ranks; on this one, in the present assembly
+  bool has_tangent = false;                 ///< since set_up
+  Rates step_rates;                         ///< ghosted
+  std::array<double, 2> rates_of_tangent{}; ///< derivatives of the rates in the last tangent
+  Undefined problem, problem_here;          ///< over all ranks; on this one, in the present assembly
   Assemblies n_assemblies;
   Vector right_hand_side;
   mutable Vector ghosted_scratch;

@@ -46,6 +46,7 @@ public:
   /// field comes after those its fluxes depend on. Fields that depend on each other stand in one group.
   std::vector<std::vector<std::string>> field_groups() const;
 
+  unsigned int order_in_time() const;                ///< of the rates that materials ask for
   bool is_linear() const;                            ///< one Newton iteration is exact
   bool has_constant_tangent() const;                 ///< likewise, and it changes with toggles only
   bool is_symmetric(const std::string &field) const; ///< the field's own block of the tangent
@@ -75,7 +76,7 @@ private:
   void check_constants(std::optional<double> t = {}) const;
   std::set<const Domain<dim> *> held_domains(const std::string &field, unsigned int component,
                                              std::optional<double> t, bool with_reactions = true) const;
-  bool is_held_by_reaction(const Domain<dim> &domain, unsigned int c, std::optional<double> t) const;
+  bool is_held_by_source(const Domain<dim> &domain, unsigned int c, std::optional<double> t) const;
 };
 
 } // namespace dovetail

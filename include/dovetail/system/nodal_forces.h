@@ -9,6 +9,7 @@
 #include <dovetail/interface/transmission.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
+#include <dovetail/time/rates.h>
 
 #include <deal.II/lac/affine_constraints.h>
 
@@ -32,9 +33,11 @@ class NodalForces
 public:
   /// @param lines those of the unknowns that this rank owns, as they are
   /// @param constraints the same for all relevant unknowns, resolved
-  /// @param solution ghosted. Collective.
+  /// @param solution ghosted
+  /// @param rates ghosted, too; kept by reference. Collective.
   NodalForces(const Model<dim> &model, const ConstraintLines &lines,
-              const dealii::AffineConstraints<double> &constraints, const Vector &solution, double t);
+              const dealii::AffineConstraints<double> &constraints, const Vector &solution, double t,
+              const Rates &rates);
 
   /// At an owned unknown that is constrained; NaN if a law is not defined somewhere.
   double operator()(const dealii::types::global_dof_index dof) const
@@ -69,6 +72,7 @@ public:
   double rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
 
   const double t;
+  const Rates &rates;
 
 private:
   void add_cells(const Domain<dim> &domain, const Vector &solution, Vector &residual);

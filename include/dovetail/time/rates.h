@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What the equations of a step see of a time scheme.
+
+#pragma once
+
+#include <deal.II/lac/trilinos_parallel_block_vector.h>
+
+namespace dovetail {
+
+/// The rates of the unknowns x of a step,
+/// @f[ \dot x = \mathrm{by\_value}\, x + \mathrm{rest}, \qquad
+///     \ddot x = \mathrm{second\_by\_value}\, x + \mathrm{second\_rest}. @f]
+/// A vector without blocks says that nobody asks for these rates.
+struct Rates
+{
+  using Vector = dealii::TrilinosWrappers::MPI::BlockVector;
+
+  double by_value = 0, second_by_value = 0; ///< [1/s], [1/s^2]
+  Vector rest, second_rest;
+
+  bool has_first() const { return rest.n_blocks() > 0; }
+  bool has_second() const { return second_rest.n_blocks() > 0; }
+};
+
+} // namespace dovetail

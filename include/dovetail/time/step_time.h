@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The interval of a step.
+
+#pragma once
+
+#include <cmath>
+
+namespace dovetail {
+
+/// From the last good state at the time begin to the time end [s].
+struct StepTime
+{
+  double begin = 0, end = 0;
+  double size = 0; ///< end - begin, but for rounding
+
+  /// The step after this one. Times are sums, so sizes that were meant to be equal differ by the rounding of
+  /// the time: these are made equal, and a matrix that depends on the size alone stays as it is.
+  StepTime next(const double next_end) const
+  {
+    const double difference = next_end - end, rounding = 1e-14 * std::abs(next_end);
+    return {end, next_end, std::abs(difference - size) <= rounding ? size : difference};
+  }
+};
+
+} // namespace dovetail

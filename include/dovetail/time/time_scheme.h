@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// How rates follow from the states at several times.
+
+#pragma once
+
+#include <dovetail/scene/catalogue.h>
+#include <dovetail/time/rates.h>
+#include <dovetail/time/step_time.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// What a scheme goes on from: all that a checkpoint has to hold. Written by good steps only, so a step that
+/// fails or is repeated with another size leaves no trace.
+struct TimeMemory
+{
+  using Vector = Rates::Vector;
+
+  StepTime last;              ///< good step; of size 0 at the beginning
+  std::vector<Vector> states; ///< solutions of the last good steps, the newest first
+  std::vector<Vector> rates;  ///< of these; empty if no term asks for second rates
+};
+
+/// A scheme of one or several steps for the rates of all unknowns. Knows vectors, no finite elements and no
+/// equations. A plugin: copy backward_euler.cc.
+class TimeScheme
+{
+public:
+  using Vector = Rates::Vector;
+
+  virtual ~TimeScheme() = default;
+
+  virtual std::string description() const = 0; ///< "backward Euler, of order 1"
+  /// The rates during a step that begins at memory().last.end, linear in the state at its end. Those of order
+  /// two only if memory().rates is not empty.
+  virtual Rates rates(const StepTime &step) const = 0;
+
+  void start(const Vector &x);                     ///< at the time 0 with the state @p x
+  void start(const Vector &x, const Vector &rate); ///< likewise, if some term asks for second rates
+  StepTime step_to(const double end) const { return remembered.last.next(end); }
+  /// A step has led to @p x: the next one begins there.
+  void accept_step(const StepTime &step, const Vector &x);
+
+  const TimeMemory &memory() const { return remembered; }
+  void restore(TimeMemory memory) { remembered = std::move(memory); } ///< from a checkpoint
+
+protected:
+  virtual unsigned int n_states() const = 0; ///< how many good steps rates() looks back on
+
+private:
+  void remember(const Vector &newest, std::vector<Vector> &all) const;
+
+  TimeMemory remembered;
+};
+
+using TimeSchemeCatalogue = Catalogue<TimeScheme>;
+
+/// Reads the entry `Scheme` of `subsection Steps`; nullptr while documenting.
+std::unique_ptr<TimeScheme> make_time_scheme(const Section &steps);
+
+} // namespace dovetail

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/output/step_table.h>
+
+#include <cmath>
+#include <vector>
+
+namespace dovetail {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+void add_columns(const std::string &name, const ordered_json &value, std::vector<std::string> &names,
+                 std::vector<std::string> &texts)
+{
+  const std::string before = name.empty() ? "" : name + " ";
+  if (value.is_object())
+    for (const auto &[key, part] : value.items())
+      add_columns(before + key, part, names, texts);
+  else if (value.is_array())
+    for (std::size_t i = 0; i < value.size(); ++i)
+      add_columns(before + (value.size() <= 3 ? std::string(1, "xyz"[i]) : std::to_string(i)), value[i],
+                  names, texts);
+  else {
+    names.push_back(name);
+    texts.push_back(value.is_number() && std::isfinite(value.get<double>()) ? value.dump() : "");
+  }
+}
+
+} // namespace
+
+void StepTable::add(const double time, const ordered_json &numbers)
+{
+  std::vector<std::string> names = {first_word}, texts = {ordered_json(time).dump()};
+  add_columns("", numbers, names, texts);
+  const auto line = [](const std::vector<std::string> &cells) {
+    std::string result;
+    for (const std::string &cell : cells)
+      result += (result.empty() ? "" : ",") + cell;
+    return result + "\n";
+  };
+  header = line(names);
+  rows += line(texts);
+}
+
+} // namespace dovetail

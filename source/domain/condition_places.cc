@@ -11,6 +11,9 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/fe/fe_values.h>
 
+#include <boost/serialization/utility.hpp>
+#include <boost/serialization/vector.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -89,17 +92,14 @@ void Planes<dim>::find_directions()
       for (const unsigned int q : values.quadrature_point_indices())
         add_direction(values.normal_vector(q), directions[id]);
     }
-  std::vector<std::pair<dealii::types::boundary_id, std::vector<double>>> own;
+  std::vector<std::pair<dealii::types::boundary_id, Tensor<1, dim>>> own;
   for (const auto &[id, of_id] : directions)
     for (const Tensor<1, dim> &N : of_id)
-      own.push_back({id, std::vector<double>(N.begin_raw(), N.end_raw())});
+      own.emplace_back(id, N);
   directions.clear();
   for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, own))
-    for (const auto &[id, components] : of_rank) {
-      Tensor<1, dim> N;
-      std::copy(components.begin(), components.end(), N.begin_raw());
+    for (const auto &[id, N] : of_rank)
       add_direction(N, directions[id]);
-    }
   for (const auto &[id, of_id] : directions)
     conditions.at(id)->section.check(
         of_id.size() <= dim, "Boundary ids",
@@ -133,7 +133,8 @@ void Planes<dim>::average()
   for (auto &[id, of_id] : directions)
     for (unsigned int i = 0; i < of_id.size(); ++i) {
       Tensor<1, dim> &N = of_id[i];
-      std::copy_n(sums.begin() + first[id] + i * dim, dim, N.begin_raw());
+      for (unsigned int d = 0; d < dim; ++d)
+        N[d] = sums[first[id] + i * dim + d];
       for (unsigned int d = 0; d < dim; ++d)
         N[d] = std::abs(N[d]) < 1e-10 * N.norm() ? 0 : N[d];
       N /= N.norm();
@@ -223,7 +224,8 @@ std::optional<NodeOfCell<dim>> find_node(const Domain<dim> &domain, const Condit
   const auto best = std::min_element(of_ranks.begin(), of_ranks.end(),
                                      [](const auto &a, const auto &b) { return a[0] < b[0]; });
   dealii::Point<dim> X;
-  std::copy_n(best->begin() + 2, dim, X.begin_raw());
+  for (unsigned int d = 0; d < dim; ++d)
+    X[d] = (*best)[2 + d];
   condition.section.check((*best)[0] <= tolerance * (*best)[1], "Point",
                           "is " + in_words(*condition.point()) +
                               ", where the mesh has no node; the nearest one is " + in_words(X) + ".");

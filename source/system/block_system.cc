@@ -347,11 +347,16 @@ template <int dim>
 void BlockSystem<dim>::begin_step(const double t, const Vector &x)
 {
   set_time(t);
+  const bool has_weak_values =
+      std::any_of(model.domains.begin(), model.domains.end(), [](const auto &domain) {
+        return std::any_of(domain->conditions().begin(), domain->conditions().end(),
+                           [](const auto &condition) { return condition->is_weak(); });
+      });
+  if (model.interfaces.empty() && !has_weak_values)
+    return;
   ghosted_scratch = x;
   for (const auto &domain : model.domains)
     freeze_weak_penalties<dim>(*domain, t, ghosted_values());
-  if (model.interfaces.empty())
-    return;
   dealii::Timer timer;
   for (const auto &interface : model.interfaces)
     if (interface->is_active(t))

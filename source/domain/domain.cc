@@ -5,8 +5,8 @@
 #include <dovetail/domain/domain.h>
 #include <dovetail/domain/is_covered.h>
 #include <dovetail/domain/mesh_size.h>
-#include <dovetail/domain/quadrature.h>
 #include <dovetail/domain/node_equations.h>
+#include <dovetail/domain/quadrature.h>
 #include <dovetail/domain/simplices.h>
 
 #include <dovetail/compatibility.h>

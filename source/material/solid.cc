@@ -45,7 +45,8 @@ public:
       return;
     section.choose("Formulation", {"displacement"}, 0, "Unknowns of the solid [-]");
     const double density = section.read<double>(
-        "Density", 0, "Mass per undeformed volume, for body forces by acceleration and rotation, and for inertia [kg/m^3]");
+        "Density", 0,
+        "Mass per undeformed volume, for body forces by acceleration and rotation, and for inertia [kg/m^3]");
     section.check(density >= 0, "Density", "must be positive (or 0: not given).");
     const double alpha =
         section.read<double>("Expansion coefficient", 0,

@@ -76,7 +76,7 @@ void check(const Case &of)
       dealii::Tensor<1, dim> expected_jump;
       if (interface.gap_extension() == GapExtension::none)
         expected_jump = A * (pairing.X(source, q) - pairing.X(destination, q));
-      interface.jump(interface.fields[0], q, unknowns, jump);
+      interface.jump(interface.fields[0], q, 0, unknowns, jump);
       dealii::Tensor<1, dim> jump_of_test = b * 0.;
       for (unsigned int c = 0; c < dim; ++c)
         extension = std::max(extension, std::abs(jump[c] - expected_jump[c]));

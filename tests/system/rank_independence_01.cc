@@ -74,7 +74,7 @@ void print_interface(const Interface<2> &interface, const std::vector<double> &a
       unsigned int position = 0;
       for (unsigned int f = 0; f < interface.fields.size(); ++f) {
         const TiedField &field = interface.fields[f];
-        interface.jump(field, q, unknowns, jump);
+        interface.jump(field, q, 0, unknowns, jump);
         for (const double component : jump)
           squares[f] += 1e6 * w * component * component;
         for (const unsigned int side : {source, destination}) {

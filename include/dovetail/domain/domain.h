@@ -5,8 +5,8 @@
 
 #pragma once
 
-#include <dovetail/domain/cell_memory.h>
 #include <dovetail/domain/body_force.h>
+#include <dovetail/domain/cell_memory.h>
 #include <dovetail/domain/condition.h>
 #include <dovetail/domain/condition_places.h>
 #include <dovetail/domain/constraint_lines.h>

@@ -97,7 +97,7 @@ private:
   std::vector<Coupling> couplings;                    ///< of components (c, d) at c * n + d
   std::vector<unsigned int> flux_pairs, source_pairs; ///< those that have derivatives
   std::vector<double> memory_at_start;
-  std::vector<unsigned int> orders_in_time;           ///< by component
+  std::vector<unsigned int> orders_in_time; ///< by component
   unsigned int largest_order_in_time = 0;
 };
 

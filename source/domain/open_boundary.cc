@@ -38,7 +38,7 @@ void OpenBoundary<dim>::for_each_point(const cell_iterator &cell, const unsigned
   for (const unsigned int q : face_values.quadrature_point_indices()) {
     for (unsigned int a = 0; a < shape_values.size(); ++a)
       shape_values[a] = face_values.shape_value(a, q);
-    visit(face_values.quadrature_point(q), shape_values, face_values.JxW(q));
+    visit(face_values.quadrature_point(q), shape_values, domain.measure(face_values, q));
   }
   if (covered.empty())
     return;

@@ -765,8 +765,9 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
 }
 
 /// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a), and
-/// the first term of it alone, delta{A}: a test function varies the flux through its gradient only, so that a
-/// constant one does not and the fluxes of both sides balance also for k(T).
+/// delta{A}. A test function of a scalar varies the flux through its gradient only, so that a constant one
+/// does not and the fluxes of both sides balance also for k(T); that of a vector by its value, too, which is
+/// the strain around an axis.
 template <int dim>
 void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
                                        const Parameters &p, const unsigned int q)
@@ -799,11 +800,14 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
         double *mean = &mean_flux_of[c * n_local + i];
         for (unsigned int a = 0; a < n_nodes; ++a)
           mean[a] = by_gradient * gradients[a];
-        if (theta != 0)
+        const bool varies_by_value = field.varies_by_value(side, d);
+        if (theta != 0 && !varies_by_value)
           std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
         if (by_value != 0)
           for (unsigned int a = 0; a < n_nodes; ++a)
             mean[a] += by_value * values[a];
+        if (theta != 0 && varies_by_value)
+          std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
       }
       i += n_nodes;
     }
@@ -954,14 +958,18 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
       const double *values = pairing.values(side, q);
       const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side];
       for (unsigned int k = 0; k < components.size(); ++k) {
-        // delta{A} varies the gradient of the tied field only
+        // delta{A} varies the tied field only
         if (components[k] - field.first_component[side] >= field.n_components)
           continue;
+        const bool varies_by_value = field.varies_by_value(side, components[k]);
         for (unsigned int l = 0; l < components.size(); ++l)
           for (unsigned int a = 0; a < n_nodes; ++a) {
             const unsigned int row = components[k] * (1 + dim), column = components[l] * (1 + dim);
-            dealii::Tensor<1, dim> g; // grad phi_a times H, by gradient and by value of the column
-            double v = 0;
+            dealii::Tensor<1, dim>
+                g; // grad phi_a (and phi_a) times H, by gradient and by value of the column
+            double v = varies_by_value ? values[a] * H(row, column) : 0;
+            for (unsigned int L = 0; varies_by_value && L < dim; ++L)
+              g[L] = values[a] * H(row, column + 1 + L);
             for (unsigned int J = 0; J < dim; ++J) {
               v += gradients[a][J] * H(row + 1 + J, column);
               for (unsigned int L = 0; L < dim; ++L)

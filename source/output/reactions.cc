@@ -156,8 +156,9 @@ std::map<dealii::types::global_dof_index, unsigned int> Reactions<dim>::prescrib
       with_conditions.insert(condition->boundary_ids.begin(), condition->boundary_ids.end());
   std::map<dealii::types::global_dof_index, unsigned int> component_of;
   std::vector<dealii::types::global_dof_index> dofs;
+  const bool has_axis = domain.measure.has_hoop_strain(field) && domain.reaches_axis();
   for (const auto &[cell, face, id] : domain.boundary_faces())
-    if (with_conditions.count(id) > 0) {
+    if (has_axis || with_conditions.count(id) > 0) {
       domain.cell_dofs(domain.dof_cell(cell), dofs);
       for (unsigned int c = 0; c < field.n_components; ++c)
         for (unsigned int a = 0; a < n; ++a)
@@ -234,8 +235,8 @@ std::vector<double> Reactions<dim>::of_part(const Interface<dim> &interface, con
       for (const unsigned int q : values.quadrature_point_indices()) {
         const std::vector<double> &A_N = flux_on_face.evaluate(values, q, unknowns);
         for (unsigned int c = 0; c < n_c; ++c)
-          of_part[c] += A_N[first + c] * values.JxW(q);
-        of_part[n_c] += values.JxW(q);
+          of_part[c] += A_N[first + c] * domain.measure(values, q);
+        of_part[n_c] += domain.measure(values, q);
       }
     }
   dealii::Utilities::MPI::sum(sums, model.communicator, sums);

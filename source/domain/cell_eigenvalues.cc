@@ -11,6 +11,9 @@
 // positive. Where it is not, or so nearly that the eigenvalue is more than `largest_amplification` times that
 // without the negative part of D, weights and penalty follow the latter, which is bounded by the law's
 // stiffness.
+//
+// Around an axis the strain u_r/r of a vector field is one more entry of grad v, whose derivatives the
+// response has as those by the value.
 
 #include <dovetail/domain/cell_eigenvalues.h>
 #include <dovetail/domain/cell_points.h>
@@ -34,20 +37,20 @@ constexpr double without_law = std::numeric_limits<double>::quiet_NaN();
 constexpr double largest_amplification = 4;
 
 /// The tangent of a field of n_c components at a point and its positive part, n x n matrices with n = n_c
-/// dim, row (c, J), column (d, L).
+/// dim, row (c, J), column (d, L); with one more for the strain around an axis.
 template <int dim>
 class TangentParts
 {
 public:
-  explicit TangentParts(const unsigned int n_c)
-      : n(n_c * dim), D(n * n), values(n), vectors(n * n), work(64 * n)
+  TangentParts(const unsigned int n_c, const bool has_hoop)
+      : n(n_c * dim + has_hoop), n_gradient(n_c * dim), D(n * n), values(n), vectors(n * n), work(64 * n)
   {
   }
 
   /// @return whether it is a number.
-  bool reinit(const Response<dim> &response, unsigned int first_component, unsigned int n_components);
+  bool reinit(const Response<dim> &response, const State<dim> &state, unsigned int first_component);
 
-  const unsigned int n;
+  const unsigned int n, n_gradient;
   std::vector<double> D, positive;     ///< positive: with the skew part; empty if it is D
   std::vector<double> values, vectors; ///< of the symmetric part; vector e begins at e n, 0: no energy
 
@@ -56,14 +59,23 @@ private:
 };
 
 template <int dim>
-bool TangentParts<dim>::reinit(const Response<dim> &response, const unsigned int first,
-                               const unsigned int n_components)
+bool TangentParts<dim>::reinit(const Response<dim> &response, const State<dim> &state,
+                               const unsigned int first)
 {
+  const unsigned int n_components = state.value.size(), hoop = n_gradient;
   std::vector<double> now(n * n);
-  for (unsigned int i = 0; i < n; ++i)
-    for (unsigned int j = 0; j < n; ++j)
+  for (unsigned int i = 0; i < n_gradient; ++i)
+    for (unsigned int j = 0; j < n_gradient; ++j)
       now[i * n + j] =
           response.by_gradient[(first + i / dim) * n_components + first + j / dim][i % dim][j % dim];
+  if (n > n_gradient) {
+    const double r = state.X[0];
+    for (unsigned int i = 0; i < n_gradient; ++i) {
+      now[i * n + hoop] = r * response.by_value[(first + i / dim) * n_components + first][i % dim];
+      now[hoop * n + i] = r * response.source_by_gradient[first * n_components + first + i / dim][i % dim];
+    }
+    now[hoop * n + hoop] = r * r * response.source_by_value[first * n_components + first];
+  }
   if (!std::all_of(now.begin(), now.end(), [](const double entry) { return std::isfinite(entry); }))
     return false;
   if (now == D)
@@ -115,9 +127,16 @@ private:
   void add_flux_rows(const std::vector<double> &D, const TracePoint<dim> &point,
                      std::vector<double> &rows) const;
   void find_rotations(const std::vector<double> &unknowns);
+  void hold_axis();
+  /// The derivative of the strain u_r/r by the unknown of node a of a component, at the current point.
+  double hoop_strain(const double value, const unsigned int component) const
+  {
+    return has_hoop && component == 0 && point.state.X[0] > 0 ? value / point.state.X[0] : 0;
+  }
 
   const Domain<dim> &domain;
   const Field &field;
+  const bool has_hoop;
   const std::vector<unsigned int> &components;
   const unsigned int n_nodes;
   dealii::FEValues<dim> values, at_nodes;
@@ -128,14 +147,15 @@ private:
 template <int dim>
 CellProblem<dim>::CellProblem(const Domain<dim> &domain, const Field &field,
                               const std::vector<unsigned int> &components, const double t)
-    : domain(domain), field(field), components(components), n_nodes(domain.n_nodes()),
+    : domain(domain), field(field), has_hoop(domain.measure.has_hoop_strain(field)), components(components),
+      n_nodes(domain.n_nodes()),
       values(domain.mapping(), domain.scalar_element(),
              gauss_rule<dim>(domain.scalar_element().reference_cell(), domain.degree + 1),
              dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                  dealii::update_JxW_values),
       at_nodes(domain.mapping(), domain.scalar_element(), domain.scalar_element().get_unit_support_points(),
                dealii::update_quadrature_points),
-      point(domain, t), tangent(field.n_components)
+      point(domain, t), tangent(field.n_components, has_hoop)
 {
   problem.n = field.n_components * n_nodes;
 }
@@ -158,11 +178,26 @@ bool CellProblem<dim>::reinit(const cell_iterator &cell, const std::vector<Trace
   problem.lifted.clear();
   if (!has_negative)
     positive_S.clear();
-  else if (field.n_components > 1) {
+  else if (field.n_components > 1 && !has_hoop) {
     at_nodes.reinit(cell);
     find_rotations(unknowns);
   }
+  if (has_hoop && domain.reaches_axis()) {
+    at_nodes.reinit(cell);
+    hold_axis();
+  }
   return true;
+}
+
+/// u_r = 0 at the nodes on the axis: their unknowns are in the kernel.
+template <int dim>
+void CellProblem<dim>::hold_axis()
+{
+  for (unsigned int a = 0; a < n_nodes; ++a)
+    if (domain.is_on_axis(at_nodes.quadrature_point(a)))
+      for (std::vector<double> *rows : {&problem.S, &problem.B, &problem.C, &positive_S})
+        for (unsigned int i = a; i < rows->size(); i += problem.n)
+          (*rows)[i] = 0;
 }
 
 /// Of the law at the current point.
@@ -172,7 +207,7 @@ bool CellProblem<dim>::find_tangent()
   for (unsigned int c = 0; c < domain.n_components(); ++c)
     if (std::find(components.begin(), components.end(), c) == components.end())
       point.state.value[c] = without_law;
-  return point.evaluate(true) && tangent.reinit(point.response, field.first_component, domain.n_components());
+  return point.evaluate(true) && tangent.reinit(point.response, point.state, field.first_component);
 }
 
 template <int dim>
@@ -185,14 +220,16 @@ bool CellProblem<dim>::add_energy(const std::vector<double> &unknowns)
     for (unsigned int e = 0; e < tangent.n; ++e) {
       if (tangent.values[e] == 0)
         continue;
-      const double factor = std::sqrt(values.JxW(q) * std::abs(tangent.values[e]));
+      const double factor = std::sqrt(domain.measure(values, q) * std::abs(tangent.values[e]));
       std::vector<double> &rows = tangent.values[e] > 0 ? problem.B : problem.C;
       for (unsigned int d = 0; d < field.n_components; ++d) {
         Tensor<1, dim> direction;
         for (unsigned int L = 0; L < dim; ++L)
           direction[L] = factor * tangent.vectors[e * tangent.n + d * dim + L];
+        const double around = factor * tangent.vectors[e * tangent.n + tangent.n - 1];
         for (unsigned int a = 0; a < n_nodes; ++a)
-          rows.push_back(direction * point.shape_gradients()[a]);
+          rows.push_back(direction * point.shape_gradients()[a] +
+                         around * hoop_strain(point.shape_values()[a], d));
       }
     }
   }
@@ -220,8 +257,11 @@ void CellProblem<dim>::add_flux_rows(const std::vector<double> &D, const TracePo
       for (unsigned int J = 0; J < dim; ++J)
         for (unsigned int L = 0; L < dim; ++L)
           N_D[L] += std::sqrt(of_face.weight) * of_face.N[J] * D[(c * dim + J) * tangent.n + d * dim + L];
+      double around = 0;
+      for (unsigned int J = 0; has_hoop && J < dim; ++J)
+        around += std::sqrt(of_face.weight) * of_face.N[J] * D[(c * dim + J) * tangent.n + tangent.n - 1];
       for (unsigned int a = 0; a < n_nodes; ++a)
-        rows.push_back(N_D * of_face.gradients[a]);
+        rows.push_back(N_D * of_face.gradients[a] + around * hoop_strain(of_face.values[a], d));
     }
 }
 

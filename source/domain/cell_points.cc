@@ -61,6 +61,8 @@ void CellPoints<dim>::reinit(const dealii::Point<dim> &X, const double *shape_va
 {
   state.X = X;
   remember();
+  if (domain.is_on_axis(X))
+    state.X[0] = 0;
   evaluate_state<dim>(domain.n_components(), shape.size(), shape_values, shape_gradients, unknowns.data(),
                       state);
   if (!state.rate.empty())

@@ -68,8 +68,8 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
       has_uniform_tangent = false; // what comes next is compared with this cell
       return false;
     }
-    add_flux(cell_values.JxW(q), residual);
-    add_source_of_laws(cell_values.JxW(q), residual);
+    add_flux(domain.measure(cell_values, q), residual);
+    add_source_of_laws(domain.measure(cell_values, q), residual);
     if (tangent)
       responses[q] = point.response;
   }
@@ -122,7 +122,7 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
     for (unsigned int q = 0; has_loads && q < cell_values.n_quadrature_points; ++q) {
       point.reinit(cell_values, q, unknowns);
       const double JxW =
-          point.evaluate(false) ? cell_values.JxW(q) : std::numeric_limits<double>::quiet_NaN();
+          point.evaluate(false) ? domain.measure(cell_values, q) : std::numeric_limits<double>::quiet_NaN();
       add_source_of_laws(JxW, residual);
     }
   }
@@ -162,8 +162,9 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
   has_uniform_tangent = false; // what comes next is not compared with the cell before
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     point.reinit(cell_values, q, unknowns);
-    add_source_of_laws(
-        point.evaluate_storage() ? cell_values.JxW(q) : std::numeric_limits<double>::quiet_NaN(), residual);
+    add_source_of_laws(point.evaluate_storage() ? domain.measure(cell_values, q)
+                                                : std::numeric_limits<double>::quiet_NaN(),
+                       residual);
   }
   return true;
 }
@@ -195,7 +196,9 @@ bool CellTerms<dim>::has_equal_derivatives(const Response<dim> &a, const Respons
 template <int dim>
 void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
 {
-  const bool is_translated = cell_values.get_cell_similarity() == dealii::CellSimilarity::translation;
+  // around an axis the measure of a cell changes with its position
+  const bool is_translated = !domain.measure.is_axisymmetric() &&
+                             cell_values.get_cell_similarity() == dealii::CellSimilarity::translation;
   const bool is_uniform = std::all_of(responses.begin() + 1, responses.end(), [this](const auto &at_point) {
     return has_equal_derivatives(at_point, responses[0]);
   });
@@ -206,7 +209,7 @@ void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
   }
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     load_directions(q);
-    add_tangent_at_point(responses[q], cell_values.JxW(q), tangent);
+    add_tangent_at_point(responses[q], domain.measure(cell_values, q), tangent);
   }
   has_uniform_tangent = is_uniform;
   if (is_uniform) {
@@ -273,7 +276,7 @@ void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
         if (!std::isfinite(value))
           finite(value, domain.section.subsection("Source"), field_of_component(domain, c),
                  cell_values.quadrature_point(q), t);
-        const double f = value * cell_values.JxW(q);
+        const double f = value * domain.measure(cell_values, q);
         for (unsigned int a = 0; a < n_nodes; ++a)
           add(c * n_nodes + a, -f * cell_values.shape_value(a, q), residual);
       }
@@ -287,7 +290,7 @@ void CellTerms<dim>::add_body_force(const double t, const std::vector<double> &u
   const BodyForce<dim> &force = domain.body_force();
   const unsigned int first = force.first_component();
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
-    const double JxW = cell_values.JxW(q);
+    const double JxW = domain.measure(cell_values, q);
     for (unsigned int a = 0; a < n_nodes; ++a)
       shape[a] = cell_values.shape_value(a, q);
     dealii::Tensor<1, dim> u;

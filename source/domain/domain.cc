@@ -22,6 +22,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <sstream>
 
 namespace dovetail {
 
@@ -81,7 +82,7 @@ public:
 template <int dim>
 Domain<dim>::Domain(const std::string &name, const Section &section, const Material<dim> &material,
                     const Toggles &toggles, const MPI_Comm &communicator)
-    : name(name), section(section), material(material),
+    : name(name), section(section), material(material), measure(section.top()),
       degree(section.read<unsigned int>(
           "Degree", 1, "Polynomial degree of all fields, and of the mapping where the mesh is curved [-]",
           Patterns::Integer(1, 4))),
@@ -142,6 +143,14 @@ void Domain<dim>::measure_box(const MPI_Comm &communicator)
     diagonal[d] = -corners[2 * d + 1] - corners[2 * d];
   }
   length = diagonal.norm();
+  smallest_x = corners[0];
+  std::ostringstream x;
+  x << smallest_x;
+  section.subsection("Mesh").check(!measure.is_axisymmetric() || smallest_x >= -1e-10 * length, "",
+                                   "has points with x = " + x.str() +
+                                       ", but in an axisymmetric scene x is the radius and cannot be "
+                                       "negative. Keep the half of the section "
+                                       "with x >= 0, or move the mesh by Shift.");
 }
 
 template <int dim>
@@ -386,10 +395,44 @@ void Domain<dim>::add_hanging_nodes(ConstraintLines &lines) const
         lines[first_dof + line.index].entries.emplace_back(first_dof + master, weight);
 }
 
+/// A body of revolution neither overlaps itself nor opens on its axis: u_r = 0. All points on the axis lie on
+/// the boundary of the section.
+template <int dim>
+void Domain<dim>::add_axis(ConstraintLines &lines) const
+{
+  const unsigned int n = n_nodes();
+  dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), scalar_element().get_unit_support_points(),
+                                 dealii::update_quadrature_points);
+  std::vector<dealii::types::global_dof_index> indices;
+  for (const Field &field : fields())
+    for (const BoundaryFace &face : faces)
+      if (measure.has_hoop_strain(field) && touches_axis(face)) {
+        at_nodes.reinit(face.cell);
+        cell_dofs(dof_cell(face.cell), indices);
+        for (unsigned int a = 0; a < n; ++a)
+          if (const auto dof = indices[field.first_component * n + a];
+              is_on_axis(at_nodes.quadrature_point(a)) &&
+              dofs.locally_owned_dofs().is_element(dof - first_dof))
+            if (const auto [line, is_new] = lines.try_emplace(dof); is_new)
+              line->second.is_of_condition = true;
+      }
+}
+
+template <int dim>
+bool Domain<dim>::touches_axis(const BoundaryFace &face) const
+{
+  const auto vertices = face.cell->face(face.number)->vertex_indices();
+  return std::any_of(vertices.begin(), vertices.end(), [&](const unsigned int v) {
+    return is_on_axis(face.cell->face(face.number)->vertex(v));
+  });
+}
+
 template <int dim>
 void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
 {
   add_hanging_nodes(lines);
+  if (reaches_axis())
+    add_axis(lines);
   add_values(t, lines);
   if (!normals.empty())
     add_planes(t, lines);

@@ -71,7 +71,7 @@ void OpenBoundary<dim>::for_each_point(const cell_iterator &cell, const unsigned
     }
     point.state.X = face_values.quadrature_point(q);
     point.N = face_values.normal_vector(q);
-    point.JxW = face_values.JxW(q);
+    point.JxW = domain.measure(face_values, q);
     find_state(unknowns);
     visit(point);
   }

@@ -4,8 +4,6 @@
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/domain/shapes.h>
 
-#include <numeric>
-
 namespace dovetail {
 
 template <int dim>
@@ -14,10 +12,10 @@ ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
       geometry_of_simplex(domain.has_simplices() ? domain.mapping_degree() : 1),
       measure_of_cell(domain.mapping(), domain.scalar_element(),
                       gauss_rule<dim>(domain.cell_shape(), domain.mapping_degree() + 1),
-                      dealii::update_JxW_values),
+                      domain.measure.update_flags()),
       measure_of_face(domain.mapping(), domain.scalar_element(),
                       gauss_rule<dim - 1>(domain.face_shape(), domain.mapping_degree() + 1),
-                      dealii::update_JxW_values),
+                      domain.measure.update_flags()),
       nodes(geometry.size()), values(element.size()), geometry_gradients(geometry.size()),
       element_gradients(element.size())
 {
@@ -104,16 +102,23 @@ double ShapeEvaluator<dim>::cell_measure(const cell_iterator &cell)
 {
   // cell->measure() of a hexahedron cancels far from the origin
   measure_of_cell.reinit(cell);
-  const auto &JxW = measure_of_cell.get_JxW_values();
-  return std::accumulate(JxW.begin(), JxW.end(), 0.);
+  return sum_of(measure_of_cell);
 }
 
 template <int dim>
 double ShapeEvaluator<dim>::face_measure(const cell_iterator &cell, const unsigned int face)
 {
   measure_of_face.reinit(cell, face);
-  const auto &JxW = measure_of_face.get_JxW_values();
-  return std::accumulate(JxW.begin(), JxW.end(), 0.);
+  return sum_of(measure_of_face);
+}
+
+template <int dim>
+double ShapeEvaluator<dim>::sum_of(const dealii::FEValuesBase<dim> &points) const
+{
+  double sum = 0;
+  for (const unsigned int q : points.quadrature_point_indices())
+    sum += domain.measure(points, q);
+  return sum;
 }
 
 template class ShapeEvaluator<2>;

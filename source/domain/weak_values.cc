@@ -42,8 +42,11 @@ bool CellTerms<dim>::add_weak_value(const Condition<dim> &condition,
     for (unsigned int d = 0; d < n_c; ++d) {
       const dealii::Tensor<1, dim> variation =
           mismatch[c] * (at.N * point.response.by_gradient[(first + c) * n + first + d]);
+      const double by_value = // of a vector: the strain around an axis
+          n_c > 1 ? mismatch[c] * (at.N * point.response.by_value[(first + c) * n + first + d]) : 0;
       for (unsigned int a = 0; a < n_nodes; ++a)
-        add((first + d) * n_nodes + a, -variation * at.shape_gradients[a], residual);
+        add((first + d) * n_nodes + a, -variation * at.shape_gradients[a] - by_value * at.shape_values[a],
+            residual);
     }
   }
   if (tangent != nullptr)
@@ -78,7 +81,8 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
           row[b] -= phi[a] * (of_flux[b] + by_value * phi[b]);
         if (is_own)
           for (unsigned int b = 0; b < n_nodes; ++b)
-            tangent(d * n_nodes + a, (first + c) * n_nodes + b) -= of_flux[a] * phi[b];
+            tangent(d * n_nodes + a, (first + c) * n_nodes + b) -=
+                (of_flux[a] + (n_c > 1 ? by_value * phi[a] : 0)) * phi[b];
         if (d == first + c)
           for (unsigned int b = 0; b < n_nodes; ++b)
             row[b] += gamma * factor[c] * phi[a] * phi[b];
@@ -98,8 +102,10 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
   for (unsigned int c = first; c < first + n_c; ++c)
     for (unsigned int d = 0; d < n; ++d)
       for (unsigned int a = 0; a < n_nodes; ++a) {
-        dealii::Tensor<1, dim> g; // grad phi_a times H, by gradient and by value of component d
-        double v = 0;
+        dealii::Tensor<1, dim> g; // grad phi_a (and phi_a) times H, by gradient and by value of component d
+        double v = n_c > 1 ? phi[a] * H(c * (1 + dim), d * (1 + dim)) : 0;
+        for (unsigned int L = 0; n_c > 1 && L < dim; ++L)
+          g[L] = phi[a] * H(c * (1 + dim), d * (1 + dim) + 1 + L);
         for (unsigned int J = 0; J < dim; ++J) {
           v += at.shape_gradients[a][J] * H(c * (1 + dim) + 1 + J, d * (1 + dim));
           for (unsigned int L = 0; L < dim; ++L)
@@ -124,11 +130,12 @@ double multiplier_of_weak_values(const Domain<dim> &domain, const unsigned int f
 
 /// The points of a face, with its shape functions.
 template <int dim>
-void add_points(const dealii::FEFaceValues<dim> &values, std::vector<TracePoint<dim>> &points)
+void add_points(const Domain<dim> &domain, const dealii::FEFaceValues<dim> &values,
+                std::vector<TracePoint<dim>> &points)
 {
   for (const unsigned int q : values.quadrature_point_indices()) {
     TracePoint<dim> point;
-    point.weight = values.JxW(q);
+    point.weight = domain.measure(values, q);
     point.X = values.quadrature_point(q);
     point.N = values.normal_vector(q);
     for (unsigned int a = 0; a < values.dofs_per_cell; ++a) {
@@ -157,7 +164,7 @@ points_of_weak_values(const Domain<dim> &domain, const Field &field)
                                                          condition->boundary_ids.count(id) > 0;
                                                 })) {
       values.reinit(cell, face);
-      add_points(values, points[cell]);
+      add_points(domain, values, points[cell]);
     }
   return points;
 }

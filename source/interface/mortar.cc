@@ -429,6 +429,9 @@ std::vector<std::string> Mortar<dim>::notes() const
   if (space && space->n_hardly_covered > 0)
     sentences.push_back("no multipliers at " + std::to_string(space->n_hardly_covered) +
                         " unknowns of faces that are hardly covered");
+  if (space && space->n_on_axis > 0)
+    sentences.push_back("no dual multipliers at " + std::to_string(space->n_on_axis) +
+                        " unknowns on the axis: their neighbours stand in for them");
   return sentences;
 }
 

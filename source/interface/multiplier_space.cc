@@ -22,6 +22,11 @@ using dealii::FullMatrix;
 /// interface ends with a face, 1/4 at its corners; of two interfaces that share a face, each keeps the nodes
 /// on its part.
 constexpr double least_share = 0.2;
+/// The coefficient of a dual function is a force over int phi_j, which around an axis vanishes at a node on
+/// the axis from degree 2 on (the rule of Gauss and Lobatto is exact for phi_j r), and nearly so beside it. A
+/// node keeps its function if the integral is more than this in units of that of phi_j^2; far from the axis
+/// it is about 1.
+constexpr double least_integral = 0.1;
 /// Faces of which less is covered are not tied: their mass matrix is singular to rounding.
 constexpr double least_cover = 1e-8;
 
@@ -160,7 +165,7 @@ void MultiplierSpace<dim>::add_full_masses(std::map<Index, Shares> &shares) cons
   const Domain<dim> &domain = *side.domain;
   dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
                                    gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
-                                   dealii::update_values | dealii::update_JxW_values);
+                                   dealii::update_values | domain.measure.update_flags());
   std::vector<Index> dofs;
   for (const auto &of_side : faces_of(side).faces) {
     values.reinit(of_side.cell, of_side.face_no);
@@ -176,7 +181,7 @@ void MultiplierSpace<dim>::add_full_masses(std::map<Index, Shares> &shares) cons
           double phi = 0;
           for (unsigned int a = 0; a < face.nodes.size(); ++a)
             phi += component.C(a, i) * values.shape_value(face.nodes[a], q);
-          shares[component.dofs[i]].full += values.JxW(q) * phi * phi;
+          shares[component.dofs[i]].full += domain.measure(values, q) * phi * phi;
         }
   }
 }
@@ -219,8 +224,10 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
       for (const Component &component : face.components)
         for (unsigned int i = 0; i < component.dofs.size(); ++i)
           for (unsigned int a = 0; a < face.nodes.size(); ++a)
-            for (unsigned int b = 0; b < face.nodes.size(); ++b)
+            for (unsigned int b = 0; b < face.nodes.size(); ++b) {
               shares[component.dofs[i]].covered += component.C(a, i) * face.mass(a, b) * component.C(b, i);
+              shares[component.dofs[i]].integral += component.C(a, i) * face.mass(a, b);
+            }
   add_full_masses(shares);
 
   std::set<Index> all;
@@ -237,21 +244,26 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
     for (const auto &[dof, share] : of_rank.second) {
       sums[dof].covered += share.covered;
       sums[dof].full += share.full;
+      sums[dof].integral += share.integral;
     }
   const std::set<Index> crossing = cross_points();
   std::map<Index, bool> keeps;
-  std::array<unsigned long, 3> counts = {{0, 0, 0}};
+  std::array<unsigned long, 4> counts = {{0, 0, 0, 0}};
   for (const auto &[dof, sum] : sums) {
     const bool is_taken = constraints.has(dof) || crossing.count(dof) > 0;
     const bool is_touched = sum.covered > 0;
-    keeps[dof] = !is_taken && sum.covered >= least_share * sum.full;
+    const bool is_without_weight =
+        is_dual && domain.measure.is_axisymmetric() && std::abs(sum.integral) <= least_integral * sum.covered;
+    keeps[dof] = !is_taken && !is_without_weight && sum.covered >= least_share * sum.full;
     counts[0] += keeps[dof] ? 1 : 0;
     counts[1] += is_touched && is_taken ? 1 : 0;
-    counts[2] += is_touched && !is_taken && !keeps[dof] ? 1 : 0;
+    counts[2] += is_touched && !is_taken && !is_without_weight && !keeps[dof] ? 1 : 0;
+    counts[3] += is_touched && !is_taken && is_without_weight ? 1 : 0;
   }
   n_rows = dealii::Utilities::MPI::sum(counts[0], communicator);
   n_taken = dealii::Utilities::MPI::sum(counts[1], communicator);
   n_hardly_covered = dealii::Utilities::MPI::sum(counts[2], communicator);
+  n_on_axis = dealii::Utilities::MPI::sum(counts[3], communicator);
 
   OfRanks<std::map<Index, bool>> answers;
   for (const auto &[rank, of_rank] : asked)

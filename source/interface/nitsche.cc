@@ -132,14 +132,15 @@ void Nitsche<dim>::freeze_variation(const Interface<dim> &interface, const doubl
   for (const unsigned int side : {source, destination})
     frozen[side].assign(interface.pairing().n_points() *
                             dealii::Utilities::fixed_power<2>(interface.sides[side].domain->n_components()),
-                        dealii::Tensor<1, dim>());
+                        FrozenDerivatives());
   for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
     for (unsigned int q = group.begin; q < group.end; ++q)
       for (const unsigned int side : {source, destination})
         if (sides.evaluate(interface, group, side, q, t, unknowns, true)) {
-          const auto &by_gradient = sides.response[side].by_gradient;
-          for (unsigned int pair = 0; pair < by_gradient.size(); ++pair)
-            frozen[side][q * by_gradient.size() + pair] = interface.pairing().N(side, q) * by_gradient[pair];
+          const auto &[N, response] = std::tie(interface.pairing().N(side, q), sides.response[side]);
+          const unsigned int n_pairs = response.by_gradient.size();
+          for (unsigned int pair = 0; pair < n_pairs; ++pair)
+            frozen[side][q * n_pairs + pair] = {N * response.by_gradient[pair], N * response.by_value[pair]};
         }
   });
 }
@@ -399,8 +400,9 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
 }
 
 /// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a), and
-/// the first term of it alone, delta{A}: a test function varies the flux through its gradient only, so that a
-/// constant one does not and the fluxes of both sides balance also for k(T).
+/// delta{A}. A test function of a scalar varies the flux through its gradient only, so that a constant one
+/// does not and the fluxes of both sides balance also for k(T); that of a vector by its value, too, which is
+/// the strain around an axis.
 template <int dim>
 void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
                                        const AtPoint &p, const unsigned int q)
@@ -433,14 +435,19 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
         double *mean = &mean_flux_of[c * n_local + i];
         for (unsigned int a = 0; a < n_nodes; ++a)
           mean[a] = by_gradient * gradients[a];
+        const bool varies_by_value = field.varies_by_value(side, d);
         if (has_frozen_variation)
           for (unsigned int a = 0; a < n_nodes; ++a)
-            variation_of[c * n_local + i + a] = factor * (frozen[side][q * n * n + pair] * gradients[a]);
-        else if (theta != 0)
+            variation_of[c * n_local + i + a] =
+                factor * (frozen[side][q * n * n + pair].by_gradient * gradients[a] +
+                          (varies_by_value ? frozen[side][q * n * n + pair].by_value * values[a] : 0.));
+        else if (theta != 0 && !varies_by_value)
           std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
         if (by_value != 0)
           for (unsigned int a = 0; a < n_nodes; ++a)
             mean[a] += by_value * values[a];
+        if (theta != 0 && varies_by_value && !has_frozen_variation)
+          std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
       }
       i += n_nodes;
     }
@@ -591,14 +598,18 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
       const double *values = pairing.values(side, q);
       const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side];
       for (unsigned int k = 0; k < components.size(); ++k) {
-        // delta{A} varies the gradient of the tied field only
+        // delta{A} varies the tied field only
         if (components[k] - field.first_component[side] >= field.n_components)
           continue;
+        const bool varies_by_value = field.varies_by_value(side, components[k]);
         for (unsigned int l = 0; l < components.size(); ++l)
           for (unsigned int a = 0; a < n_nodes; ++a) {
             const unsigned int row = components[k] * (1 + dim), column = components[l] * (1 + dim);
-            dealii::Tensor<1, dim> g; // grad phi_a times H, by gradient and by value of the column
-            double v = 0;
+            dealii::Tensor<1, dim>
+                g; // grad phi_a (and phi_a) times H, by gradient and by value of the column
+            double v = varies_by_value ? values[a] * H(row, column) : 0;
+            for (unsigned int L = 0; varies_by_value && L < dim; ++L)
+              g[L] = values[a] * H(row, column + 1 + L);
             for (unsigned int J = 0; J < dim; ++J) {
               v += gradients[a][J] * H(row + 1 + J, column);
               for (unsigned int L = 0; L < dim; ++L)

@@ -17,22 +17,23 @@ namespace {
 using dealii::Utilities::MPI::max;
 using dealii::Utilities::MPI::sum;
 
-/// Area of the faces of this rank.
+/// Of the faces of this rank: their area in the plane of the mesh, and with the measure.
 template <int dim>
-double area_of(const SideFaces<dim> &side)
+std::array<double, 2> areas_of(const SideFaces<dim> &side, const Measure<dim> &measure)
 {
   const auto rule =
       gauss_rule<dim - 1>(side.shape.is_triangle() ? dealii::ReferenceCells::Triangle
                                                    : dealii::ReferenceCells::get_hypercube<dim - 1>(),
                           side.shape.degree() + 1);
-  double area = 0;
+  std::array<double, 2> areas{};
   for (unsigned int face = 0; face < side.faces.size(); ++face)
-    for (unsigned int q = 0; q < rule.size(); ++q)
-      area +=
-          rule.weight(q) *
-          side.shape.normal(side.faces[face].face_no, side.shape.evaluate(side.nodes(face), rule.point(q)))
-              .norm();
-  return area;
+    for (unsigned int q = 0; q < rule.size(); ++q) {
+      const SurfacePoint<dim> point = side.shape.evaluate(side.nodes(face), rule.point(q));
+      const double JxW = rule.weight(q) * side.shape.normal(side.faces[face].face_no, point).norm();
+      areas[0] += JxW;
+      areas[1] += JxW * measure(point.X - side.shift);
+    }
+  return areas;
 }
 
 /// A match for each point at its own face, so that own and partner's shapes are fetched alike.
@@ -112,9 +113,10 @@ Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Opti
 {
   for (const unsigned int side : {source, destination}) {
     const SideFaces<dim> faces = faces_of(sides[side]);
-    account.area[side] = sum(area_of(faces), communicator);
+    const auto areas = areas_of(faces, sides[side].domain->measure);
+    account.area[side] = sum(areas[1], communicator);
     const double n_faces = sum(static_cast<double>(faces.faces.size()), communicator);
-    face_size[side] = std::pow(account.area[side] / std::max(n_faces, 1.), 1. / (dim - 1));
+    face_size[side] = std::pow(sum(areas[0], communicator) / std::max(n_faces, 1.), 1. / (dim - 1));
   }
 
   const double factor = options.integrate_on[source] && options.integrate_on[destination] ? 0.5 : 1;
@@ -143,7 +145,21 @@ Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Opti
 template <int dim>
 FacePoints<dim> Pairing<dim>::find_points(const std::array<InterfaceSide<dim>, 2> &sides,
                                           const unsigned int own, const Options &options,
-                                          const SideFaces<dim> &own_faces, const FaceLocator<dim> &locator)
+                                          const SideFaces<dim> &own_faces,
+                                          const FaceLocator<dim> &locator) const
+{
+  FacePoints<dim> result = find_flat_points(sides, own, options, own_faces, locator);
+  for (unsigned int q = 0; q < result.size(); ++q)
+    result.JxW[q] *= sides[own].domain->measure(result.queries[q].X - own_faces.shift);
+  return result;
+}
+
+/// With their weights in the plane of the mesh.
+template <int dim>
+FacePoints<dim> Pairing<dim>::find_flat_points(const std::array<InterfaceSide<dim>, 2> &sides,
+                                               const unsigned int own, const Options &options,
+                                               const SideFaces<dim> &own_faces,
+                                               const FaceLocator<dim> &locator) const
 {
   const unsigned int partner = 1 - own;
   if (options.quadrature == FaceQuadrature::segments)

@@ -30,6 +30,8 @@ void SidePoints<dim>::reinit(const unsigned int side, const unsigned int q,
   at_point.X = interface->pairing().X(side, q);
   at_point.memory = {interface->memory.accepted(side, q),
                      {trial_memory[side].data(), trial_memory[side].size()}};
+  if (interface->sides[side].domain->is_on_axis(at_point.X))
+    at_point.X[0] = 0;
   const unsigned int n = interface->sides[side].domain->n_nodes();
   const double *values = interface->pairing().values(side, q);
   const double *unknown = unknowns.data() + (side == source ? 0 : interface->n_local(source));

@@ -66,11 +66,13 @@ public:
       expansion = {temperature->first_component, alpha, reference};
     const std::string name = this->material.path();
     std::string type = section.peek("Type");
-    if (dim == 2 && section.top().peek("Geometry") == "plane stress") {
+    const std::string geometry = dim == 2 ? section.top().peek("Geometry") : "";
+    if (geometry == "plane stress") {
       law = std::make_unique<PlaneStress>(std::move(law));
       type += ", plane stress";
     }
     terms.push_back(std::make_unique<SolidTerm<dim>>(all.front(), std::move(law), expansion,
+                                                     geometry == "axisymmetric",
                                                      name.substr(name.find(' ') + 1), type, density));
     if (!has_inertia(section))
       return;

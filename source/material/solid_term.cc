@@ -6,6 +6,7 @@
 #include <dovetail/material/solid_term.h>
 #include <dovetail/scene/undefined.h>
 
+#include <array>
 #include <limits>
 
 namespace dovetail {
@@ -26,21 +27,28 @@ unsigned int n_numbers(const std::vector<InternalVariable> &variables)
 
 template <int dim>
 SolidTerm<dim>::SolidTerm(const Field &field, std::unique_ptr<SolidLaw> law,
-                          const std::optional<Expansion> &expansion, const std::string &name_of_material,
-                          const std::string &name_of_law, const double density)
+                          const std::optional<Expansion> &expansion, const bool is_axisymmetric,
+                          const std::string &name_of_material, const std::string &name_of_law,
+                          const double density)
     : Term<dim>(field), density(density), law(std::move(law)), expansion(expansion),
-      name_of_material(name_of_material), name_of_law(name_of_law),
+      is_axisymmetric(is_axisymmetric), name_of_material(name_of_material), name_of_law(name_of_law),
       n_internal_variables(n_numbers(this->law->internal_variables()))
 {
 }
 
 template <int dim>
-Coupling SolidTerm<dim>::coupling(const unsigned int /*c*/, const unsigned int d) const
+Coupling SolidTerm<dim>::coupling(const unsigned int c, const unsigned int d) const
 {
   const unsigned int own = d - this->field.first_component; // wraps if of another field
   Coupling result;
   result.flux_by_gradient = own < this->field.n_components;
   result.flux_by_value = expansion && d == expansion->temperature;
+  if (is_axisymmetric) {
+    const unsigned int radial = this->field.first_component;
+    result.flux_by_value = result.flux_by_value || d == radial;
+    result.source_by_gradient = c == radial && result.flux_by_gradient;
+    result.source_by_value = c == radial && result.flux_by_value;
+  }
   return result;
 }
 
@@ -50,13 +58,17 @@ Memory SolidTerm<dim>::memory(const State<dim> &state) const
   return state.memory.slice(this->first_internal_variable, n_internal_variables);
 }
 
-/// H = grad u.
+/// H = grad u, and u_r/r around an axis.
 template <int dim>
 Tensor<2, 3> SolidTerm<dim>::displacement_gradient(const State<dim> &state) const
 {
   Tensor<2, 3> H;
   for (unsigned int i = 0; i < dim; ++i)
     H[i] = embed(state.gradient[this->field.first_component + i]);
+  if (is_axisymmetric) {
+    const auto [by_value, by_gradient] = hoop(state);
+    H[2][2] = by_value * state.value[this->field.first_component] + by_gradient * H[0][0];
+  }
   return H;
 }
 
@@ -85,7 +97,35 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
       response.by_value[(first + i) * n + expansion->temperature] +=
           expansion->coefficient * restrict_to<dim>(local.dP_de[i]);
   }
+  if (is_axisymmetric)
+    add_hoop(state, with_derivatives, local, response);
   return true;
+}
+
+/// What the strain H_33 adds: the dependence of the flux on u_r, and the source P_33/r.
+template <int dim>
+void SolidTerm<dim>::add_hoop(const State<dim> &state, const bool with_derivatives,
+                              const SolidLaw::Response &local, Response<dim> &response) const
+{
+  const unsigned int n = state.value.size(), first = this->field.first_component;
+  const auto [by_value, by_gradient] = hoop(state);
+  response.source[first] += by_value * local.P[2][2];
+  if (!with_derivatives)
+    return;
+  for (unsigned int i = 0; i < dim; ++i) {
+    Tensor<1, dim> D_33; // dP_iJ/dH_33
+    for (unsigned int J = 0; J < dim; ++J)
+      D_33[J] = local.dP_dF[i][J][2][2];
+    const unsigned int pair = (first + i) * n + first;
+    response.by_value[pair] += by_value * D_33;
+    for (unsigned int J = 0; J < dim; ++J)
+      response.by_gradient[pair][J][0] += by_gradient * D_33[J];
+    response.source_by_gradient[first * n + first + i] += by_value * restrict_to<dim>(local.dP_dF[2][2][i]);
+  }
+  response.source_by_value[first * n + first] += by_value * by_value * local.dP_dF[2][2][2][2];
+  if (expansion)
+    response.source_by_value[first * n + expansion->temperature] +=
+        by_value * expansion->coefficient * local.dP_de[2][2];
 }
 
 template <int dim>
@@ -97,16 +137,31 @@ void SolidTerm<dim>::add_curvature(const State<dim> &state, const std::vector<Te
   for (unsigned int i = 0; i < dim; ++i)
     w_3d[i] = embed(w[first + i]);
   const SolidLaw::Curvature local = law->curvature(displacement_gradient(state), thermal_strain(state), w_3d);
+  struct Dependence // of H_iJ, its derivative by a row
+  {
+    unsigned int i, J, row;
+    double derivative;
+  };
+  std::array<Dependence, dim * dim + 2> dependences{}; // the last two around an axis only
   for (unsigned int i = 0; i < dim; ++i)
-    for (unsigned int J = 0; J < dim; ++J) {
-      const unsigned int row = this->gradient_row(first + i, J);
-      for (unsigned int k = 0; k < dim; ++k)
-        for (unsigned int L = 0; L < dim; ++L)
-          result(row, this->gradient_row(first + k, L)) += local.FF[i][J][k][L];
-      if (expansion)
-        this->add_symmetric(result, row, this->value_row(expansion->temperature),
-                            expansion->coefficient * local.Fe[i][J]);
+    for (unsigned int J = 0; J < dim; ++J)
+      dependences[i * dim + J] = {i, J, this->gradient_row(first + i, J), 1};
+  if (is_axisymmetric) {
+    const auto [by_value, by_gradient] = hoop(state);
+    dependences[dim * dim] = {2, 2, this->value_row(first), by_value};
+    dependences[dim * dim + 1] = {2, 2, this->gradient_row(first, 0), by_gradient};
+  }
+  const unsigned int n = dim * dim + (is_axisymmetric ? 2 : 0);
+  for (unsigned int p = 0; p < n; ++p) {
+    const auto &[i, J, row, derivative] = dependences[p];
+    for (unsigned int q = 0; q < n; ++q) {
+      const auto &[k, L, column, other] = dependences[q];
+      result(row, column) += derivative * other * local.FF[i][J][k][L];
     }
+    if (expansion)
+      this->add_symmetric(result, row, this->value_row(expansion->temperature),
+                          derivative * expansion->coefficient * local.Fe[i][J]);
+  }
   if (expansion) {
     const unsigned int row = this->value_row(expansion->temperature);
     result(row, row) += expansion->coefficient * expansion->coefficient * local.ee;

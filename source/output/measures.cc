@@ -64,16 +64,18 @@ void add_squares(const Domain<dim> &domain, const Field &field, const ExactSolut
                  const dealii::FEValues<dim> &values, const std::vector<double> &unknowns, Squares &squares)
 {
   const unsigned int n = domain.n_nodes();
+  const bool has_hoop = domain.measure.has_hoop_strain(field); // u_r/r belongs to the gradient
   std::array<double, dim> error{};
   std::array<dealii::Tensor<1, dim>, dim> error_of_gradient;
   for (const unsigned int q : values.quadrature_point_indices()) {
+    const double dV = domain.measure(values, q), r = values.quadrature_point(q)[0];
     for (unsigned int c = 0; c < field.n_components; ++c) {
       const double B = exact.value[field.first_component + c][q];
       const dealii::Tensor<1, dim> &gradient = exact.gradient[field.first_component + c][q];
       error[c] = -B;
       error_of_gradient[c] = -gradient;
-      squares.norm += B * B * values.JxW(q);
-      squares.norm_of_gradient += gradient.norm_square() * values.JxW(q);
+      squares.norm += B * B * dV;
+      squares.norm_of_gradient += gradient.norm_square() * dV;
     }
     for (unsigned int a = 0; a < n; ++a) {
       const double shape = values.shape_value(a, q);
@@ -85,14 +87,18 @@ void add_squares(const Domain<dim> &domain, const Field &field, const ExactSolut
       }
     }
     for (unsigned int c = 0; c < field.n_components; ++c) {
-      squares.error += error[c] * error[c] * values.JxW(q);
-      squares.error_of_gradient += error_of_gradient[c].norm_square() * values.JxW(q);
+      squares.error += error[c] * error[c] * dV;
+      squares.error_of_gradient += error_of_gradient[c].norm_square() * dV;
+    }
+    if (has_hoop) {
+      squares.norm_of_gradient += std::pow(exact.value[field.first_component][q] / r, 2) * dV;
+      squares.error_of_gradient += std::pow(error[0] / r, 2) * dV;
     }
   }
 }
 
-/// Integrals of (A_h - A).(grad B_h - grad B) and A.grad B for each field that has an exact solution and
-/// whose flux depends on no field without.
+/// Integrals of (A_h - A).(grad B_h - grad B) and A.grad B, around an axis with P_33 u_r/r, for each field
+/// that has an exact solution and whose flux depends on no field without.
 template <int dim>
 class EnergySquares
 {
@@ -127,7 +133,8 @@ public:
       bool is_defined = of_solution.evaluate(false);
       is_defined = of_exact.evaluate(false) && is_defined;
       for (const Field *field : known)
-        add_point(*field, is_defined ? values.JxW(q) : std::numeric_limits<double>::quiet_NaN());
+        add_point(*field,
+                  is_defined ? of_exact.domain.measure(values, q) : std::numeric_limits<double>::quiet_NaN());
     }
   }
 
@@ -149,6 +156,13 @@ private:
       of_field.error += (of_solution.response.flux[c] - exact_flux) *
                         (of_solution.state.gradient[c] - exact_gradient) * JxW;
       of_field.norm += exact_flux * exact_gradient * JxW;
+    }
+    if (of_exact.domain.measure.has_hoop_strain(field)) {
+      const unsigned int radial = field.first_component;
+      const double S = of_exact.response.source[radial], u = of_exact.state.value[radial];
+      of_field.error +=
+          (of_solution.response.source[radial] - S) * (of_solution.state.value[radial] - u) * JxW;
+      of_field.norm += S * u * JxW;
     }
   }
 

@@ -4,6 +4,7 @@
 #include <dovetail/output/plan.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace dovetail {
 
@@ -41,6 +42,27 @@ private:
   };
   std::vector<Entry> all;
 };
+
+/// What is not as usual.
+template <int dim>
+void plan_geometry(const Model<dim> &model, Plan &plan)
+{
+  const Measure<dim> &measure = model.domains[0]->measure;
+  if (measure.thickness() != 1) {
+    std::ostringstream thickness;
+    thickness << measure.thickness();
+    plan.needed.push_back("thickness of all bodies: " + thickness.str());
+  }
+  if (!measure.is_axisymmetric())
+    return;
+  plan.needed.push_back("axisymmetric: x is the radius, y the axis; integrals are over the whole circle");
+  OfDomains held;
+  for (const auto &domain : model.domains)
+    for (const Field &field : domain->fields())
+      if (domain->reaches_axis() && measure.has_hoop_strain(field))
+        held.add(field.name + " on the axis", "0 along x", domain->name);
+  held.append_to(plan.needed, model.domains.size());
+}
 
 template <int dim>
 void plan_fields(const Model<dim> &model, Plan &plan)
@@ -151,6 +173,7 @@ template <int dim>
 Plan make_plan(const Model<dim> &model, const unsigned int n_steps, const std::vector<std::string> &solvers)
 {
   Plan plan;
+  plan_geometry(model, plan);
   plan_fields(model, plan);
   plan_interfaces(model, plan);
   plan_steps(model, n_steps, plan);

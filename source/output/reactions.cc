@@ -162,8 +162,9 @@ Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
     for (unsigned int c = 0; c < field.n_components; ++c)
       component_of.emplace(dofs[(field.first_component + c) * n + a], c);
   };
+  const bool has_axis = domain.measure.has_hoop_strain(field) && domain.reaches_axis();
   for (const auto &[cell, face, id] : domain.boundary_faces())
-    for (unsigned int a = 0; with_conditions.count(id) > 0 && a < n; ++a)
+    for (unsigned int a = 0; (has_axis || with_conditions.count(id) > 0) && a < n; ++a)
       if (domain.scalar_element().has_support_on_face(a, face))
         add_node(cell, a);
   for (const auto &[condition, node] : domain.nodes_of_points())
@@ -266,8 +267,8 @@ std::vector<double> Reactions<dim>::of_part(const Interface<dim> &interface, con
       for (const unsigned int q : values.quadrature_point_indices()) {
         const std::vector<double> &A_N = flux_on_face.evaluate(values, q, unknowns);
         for (unsigned int c = 0; c < n_c; ++c)
-          of_part[c] += A_N[first + c] * values.JxW(q);
-        of_part[n_c] += values.JxW(q);
+          of_part[c] += A_N[first + c] * domain.measure(values, q);
+        of_part[n_c] += domain.measure(values, q);
       }
     }
   dealii::Utilities::MPI::sum(sums, model.communicator, sums);

@@ -39,7 +39,7 @@ void for_each_point(const Region<dim> &region, const Vector &solution, const dou
   const auto visit_all = [&](const dealii::FEValuesBase<dim> &values) {
     for (const unsigned int q : values.quadrature_point_indices()) {
       point.move_to(q);
-      visit(point, values.JxW(q));
+      visit(point, domain.measure(values, q));
     }
   };
   const auto flags = DomainPoint<dim>::needed() | dealii::update_JxW_values;

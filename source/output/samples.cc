@@ -41,7 +41,7 @@ std::vector<double> sample_domain(const Domain<dim> &domain, const Vector &solut
         const auto &X = values.quadrature_point(q);
         for (unsigned int d = 0; d < dim; ++d)
           numbers.push_back(X[d]);
-        numbers.push_back(values.JxW(q));
+        numbers.push_back(domain.measure(values, q));
         for (unsigned int c = 0; c < domain.n_components(); ++c) {
           double value = 0;
           dealii::Tensor<1, dim> gradient;

@@ -57,7 +57,7 @@ void TraceShares<dim>::add_areas(const Part &part)
   const unsigned int n = domain.n_nodes();
   dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
                                    gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
-                                   dealii::update_values | dealii::update_JxW_values);
+                                   dealii::update_values | domain.measure.update_flags());
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &face : domain.boundary_faces()) {
     bool is_ready = false;
@@ -73,7 +73,7 @@ void TraceShares<dim>::add_areas(const Part &part)
               }
               double square = 0;
               for (const unsigned int q : values.quadrature_point_indices())
-                square += values.shape_value(a, q) * values.shape_value(a, q) * values.JxW(q);
+                square += values.shape_value(a, q) * values.shape_value(a, q) * domain.measure(values, q);
               area[of_node](dofs[(field.first_component + c) * n + a] - domain.first_dof) += square;
             }
   }
@@ -123,7 +123,8 @@ void TraceShares<dim>::add_fluxes(const Vector &solution, const double t, const 
     for (const unsigned int q : values.quadrature_point_indices()) {
       const std::vector<double> &A_N = flux_on_face.evaluate(values, q, unknowns);
       for (const auto &[i, a, of_node] : nodes)
-        flux[of_node](dofs[i] - domain.first_dof) += A_N[i / n] * values.shape_value(a, q) * values.JxW(q);
+        flux[of_node](dofs[i] - domain.first_dof) +=
+            A_N[i / n] * values.shape_value(a, q) * domain.measure(values, q);
     }
   }
   for (Weights &weights : flux)

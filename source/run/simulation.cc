@@ -16,10 +16,18 @@ unsigned int read_dimension(const Section &scene)
   const auto dimension =
       scene.require<std::string>("Dimension", "The dimension of space [-]", Patterns::Selection("2|3"));
   const unsigned int geometry = scene.choose(
-      "Geometry", {"plane strain", "plane stress"}, 0,
-      "What a solid in 2D is: thick, without strain across the plane, or a thin sheet without stress "
-      "across it [-]");
+      "Geometry", {"plane strain", "plane stress", "axisymmetric"}, 0,
+      "What a body in 2D is: thick, without strain across the plane; a thin sheet without stress across it; "
+      "or a body of revolution, where x is the radius, y the axis, and all integrals are over the whole "
+      "circle (2 pi r) [-]");
   scene.check(geometry == 0 || dimension == "2", "Geometry", "is a choice in two dimensions only.");
+  const double thickness = scene.read<double>(
+      "Thickness", 1,
+      "Thickness of the bodies in plane strain and plane stress, a factor of all integrals: forces, heat, "
+      "areas and volumes are those of the whole thickness [m]");
+  scene.check(thickness > 0, "Thickness", "must be positive.");
+  scene.check(thickness == 1 || (dimension == "2" && geometry < 2), "Thickness",
+              "belongs to plane strain and plane stress in two dimensions only.");
   load_plugins(scene);
   return dimension == "2" ? 2 : 3;
 }

@@ -69,18 +69,19 @@ ScalesOfDomain scales_of(const Domain<dim> &domain, const Vector &ghosted, const
       ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
       for (const unsigned int q : values.quadrature_point_indices()) {
         point.reinit(values, q, unknowns);
-        integrals[0] += values.JxW(q);
+        integrals[0] += domain.measure(values, q);
         for (unsigned int c = 0; c < n; ++c) {
           const double value = point.state.value[c];
-          integrals[1 + c] += value * value * values.JxW(q);
-          integrals[1 + n + c] += point.state.gradient[c].norm_square() * values.JxW(q);
+          integrals[1 + c] += value * value * domain.measure(values, q);
+          integrals[1 + n + c] += point.state.gradient[c].norm_square() * domain.measure(values, q);
           point.state.gradient[c] = 0; // at rest
         }
         if (!point.evaluate(true))
           continue;
-        integrals[of_law] += values.JxW(q);
+        integrals[of_law] += domain.measure(values, q);
         for (unsigned int f = 0; f < n_fields; ++f)
-          integrals[of_law + 1 + f] += stiffness(point.response, domain.fields()[f]) * values.JxW(q);
+          integrals[of_law + 1 + f] +=
+              stiffness(point.response, domain.fields()[f]) * domain.measure(values, q);
       }
     }
   dealii::Utilities::MPI::sum(integrals, communicator, integrals);
@@ -248,8 +249,8 @@ ErrorEstimate estimate_error(const Model<dim> &model, const Vector &ghosted, con
       for (const auto &cell : domain.mesh().active_cell_iterators())
         if (cell->is_locally_owned()) {
           const unsigned int index = cell->active_cell_index();
-          estimate.squares[d][index] +=
-              scales[d][f].stiffness * std::pow<double>(eta(index), 2) / energies.at(field.name);
+          estimate.squares[d][index] += scales[d][f].stiffness * std::pow<double>(eta(index), 2) *
+                                        domain.measure(cell->center()) / energies.at(field.name);
         }
     }
   }

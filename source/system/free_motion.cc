@@ -24,6 +24,8 @@ namespace {
 /// of what holds it has 1e-12.
 const double rounding = 1e-14;
 
+const unsigned int axis_of_revolution = 1; ///< y
+
 /// The bodies of a field that move as one, and their rigid motions or constants by block and number: the
 /// values at the unknowns of this rank.
 template <int dim>
@@ -32,6 +34,7 @@ struct Group
   std::vector<unsigned int> blocks;
   dealii::Point<dim> centre;
   double length = 0;
+  bool is_of_vector = false, is_around_axis = false;
   unsigned int n_modes = 0;
   std::map<unsigned int, std::vector<std::vector<double>>> modes;
 };
@@ -61,13 +64,25 @@ std::vector<Group<dim>> groups_of(const Model<dim> &model, const std::string &fi
     for (const unsigned int b : group.blocks)
       group.length =
           std::max(group.length, 2 * body(b).centre().distance(group.centre) + body(b).typical_length());
-    const Block &block = blocks[group.blocks[0]];
-    group.n_modes = body(group.blocks[0]).fields()[block.field_index].n_components == 1 ? 1
-                    : dim == 2                                                          ? 3
-                                                                                        : 6;
+    const Domain<dim> &first_body = body(group.blocks[0]);
+    const Field &of_body = first_body.fields()[blocks[group.blocks[0]].field_index];
+    group.is_of_vector = of_body.n_components > 1;
+    group.is_around_axis = first_body.measure.has_hoop_strain(of_body);
+    group.n_modes = !group.is_of_vector || group.is_around_axis ? 1 : dim == 2 ? 3 : 6;
     groups.push_back(std::move(group));
   }
   return groups;
+}
+
+/// Around an axis only the translation along it.
+template <int dim>
+std::vector<std::vector<double>> modes_of(const Model<dim> &model, const Group<dim> &group,
+                                          const Block &block)
+{
+  auto modes = rigid_motions(*model.domains[block.domain_index], block, group.centre, group.length);
+  if (group.is_around_axis)
+    modes = {modes[axis_of_revolution]};
+  return modes;
 }
 
 /// Of a symmetric matrix; the eigenvectors are columns.
@@ -200,12 +215,14 @@ FreeMotion<dim> describe(const Model<dim> &model, const std::string &field,
   unsigned int i = 0;
   for (const auto &group : groups)
     for (unsigned int mode = 0; mode < group.n_modes; ++mode, ++i) {
-      is_vector = is_vector || mode > 0;
+      is_vector = is_vector || group.is_of_vector;
       if (std::abs(shares[i]) <= relevant)
         continue;
       for (const unsigned int b : group.blocks)
         moving.insert(model.numbering->blocks()[b].domain_index);
-      if (mode < dim)
+      if (group.is_around_axis)
+        moves_along[axis_of_revolution] = true;
+      else if (mode < dim)
         moves_along[mode] = true;
       else
         rotates = true;
@@ -277,7 +294,7 @@ bool is_surely_held(const Model<dim> &model, const std::string &field, const dou
                    !condition->prescribed_components().empty();
           }))
         continue;
-      const auto modes = rigid_motions(*model.domains[block.domain_index], block, group.centre, group.length);
+      const auto modes = modes_of(model, group, block);
       for (const auto local : block.owned) {
         const std::vector<double> z = seen_by_constraint(constraints, block, local, modes);
         for (unsigned int k = 0; k < z.size(); ++k)
@@ -303,8 +320,7 @@ std::optional<FreeMotion<dim>> find_free_motion(const Model<dim> &model, const s
   for (auto &group : groups)
     for (const unsigned int b : group.blocks) {
       const Block &block = model.numbering->blocks()[b];
-      auto &modes = group.modes[b] =
-          rigid_motions(*model.domains[block.domain_index], block, group.centre, group.length);
+      auto &modes = group.modes[b] = modes_of(model, group, block);
       unsigned int i = 0;
       for (const auto local : block.owned) {
         if (constraints.is_constrained(block.begin + local))

@@ -5,7 +5,7 @@
 // error at most 1e-7), with all flux conditions and sources; where a field does not depend on another, the
 // tangent vanishes. By hand: for constant test functions only loads are left, so the residual of T = 5 with a
 // source of 2 and a convection of 3 (7 - T) on one side is, summed over the domain, -2 |Omega| - 6 |Gamma|,
-// and a dead load of (1, 2) gives -(1, 2) |Gamma|.
+// and a dead load of (1, 2) gives -(1, 2) |Gamma|; around an axis |Omega| = 9 pi and |Gamma| = 6 pi.
 //
 // ranks: 1, 2, 3
 
@@ -15,7 +15,7 @@ using namespace test;
 
 template <int dim>
 std::string scene(const std::string &solid, const std::string &heat, const unsigned int degree,
-                  const bool is_curved)
+                  const bool is_curved, const std::string &geometry)
 {
   const std::string zero = dim == 2 ? "0; 0" : "0; 0; 0";
   const std::string mesh =
@@ -23,7 +23,7 @@ std::string scene(const std::string &solid, const std::string &heat, const unsig
                                          set("Arguments", dim == 2 ? "0, 0 : 1 : 2 : 5 : true"
                                                                    : "0, 0, 0 : 1 : 2 : 6 : true"))
                 : box(dim == 2 ? "3, 1 : 0, 0 : 3, 1" : "3, 1, 1 : 0, 0, 0 : 3, 1, 1");
-  return set("Materials", "steel") + set("Domains", "body") +
+  return set("Geometry", geometry) + set("Materials", "steel") + set("Domains", "body") +
          subsection("Material steel",
                     subsection("Solid", solid) +
                         subsection("Heat", set("Type", "Fourier") + set("Conductivity", heat))) +
@@ -45,9 +45,9 @@ std::string scene(const std::string &solid, const std::string &heat, const unsig
 
 template <int dim>
 void check(const std::string &name, const std::string &solid, const std::string &heat,
-           const unsigned int degree, const bool is_curved)
+           const unsigned int degree, const bool is_curved, const std::string &geometry = "plane strain")
 {
-  SceneModel<dim> scene_model(scene<dim>(solid, heat, degree, is_curved));
+  SceneModel<dim> scene_model(scene<dim>(solid, heat, degree, is_curved, geometry));
   const Domain<dim> &domain = *scene_model.model.domains[0];
   const unsigned int n = domain.dofs_per_cell(), n_nodes = domain.n_nodes();
   CellTerms<dim> terms(domain);
@@ -106,6 +106,10 @@ int main(int argc, char **argv)
   check<2>("neo-Hookean, curved", set("Type", "neo-Hookean") + moduli + expansion, "1; 0.1*T; 0; 2", 2, true);
   check<2>("Saint Venant-Kirchhoff", set("Type", "Saint Venant-Kirchhoff") + moduli + expansion, "1 + x", 2,
            false);
+  check<2>("neo-Hookean, axisymmetric", set("Type", "neo-Hookean") + moduli + expansion, "1 + 0.1*T^2", 1,
+           false, "axisymmetric");
+  check<2>("linear elastic, axisymmetric", set("Type", "linear elastic") + moduli + expansion, "2", 2, false,
+           "axisymmetric");
   check<3>("neo-Hookean, expanding", set("Type", "neo-Hookean") + moduli + expansion, "1 + 0.1*T", 1, false);
   check<3>("linear elastic, curved", set("Type", "linear elastic") + moduli + expansion, "1 + 0.1*T", 1,
            true);

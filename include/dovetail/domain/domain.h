@@ -11,6 +11,7 @@
 #include <dovetail/domain/condition_places.h>
 #include <dovetail/domain/constraint_lines.h>
 #include <dovetail/domain/cover.h>
+#include <dovetail/domain/measure.h>
 #include <dovetail/domain/mesh.h>
 #include <dovetail/domain/weak_penalties.h>
 #include <dovetail/material/material.h>
@@ -47,6 +48,7 @@ public:
   const std::string name;
   const Section section; ///< for error messages
   const Material<dim> &material;
+  const Measure<dim> measure; ///< of all integrals over the body and its boundary
   const unsigned int degree;
 
   const Mesh<dim> &mesh() const { return *triangulation; }
@@ -115,6 +117,12 @@ public:
 
   double typical_length() const { return length; }     ///< the diagonal of the body's bounding box
   dealii::Point<dim> centre() const { return middle; } ///< of that box
+  /// Whether a point lies on the axis of an axisymmetric scene, up to rounding.
+  bool is_on_axis(const dealii::Point<dim> &X) const
+  {
+    return measure.is_axisymmetric() && X[0] <= 1e-10 * length;
+  }
+  bool reaches_axis() const { return measure.is_axisymmetric() && smallest_x <= 1e-10 * length; }
 
   std::set<dealii::types::boundary_id> boundary_ids() const; ///< of the whole mesh
   /// @throw UserError if the mesh has no boundary with this id; lists those it has with their areas.
@@ -123,7 +131,8 @@ public:
 
   /// Of all relevant unknowns, in the numbering of the DoFHandler; closed.
   dealii::AffineConstraints<double> hanging_nodes() const;
-  /// Hanging nodes and prescribed values at time @p t in global unknowns, for those that this rank owns.
+  /// Hanging nodes, u_r = 0 on the axis of an axisymmetric scene and prescribed values at time @p t in global
+  /// unknowns, for those that this rank owns.
   void add_constraints(double t, ConstraintLines &lines) const;
 
   bool can_refine() const; ///< cells of its mesh can be divided one by one
@@ -150,6 +159,8 @@ private:
   void add_hanging_nodes(ConstraintLines &lines) const;
   void add_values(double t, ConstraintLines &lines) const;
   void add_planes(double t, ConstraintLines &lines) const;
+  void add_axis(ConstraintLines &lines) const;
+  bool touches_axis(const BoundaryFace &face) const; ///< with a vertex
   void collect_boundary_faces(const MPI_Comm &communicator);
   void choose_element();
   void measure_box(const MPI_Comm &communicator);
@@ -170,7 +181,7 @@ private:
   std::map<dealii::types::boundary_id, double> measures; ///< of the parts of the boundary, over all ranks
   Given given_source, given_initial, given_exact;
   const BodyForce<dim> force;
-  double length = 0;
+  double length = 0, smallest_x = 0;
   dealii::Point<dim> middle;
 };
 

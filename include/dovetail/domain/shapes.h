@@ -41,10 +41,12 @@ public:
   /// Write n_nodes() values and gradients at @p unit_point of the current cell.
   void evaluate(const dealii::Point<dim> &unit_point, double *values, dealii::Tensor<1, dim> *gradients);
 
-  double cell_measure(const cell_iterator &cell);
-  double face_measure(const cell_iterator &cell, unsigned int face);
+  double cell_measure(const cell_iterator &cell);                    ///< volume
+  double face_measure(const cell_iterator &cell, unsigned int face); ///< area
 
 private:
+  double sum_of(const dealii::FEValuesBase<dim> &points) const;
+
   const Domain<dim> &domain;
   void evaluate_simplex(const dealii::Point<dim> &unit_point, double *values,
                         dealii::Tensor<1, dim> *gradients);

@@ -68,8 +68,8 @@ public:
 
   std::map<Index, Row> rows; ///< by destination unknown
   /// Over all ranks: unknowns with a function, and without because of a prescribed value or another
-  /// interface, or of lacking cover.
-  unsigned long n_rows = 0, n_taken = 0, n_hardly_covered = 0;
+  /// interface, of lacking cover, or on the axis.
+  unsigned long n_rows = 0, n_taken = 0, n_hardly_covered = 0, n_on_axis = 0;
 
   /// Averages over the multipliers' functions of values at the points: for each owned row
   /// sum_q w_q phi_j^2 value_q / sum_q w_q phi_j^2 of the row's field. Collective.
@@ -107,12 +107,12 @@ private:
   };
   struct Shares
   {
-    double covered = 0, full = 0;
+    double covered = 0, full = 0, integral = 0;
 
     template <typename Archive>
     void serialize(Archive &archive, const unsigned int)
     {
-      archive &covered &full;
+      archive &covered &full &integral;
     }
   };
 

@@ -143,8 +143,13 @@ private:
   static constexpr double large_update = 0.2, small_update = 0.1; ///< change of strain, mean
   /// s where a side takes the gradient of the centre, in the last assembly; at field * n_points + point.
   std::map<std::size_t, std::vector<double>> central_flux;
-  /// By side: N.dA_c/dgrad B_d at the beginning of the step, at (point * n + c) * n + d.
-  std::array<std::vector<dealii::Tensor<1, dim>>, 2> frozen;
+  /// By side: of N.A_c by B_d at the beginning of the step, at (point * n + c) * n + d.
+  struct FrozenDerivatives
+  {
+    dealii::Tensor<1, dim> by_gradient;
+    double by_value = 0;
+  };
+  std::array<std::vector<FrozenDerivatives>, 2> frozen;
   static constexpr double central_factor = 10; ///< of the penalty where the flux is that at a cell's centre
   bool has_begun = false;
   std::vector<std::string> note_on_centres; ///< at most one

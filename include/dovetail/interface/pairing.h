@@ -134,7 +134,7 @@ public:
   const typename Cover<dim>::Faces &covered_faces(const unsigned int side) const { return cover[side]; }
 
   unsigned int n_points() const { return weights.size(); }
-  double weight(const unsigned int q) const { return weights[q]; } ///< dGamma
+  double weight(const unsigned int q) const { return weights[q]; } ///< dA, with the measure
   double gap(const unsigned int q) const                           ///< |X_src + shift - X_dst|
   {
     return (points[source][q] - points[destination][q] + shift).norm();
@@ -181,7 +181,10 @@ private:
                  double factor, const MPI_Comm &communicator);
   FacePoints<dim> find_points(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own,
                               const Options &options, const SideFaces<dim> &own_faces,
-                              const FaceLocator<dim> &locator);
+                              const FaceLocator<dim> &locator) const;
+  FacePoints<dim> find_flat_points(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own,
+                                   const Options &options, const SideFaces<dim> &own_faces,
+                                   const FaceLocator<dim> &locator) const;
   void append(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own, double factor,
               const FacePoints<dim> &face_points, const std::array<PartnerShapes<dim>, 2> &shapes,
               const std::vector<unsigned int> &order);

@@ -37,6 +37,12 @@ struct TiedField
   /// Multipliers of this rank, if the tie has any, and the global index of the first; set by the numbering.
   unsigned int n_multipliers = 0;
   dealii::types::global_dof_index first_multiplier = dealii::numbers::invalid_dof_index;
+
+  /// Whether a test function of component @p d of a side varies the flux by its value, too (nitsche.cc).
+  bool varies_by_value(const unsigned int side, const unsigned int d) const
+  {
+    return n_components > 1 && d >= first_component[side] && d < first_component[side] + n_components;
+  }
 };
 
 /// What is known of single unknowns that this rank owns, while the ties of a scene add to it one after the

@@ -16,6 +16,10 @@ namespace dovetail {
 
 /// A = P(I + grad u, e), in 2D with H_33 = 0 (which a law in plane stress replaces), where e = alpha (T - T0)
 /// is the free thermal strain.
+///
+/// In axisymmetry the fibres around the axis have the strain H_33 = u_r/r, r = X_1, and their stress is a
+/// source of the radial balance, S_r = P_33/r. On the axis, where every weight vanishes, u_r/r has the limit
+/// H_11, and the source is left out.
 template <int dim>
 class SolidTerm : public Term<dim>
 {
@@ -28,12 +32,13 @@ public:
 
   /// @param name of the material and of its law, for messages
   SolidTerm(const Field &field, std::unique_ptr<SolidLaw> law, const std::optional<Expansion> &expansion,
-            const std::string &name_of_material, const std::string &name_of_law, double density);
+            bool is_axisymmetric, const std::string &name_of_material, const std::string &name_of_law,
+            double density);
 
   const double density; ///< mass per undeformed volume [kg/m^3]; 0: not given
 
   bool has_flux() const override { return true; }
-  bool has_source() const override { return false; }
+  bool has_source() const override { return is_axisymmetric; }
   Coupling coupling(unsigned int c, unsigned int d) const override;
   bool is_linear() const override { return law->is_linear(); }
   bool is_symmetric() const override { return law->is_symmetric(); }
@@ -53,6 +58,15 @@ public:
   dealii::Tensor<2, 3> full_displacement_gradient(const State<dim> &state) const;
 
 private:
+  /// dH_33/du_r and dH_33/dH_11.
+  struct Hoop
+  {
+    double by_value, by_gradient;
+  };
+  static Hoop hoop(const State<dim> &state) { return state.X[0] > 0 ? Hoop{1 / state.X[0], 0} : Hoop{0, 1}; }
+  void add_hoop(const State<dim> &state, bool with_derivatives, const SolidLaw::Response &local,
+                Response<dim> &response) const;
+
   dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;
   Memory memory(const State<dim> &state) const; ///< of the law
   double thermal_strain(const State<dim> &state) const
@@ -63,6 +77,7 @@ private:
 
   const std::unique_ptr<SolidLaw> law;
   const std::optional<Expansion> expansion;
+  const bool is_axisymmetric;
   const std::string name_of_material, name_of_law;
   const unsigned int n_internal_variables; ///< numbers
 };

@@ -74,7 +74,7 @@ public:
   /// Whether constraints or equations of multipliers change with t because it does.
   bool has_moving_constraints() const
   {
-    return has_jump && given_jump.depends_on_time() && method->is_strong();
+    return has_jump && given_jump.depends_on_time() && method->parts().elimination != nullptr;
   }
   /// Which of the unknowns of a group the jump of a tied field or its variation depends on, at any point of
   /// it.

@@ -113,9 +113,8 @@ void NonlinearStep<dim>::add_notes()
 template <int dim>
 bool NonlinearStep<dim>::is_solution(const double t, const Vector &x)
 {
-  if (model.is_linear() || model.interfaces.empty() || present_system->is_outdated(t))
+  if (has_rates() || model.is_linear() || model.interfaces.empty() || present_system->is_outdated(t))
     return false;
-  present_system->set_rates(rates_to(t));
   present_system->set_time(t);
   problem->begin_step(t, x);
   return problem->residual(x) <= tolerance() && !present_system->moves_constraints();

@@ -56,6 +56,7 @@ private:
   bool solve_for_update();
   void try_update(double factor);
   void accept();
+  void reduce_rest(double &norm);
   void iteration_ends(double norm, double damping);
   double predict() const;
   double search_line(double norm, bool with_tangent);
@@ -96,6 +97,21 @@ void Newton::Iteration::accept()
 {
   x = trial;
   problem.accept_state();
+}
+
+/// By a simplified Newton step from the trial state, at which the residual was assembled last; @p norm is its
+/// size. Where that does not help the state stays.
+void Newton::Iteration::reduce_rest(double &norm)
+{
+  if (!problem.correct(x, trial, 1, correction))
+    return;
+  trial += correction;
+  if (const double reduced = problem.residual(trial); reduced < norm)
+    norm = reduced;
+  else {
+    trial -= correction;
+    norm = problem.residual(trial);
+  }
 }
 
 void Newton::Iteration::iteration_ends(const double norm, const double damping)
@@ -231,6 +247,8 @@ void Newton::Iteration::iterate(double norm)
         norm <= settings.relative_tolerance && damping.factor == 1 && problem.is_small(dx, trial);
     if (is_near && !is_done && std::isfinite(norm) && damping.factor == 1)
       norm = problem.residual_and_tangent(trial);
+    if (is_done && norm > 0 && problem.is_remembered())
+      reduce_rest(norm);
     iteration_ends(norm, damping.factor);
     if (!std::isfinite(norm)) {
       if (settings.line_search && problem.may_cross_limit_points() &&
@@ -258,7 +276,7 @@ NewtonResult Newton::Iteration::solve()
   result.residuals.push_back(norm);
   if (!std::isfinite(norm))
     return result;
-  const double sufficient = problem.is_always_solved() ? 0 : settings.relative_tolerance;
+  const double sufficient = problem.is_remembered() ? 0 : settings.relative_tolerance;
   if (norm <= sufficient && !problem.moves_constraints()) // nothing has changed
     result.is_converged = true;
   else if (problem.is_linear())

@@ -47,7 +47,7 @@ public:
   const std::vector<std::string> &notes() const { return all_notes; }
 
   bool is_linear() const override { return model.is_linear(); }
-  bool is_always_solved() const override { return is_linear() && model.order_in_time() > 0; }
+  bool is_remembered() const override { return model.order_in_time() > 0; }
   double residual(const Vector &x) override;
   double residual_and_tangent(const Vector &x) override;
   std::optional<unsigned int> solve(const Vector &x, Vector &dx) override;

@@ -22,9 +22,10 @@ public:
   virtual ~NonlinearProblem() = default;
 
   virtual bool is_linear() const = 0; ///< one iteration is exact
-  /// Whether a linear system is solved even if its residual is within the tolerance of Newton's method: in
-  /// time a state that was left as it is would be remembered.
-  virtual bool is_always_solved() const { return false; }
+  /// Whether what is left of the residual counts, too: in time the next steps would remember it. Then a
+  /// system is solved even if its first residual is within the tolerance, and the last tangent is used once
+  /// more.
+  virtual bool is_remembered() const { return false; }
 
   /// Assemble R(x). @return its size relative to the forces at work, NaN if it is not defined.
   virtual double residual(const Vector &x) = 0;

@@ -30,12 +30,14 @@ public:
         by_nitsche(section.choose("Method", {"strong", "Nitsche"}, 0,
                                   "strong: the nodes of the boundary have the value; Nitsche: weakly, with "
                                   "consistent fluxes and a penalty from the trace eigenvalues of the cells "
-                                  "[-]") == 1)
+                                  "[-]") == 1),
+        is_skew(by_nitsche && this->field.n_components > 1 && material.has_large_strain())
   {
   }
 
   std::vector<unsigned int> prescribed_components() const override { return components; }
   bool is_weak() const override { return by_nitsche; }
+  bool is_symmetric() const override { return !is_skew; }
 
   double prescribed_value(const dealii::Point<dim> &X, const double t,
                           const unsigned int component) const override
@@ -47,7 +49,7 @@ public:
 private:
   const std::vector<unsigned int> components;
   const Expression expression;
-  const bool by_nitsche;
+  const bool by_nitsche, is_skew; ///< skew-symmetric at large strain (weak_values.cc)
 };
 
 const bool registered = add_condition<Value>("value", "The value of the field is prescribed.");

@@ -14,7 +14,14 @@
 
 namespace dovetail {
 
-/// R(delta) = - A_c.N delta B_c - (delta A_c.N) e_c + gamma e_c delta B_c, e_c = B_c - g_c
+/// At large strain no penalty that is frozen bounds the tangent: there the form is skew-symmetric.
+template <int dim>
+double theta_of_weak_values(const Domain<dim> &domain, const Field &field)
+{
+  return field.n_components > 1 && domain.material.has_large_strain() ? -1 : 1;
+}
+
+/// R(delta) = - A_c.N delta B_c - theta (delta A_c.N) e_c + gamma e_c delta B_c, e_c = B_c - g_c
 template <int dim>
 bool CellTerms<dim>::add_weak_value(const Condition<dim> &condition,
                                     const typename OpenBoundary<dim>::Point &at, const double gamma,
@@ -27,6 +34,7 @@ bool CellTerms<dim>::add_weak_value(const Condition<dim> &condition,
   point.reinit(at.state.X, at.shape_values.data(), at.shape_gradients.data(), unknowns);
   if (!point.evaluate(true))
     return false;
+  const double theta = theta_of_weak_values(domain, field);
   std::vector<double> is_prescribed(n_c, 0.), mismatch(n_c, 0.);
   for (const unsigned int c : condition.prescribed_components()) {
     is_prescribed[c] = at.JxW;
@@ -41,9 +49,9 @@ bool CellTerms<dim>::add_weak_value(const Condition<dim> &condition,
       add((first + c) * n_nodes + a, -influx * at.shape_values[a], residual);
     for (unsigned int d = 0; d < n_c; ++d) {
       const dealii::Tensor<1, dim> variation =
-          mismatch[c] * (at.N * point.response.by_gradient[(first + c) * n + first + d]);
+          theta * mismatch[c] * (at.N * point.response.by_gradient[(first + c) * n + first + d]);
       const double by_value = // of a vector: the strain around an axis
-          n_c > 1 ? mismatch[c] * (at.N * point.response.by_value[(first + c) * n + first + d]) : 0;
+          n_c > 1 ? theta * mismatch[c] * (at.N * point.response.by_value[(first + c) * n + first + d]) : 0;
       for (unsigned int a = 0; a < n_nodes; ++a)
         add((first + d) * n_nodes + a, -variation * at.shape_gradients[a] - by_value * at.shape_values[a],
             residual);
@@ -63,6 +71,7 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
 {
   const unsigned int first = field.first_component, n_c = field.n_components;
   const std::vector<double> &phi = at.shape_values;
+  const double theta = theta_of_weak_values(domain, field);
   std::vector<double> of_flux(n_nodes); // dA_c.N / dx_(d,b)
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int d = 0; factor[c] != 0 && d < n; ++d) {
@@ -82,7 +91,7 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
         if (is_own)
           for (unsigned int b = 0; b < n_nodes; ++b)
             tangent(d * n_nodes + a, (first + c) * n_nodes + b) -=
-                (of_flux[a] + (n_c > 1 ? by_value * phi[a] : 0)) * phi[b];
+                theta * (of_flux[a] + (n_c > 1 ? by_value * phi[a] : 0)) * phi[b];
         if (d == first + c)
           for (unsigned int b = 0; b < n_nodes; ++b)
             row[b] += gamma * factor[c] * phi[a] * phi[b];
@@ -91,7 +100,7 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
 
   std::vector<dealii::Tensor<1, dim>> contraction(n);
   for (unsigned int c = 0; c < n_c; ++c)
-    contraction[first + c] = -mismatch[c] * at.N;
+    contraction[first + c] = -theta * mismatch[c] * at.N;
   unsigned int field_index = 0;
   while (domain.fields()[field_index].first_component != first)
     ++field_index;

@@ -318,6 +318,7 @@ bool CellTerms<dim>::add_boundary_terms(const typename Domain<dim>::cell_iterato
                                         dealii::FullMatrix<double> *tangent)
 {
   bool is_defined = true;
+  point.enter(cell);
   for (const unsigned int face : cell->face_indices())
     if (cell->face(face)->at_boundary())
       for (const Condition<dim> *condition : flux_conditions)

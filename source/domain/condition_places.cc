@@ -15,8 +15,10 @@
 #include <boost/serialization/vector.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace dovetail {
 
@@ -97,9 +99,18 @@ void Planes<dim>::find_directions()
     for (const Tensor<1, dim> &N : of_id)
       own.emplace_back(id, N);
   directions.clear();
+  std::set<std::pair<dealii::types::boundary_id, std::array<double, dim>>> sorted; // whoever owns them
   for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, own))
-    for (const auto &[id, N] : of_rank)
-      add_direction(N, directions[id]);
+    for (const auto &[id, N] : of_rank) {
+      std::array<double, dim> entries;
+      std::copy(N.begin_raw(), N.end_raw(), entries.begin());
+      sorted.emplace(id, entries);
+    }
+  for (const auto &[id, entries] : sorted) {
+    Tensor<1, dim> N;
+    std::copy(entries.begin(), entries.end(), N.begin_raw());
+    add_direction(N, directions[id]);
+  }
   for (const auto &[id, of_id] : directions)
     conditions.at(id)->section.check(
         of_id.size() <= dim, "Boundary ids",

@@ -256,26 +256,36 @@ void Domain<dim>::check_boundary_id(const dealii::types::boundary_id id, const S
                          " does not have. It has " + known + ".");
 }
 
+/// A component that is prescribed on a boundary id has no other condition there. Influxes add up, and a plane
+/// leaves room for either; conditions with toggles may take turns.
 template <int dim>
 void Domain<dim>::check_conditions() const
 {
-  // at most one condition per field, component and boundary id; conditions with toggles may take turns
-  std::map<std::tuple<std::string, unsigned int, dealii::types::boundary_id>, std::string> owner;
+  using Part = std::tuple<std::string, unsigned int, dealii::types::boundary_id>;
+  std::map<Part, std::string> prescribed, with_influx;
   for (const auto &condition : all_conditions)
     for (const auto id : condition->boundary_ids) {
       check_boundary_id(id, condition->section, "Boundary ids");
+      if (!condition->toggle_name().empty() || condition->constrains_normal())
+        continue;
       std::vector<unsigned int> components = condition->prescribed_components();
       if (condition->adds_flux())
         for (unsigned int c = 0; c < condition->field.n_components; ++c)
           components.push_back(c);
-      for (const unsigned int c : components)
-        if (condition->toggle_name().empty()) {
-          const auto [entry, is_new] = owner.insert({{condition->field.name, c, id}, condition->name});
-          condition->section.check(is_new, "Boundary ids",
-                                   "has " + std::to_string(id) + ", where the boundary condition '" +
-                                       entry->second + "' already acts on the same component of the " +
-                                       condition->field.name + ". Remove the id from one of the two.");
-        }
+      for (const unsigned int c : components) {
+        const Part part = {condition->field.name, c, id};
+        std::string other;
+        if (const auto found = prescribed.find(part); found != prescribed.end())
+          other = found->second;
+        else if (const auto influx = with_influx.find(part);
+                 !condition->adds_flux() && influx != with_influx.end())
+          other = influx->second;
+        condition->section.check(other.empty(), "Boundary ids",
+                                 "has " + std::to_string(id) + ", where the boundary condition '" + other +
+                                     "' already acts on the same component of the " + condition->field.name +
+                                     ". Remove the id from one of the two.");
+        (condition->adds_flux() ? with_influx : prescribed).emplace(part, condition->name);
+      }
     }
 }
 

@@ -70,6 +70,8 @@ void OpenBoundary<dim>::for_each_point(const cell_iterator &cell, const unsigned
         point.shape_gradients[a] = face_values.shape_grad(a, q);
     }
     point.state.X = face_values.quadrature_point(q);
+    if (domain.is_on_axis(point.state.X))
+      point.state.X[0] = 0;
     point.N = face_values.normal_vector(q);
     point.JxW = domain.measure(face_values, q);
     find_state(unknowns);

@@ -80,8 +80,8 @@ void Pressure<dim>::add_follower(const double p, const State<dim> &state, const 
     F[i][i] = 1;
   for (unsigned int i = 0; i < dim; ++i)
     F[i] += embed(state.gradient[first + i]);
-  if (is_axisymmetric)
-    F[2][2] += state.value[first] / state.X[0];
+  const double by_r = is_axisymmetric && state.X[0] > 0 ? 1 / state.X[0] : 0; // the axis has no area
+  F[2][2] += by_r * state.value[first];
   for (unsigned int i = 0; i < dim; ++i) {
     const unsigned int j = (i + 1) % 3, k = (i + 2) % 3;
     influx.value[i] = -p * (dealii::cross_product_3d(F[j], F[k]) * N);
@@ -89,8 +89,8 @@ void Pressure<dim>::add_follower(const double p, const State<dim> &state, const 
                                           std::make_pair(k, dealii::cross_product_3d(N, F[j]))})
       if (row < dim)
         influx.by_gradient(i, first + row) = -p * restrict_to<dim>(derivative);
-      else if (is_axisymmetric)
-        influx.by_value(i, first) = -p * derivative[2] / state.X[0];
+      else
+        influx.by_value(i, first) = -p * derivative[2] * by_r;
   }
 }
 

@@ -31,6 +31,8 @@ public:
                                          "Angle of the rotation, a formula in t; right-handed about the "
                                          "axis, in 2D counterclockwise [rad]"))
   {
+    section.check(dim == 3 || section.top().peek("Geometry") != "axisymmetric", "Type",
+                  "is rotation, but a body of revolution has no displacement around its axis.");
     section.check(!angle.depends_on_position(), "Angle", "must depend on t only.");
   }
 

@@ -10,6 +10,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <set>
 
 namespace dovetail {
 
@@ -63,9 +64,17 @@ void Reactions<dim>::share_with_held(const Interface<dim> &interface,
   std::vector<std::pair<dealii::types::global_dof_index, double>> pushes;
   for (unsigned int f = 0; f < interface.fields.size(); ++f) {
     const Field &field = side.domain->fields()[interface.fields[f].field[destination]];
+    std::set<dealii::types::global_dof_index> supported; // at points, which take the whole force
+    std::vector<dealii::types::global_dof_index> dofs;
+    for (const auto &[condition, node] : side.domain->nodes_of_points())
+      if (condition->field.name == field.name) {
+        side.domain->cell_dofs(side.domain->dof_cell(node.cell), dofs);
+        for (const unsigned int c : condition->prescribed_components())
+          supported.insert(dofs[(field.first_component + c) * side.domain->n_nodes() + node.node]);
+      }
     std::vector<const HeldUnknown *> shared;
     for (const HeldUnknown &held : all_held)
-      if (held.field == f && nodal.is_prescribed(held.dof) &&
+      if (held.field == f && nodal.is_prescribed(held.dof) && supported.count(held.dof) == 0 &&
           std::all_of(held.source.begin(), held.source.end(),
                       [this](const auto &entry) { return nodal.is_fixed(entry.first); }))
         shared.push_back(&held);
@@ -222,6 +231,7 @@ void Reactions<dim>::add_given(const Domain<dim> &domain, const Ids &ids, const 
         domain.cell_dofs(domain.dof_cell(cell), dofs);
         solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
         const unsigned int index = cell->active_cell_index();
+        point.enter(cell);
         open_boundary.for_each_point(cell, face, *condition, nodal.t, unknowns, [&](const auto &at) {
           if (condition->is_weak())
             return add_weak_influx(*condition, at, domain.weak_penalties.at({field.name, index}), unknowns,

@@ -34,6 +34,12 @@ public:
   /// (ghosted), or none (nullptr). Nothing happens if no term of the material asks for rates.
   void set_rates(const Rates *rates, const std::vector<dealii::types::global_dof_index> &dofs);
 
+  /// The cell of points at any X that come next.
+  void enter(const typename dealii::Triangulation<dim>::active_cell_iterator &cell_of_points)
+  {
+    if (domain.memory)
+      cell = cell_of_points;
+  }
   /// Point @p q of a cell or of its face, with the cell's unknowns in the order component, node.
   void reinit(const dealii::FEValuesBase<dim> &values, unsigned int q, const std::vector<double> &unknowns);
   /// A point X anywhere in that cell, where the shape functions have these values and gradients.

@@ -218,10 +218,12 @@ bool Nitsche<dim>::update_penalties(const Interface<dim> &interface, const doubl
   const SideStates<dim> used_sides = sides;
   sides.begin_step(interface, t, values_of);
   note_central_gradients(communicator);
-  if (penalty_at_points.update(interface, t, values_of, sides, communicator))
-    return true;
-  sides = used_sides;
-  return false;
+  const bool is_new = penalty_at_points.update(interface, t, values_of, sides, communicator);
+  if (!has_joint())
+    penalty_at_points.note_if_large(communicator);
+  if (!is_new)
+    sides = used_sides;
+  return is_new;
 }
 
 /// a and b at a point.

@@ -122,6 +122,7 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
 template <int dim>
 bool Material<dim>::evaluate_storage(const State<dim> &state, Response<dim> &response) const
 {
+  std::copy(state.memory.accepted.begin(), state.memory.accepted.end(), state.memory.trial.begin());
   std::fill(response.source.begin(), response.source.end(), 0.);
   return std::all_of(terms.begin(), terms.end(), [&](const auto &term) {
     return term->order_in_time() == 0 || term->add(state, false, response);

@@ -60,6 +60,8 @@ void Results<dim>::begin(const Plan &plan)
   report()["plan"] = plan.needed;
   report()["left out"] = plan.left_out;
   report().write(); // so that an interrupted run does not look like the one before it
+  if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
+    remove_file(directory + "/probes.csv", StepTable::first_word); // likewise
   write_used();
 }
 
@@ -152,12 +154,11 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
   const Balance balance =
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), sentences);
   report()["steps"].back()["imbalance"] = balance.worst;
-  nlohmann::ordered_json numbers = probes.evaluate(ghosted, reactions);
-  numbers["balance"] = balance.report;
-  for (auto &of_domain : numbers["balance"])
+  nlohmann::ordered_json flows = balance.report;
+  for (auto &of_domain : flows)
     for (auto &of_field : of_domain)
       of_field.erase("rounding");
-  step_table.add(solution.t, numbers);
+  step_table.add(solution.t, probes.evaluate(ghosted, reactions), flows);
 }
 
 template <int dim>

@@ -31,10 +31,11 @@ void add_columns(const std::string &name, const ordered_json &value, std::vector
 
 } // namespace
 
-void StepTable::add(const double time, const ordered_json &numbers)
+void StepTable::add(const double time, const ordered_json &probes, const ordered_json &balance)
 {
   std::vector<std::string> names = {first_word}, texts = {ordered_json(time).dump()};
-  add_columns("", numbers, names, texts);
+  add_columns("", probes, names, texts);
+  add_columns("balance", balance, names, texts);
   const auto line = [](const std::vector<std::string> &cells) {
     std::string result;
     for (const std::string &cell : cells)

@@ -548,7 +548,15 @@ bool BlockSystem<dim>::remember(const double t, const Vector &x)
                    [](const auto &material) { return material->has_memory(); }))
     return true;
   ghosted_scratch = x;
-  if (dealii::Utilities::MPI::min(evaluate_memory(t) ? 1 : 0, model.communicator) == 0)
+  std::exception_ptr fault;
+  bool is_defined = true;
+  try {
+    is_defined = evaluate_memory(t);
+  } catch (...) { // perhaps of this rank alone
+    fault = std::current_exception();
+  }
+  throw_on_all_ranks(fault, model.communicator);
+  if (dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 0)
     return false;
   for (const auto &domain : model.domains)
     if (domain->memory)

@@ -152,6 +152,12 @@ void check_uniform()
     report("theta " + theta + ": loaded and unloaded",
            outcome.is_converged ? error_of(outcome, 0.01, 0.004) : 1, 1e-9);
   }
+  std::string weak = scene(cycle, set("Number of steps", "4"), nitsche);
+  const std::string pull = "subsection Boundary condition pull\n";
+  weak.insert(weak.find(pull) + pull.size(), set("Method", "Nitsche"));
+  const Outcome prescribed_weakly = run(weak);
+  report("pulled by a weak value",
+         prescribed_weakly.is_converged ? error_of(prescribed_weakly, 0.01, 0.004) : 1, 1e-9);
   const Outcome failed =
       run(scene("0.02*t", set("Number of steps", "4"), nitsche, "", std::to_string(factor * 0.01 * 0.815)));
   const double t = failed.report["steps"].back()["time"], good = failed.report["probes"]["right maximum"];

@@ -11,13 +11,14 @@
 
 namespace dovetail {
 
-/// One row per step: the time, and the numbers of an object like that of the probes or of the balance in the
-/// report. A column is called by the keys that lead to its number, and by x, y, z or the index in a list.
+/// One row per step: the time, and the numbers of probes and balance as in the report. A column is called by
+/// the keys that lead to its number, those of the balance after that word, and by x, y, z or the index in a
+/// list.
 class StepTable
 {
 public:
-  /// @p numbers: of each step the same ones.
-  void add(double time, const nlohmann::ordered_json &numbers);
+  /// Of each step the same numbers.
+  void add(double time, const nlohmann::ordered_json &probes, const nlohmann::ordered_json &balance);
 
   bool is_empty() const { return rows.empty(); }
   std::string text() const { return header + rows; }

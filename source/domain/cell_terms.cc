@@ -131,14 +131,21 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
   return has_source || has_boundary;
 }
 
+/// The points of a cell and their rates; the next tangent is not compared with that of the cell before.
 template <int dim>
-bool CellTerms<dim>::evaluate_memory(const typename Domain<dim>::cell_iterator &cell, const double t,
-                                     const std::vector<double> &unknowns)
+void CellTerms<dim>::enter_without_tangent(const typename Domain<dim>::cell_iterator &cell, const double t)
 {
   point.state.t = t;
   find_rates(cell);
   cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-  has_uniform_tangent = false; // what comes next is not compared with the cell before
+  has_uniform_tangent = false;
+}
+
+template <int dim>
+bool CellTerms<dim>::evaluate_memory(const typename Domain<dim>::cell_iterator &cell, const double t,
+                                     const std::vector<double> &unknowns)
+{
+  enter_without_tangent(cell, t);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     point.reinit(cell_values, q, unknowns);
     if (!point.evaluate(false))
@@ -156,10 +163,7 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
     return false;
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(n * n_nodes, 0.);
-  point.state.t = t;
-  find_rates(cell);
-  cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-  has_uniform_tangent = false; // what comes next is not compared with the cell before
+  enter_without_tangent(cell, t);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     point.reinit(cell_values, q, unknowns);
     add_source_of_laws(point.evaluate_storage() ? domain.measure(cell_values, q)

@@ -68,6 +68,7 @@ private:
     force_sizes[i] += std::abs(contribution);
   }
 
+  void enter_without_tangent(const typename Domain<dim>::cell_iterator &cell, double t);
   void add_source(double t, std::vector<double> &residual);
   void add_body_force(double t, const std::vector<double> &unknowns, std::vector<double> &residual,
                       dealii::FullMatrix<double> *tangent);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/output/gaps.h>
-#include <dovetail/output/interface_point.h>
+#include <dovetail/measure/gaps.h>
+#include <dovetail/measure/interface_point.h>
 #include <dovetail/output/interface_surface.h>
 
 #include <deal.II/grid/reference_cell.h>

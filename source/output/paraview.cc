@@ -4,7 +4,7 @@
 #include <dovetail/output/domain_picture.h>
 #include <dovetail/output/paraview.h>
 #include <dovetail/output/report.h>
-#include <dovetail/output/uncovered_points.h>
+#include <dovetail/output/uncovered_picture.h>
 
 #include <cctype>
 #include <iomanip>
@@ -78,7 +78,7 @@ void Paraview<dim>::show_uncovered_points(const unsigned int interface)
   const std::string file = directory + "/uncovered_" + blocks[model.domains.size() + interface].stem + ".vtu";
   if (pairing.coverage().n_uncovered > 0)
     write_picture(file, dealii::DataOutBase::VtkFlags(),
-                  [&]() { return UncoveredPoints<dim>(pairing).piece({}); });
+                  [&]() { return UncoveredPicture<dim>(pairing).piece({}); });
   else if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
     remove_file(file, beginning_of_vtu); // of an earlier run
 }

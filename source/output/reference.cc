@@ -2,8 +2,8 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/shapes.h>
-#include <dovetail/output/cell_search.h>
-#include <dovetail/output/interface_point.h>
+#include <dovetail/measure/cell_search.h>
+#include <dovetail/measure/interface_point.h>
 #include <dovetail/output/reference.h>
 
 #include <deal.II/numerics/rtree.h>

@@ -3,12 +3,12 @@
 
 #include <dovetail/output/results.h>
 
-#include <dovetail/output/balance.h>
-#include <dovetail/output/jumps.h>
-#include <dovetail/output/measures.h>
-#include <dovetail/output/resolution.h>
+#include <dovetail/measure/balance.h>
+#include <dovetail/measure/jumps.h>
+#include <dovetail/measure/measures.h>
+#include <dovetail/measure/resolution.h>
+#include <dovetail/measure/spectrum.h>
 #include <dovetail/output/shared_file.h>
-#include <dovetail/output/spectrum.h>
 
 #include <sstream>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/interface/facing_boundaries.h>
 #include <dovetail/interface/make_cover.h>
+#include <dovetail/pairing/facing_boundaries.h>
 #include <dovetail/system/joined_domains.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/rigid_motions.h>

@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include <dovetail/interface/pairing.h>
+#include <dovetail/pairing/pairing.h>
 
 #include <array>
 

@@ -59,7 +59,7 @@ void add_cells(const Domain<dim> &domain, const Vector &solution, const double t
   const bool has_flux =
       std::any_of(domain.conditions().begin(), domain.conditions().end(),
                   [](const auto &condition) { return condition->adds_flux() || condition->is_weak(); });
-  bool has_source = !domain.source().of_field.empty() || domain.body_force().is_given();
+  bool has_source = !domain.source().expressions.empty() || domain.body_force().is_given();
   for (unsigned int f = 0; f < flows.size(); ++f)
     has_source = has_source || domain.material.has_load(f);
   const bool has_storage = rates.has_first() && domain.material.order_in_time() > 0;

@@ -17,7 +17,7 @@ template <int dim>
 void DomainPoint<dim>::enter(const dealii::FEValuesBase<dim> &values, const BoundaryFace *face)
 {
   points = &values;
-  of_face = face;
+  boundary_face = face;
   domain.cell_dofs(domain.dof_cell(typename dealii::Triangulation<dim>::active_cell_iterator(cell())),
                    cell_dofs);
   for (unsigned int i = 0; i < cell_dofs.size(); ++i)

@@ -57,8 +57,8 @@ ScalesOfDomain scales_of(const Domain<dim> &domain, const Vector &ghosted, const
                                    dealii::update_quadrature_points | dealii::update_JxW_values);
   // volume; per component the integrals of B^2 and |grad B|^2; volume where the law is defined at rest, and
   // per field the integral of its stiffness there: laws are asked at points of the body only
-  const unsigned int n_fields = domain.fields().size(), of_law = 1 + 2 * n;
-  std::vector<double> integrals(of_law + 1 + n_fields, 0.);
+  const unsigned int n_fields = domain.fields().size(), law_index = 1 + 2 * n;
+  std::vector<double> integrals(law_index + 1 + n_fields, 0.);
   CellPoints<dim> point(domain, t);
   std::vector<Index> dofs;
   std::vector<double> unknowns(domain.dofs_per_cell());
@@ -78,21 +78,21 @@ ScalesOfDomain scales_of(const Domain<dim> &domain, const Vector &ghosted, const
         }
         if (!point.evaluate(true))
           continue;
-        integrals[of_law] += domain.measure(values, q);
+        integrals[law_index] += domain.measure(values, q);
         for (unsigned int f = 0; f < n_fields; ++f)
-          integrals[of_law + 1 + f] +=
+          integrals[law_index + 1 + f] +=
               stiffness(point.response, domain.fields()[f]) * domain.measure(values, q);
       }
     }
   dealii::Utilities::MPI::sum(integrals, communicator, integrals);
 
-  AssertThrow(integrals[of_law] > 0,
+  AssertThrow(integrals[law_index] > 0,
               dealii::ExcMessage("The material of " + domain.name + " is not defined at rest."));
   ScalesOfDomain scales;
   for (unsigned int f = 0; f < n_fields; ++f) {
     const Field &field = domain.fields()[f];
     Scale scale;
-    scale.stiffness = integrals[of_law + 1 + f] / integrals[of_law];
+    scale.stiffness = integrals[law_index + 1 + f] / integrals[law_index];
     for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
       scale.energy += scale.stiffness * integrals[1 + n + c];
       scale.noise += 1e-16 * scale.stiffness * integrals[1 + c] / std::pow(domain.typical_length(), 2);
@@ -112,9 +112,9 @@ std::map<std::string, double> energies_of(const Model<dim> &model, const std::ve
       energy[model.domains[d]->fields()[f].name] += scales[d][f].energy;
       noise[model.domains[d]->fields()[f].name] += scales[d][f].noise;
     }
-  for (auto &[field, of_field] : energy)
-    if (of_field <= noise[field])
-      of_field = std::numeric_limits<double>::infinity();
+  for (auto &[field, field_energy] : energy)
+    if (field_energy <= noise[field])
+      field_energy = std::numeric_limits<double>::infinity();
   return energy;
 }
 
@@ -209,14 +209,14 @@ void add_interface(const Model<dim> &model, const Interface<dim> &interface, con
       InterfaceShares<dim>(interface, t, {{&scales[domain[source]], &scales[domain[destination]]}}, energies)
           .evaluate(ghosted);
   for (const unsigned int side : {source, destination}) {
-    std::map<unsigned int, std::map<unsigned int, double>> of_faces; // by rank and face
+    std::map<unsigned int, std::map<unsigned int, double>> face_integrals; // by rank and face
     for (unsigned int i = 0; i < shares[side].size(); ++i) {
       const CellBehind<dim> &cell = interface.pairing().cells[side][i];
-      of_faces[cell.rank][cell.face] += shares[side][i];
+      face_integrals[cell.rank][cell.face] += shares[side][i];
     }
     const auto cells = cells_behind(interface.sides[side]);
-    for (const auto &of_rank : dealii::Utilities::MPI::some_to_some(model.communicator, of_faces))
-      for (const auto &[face, share] : of_rank.second)
+    for (const auto &rank_faces : dealii::Utilities::MPI::some_to_some(model.communicator, face_integrals))
+      for (const auto &[face, share] : rank_faces.second)
         estimate.squares[domain[side]][cells[face]->active_cell_index()] += share;
   }
 }
@@ -259,8 +259,8 @@ ErrorEstimate estimate_error(const Model<dim> &model, const Vector &ghosted, con
       add_interface(model, *interface, ghosted, t, scales, energies, estimate);
 
   double sum = 0;
-  for (const auto &of_domain : estimate.squares)
-    for (const double square : of_domain)
+  for (const auto &domain_squares : estimate.squares)
+    for (const double square : domain_squares)
       sum += square;
   estimate.relative = std::sqrt(dealii::Utilities::MPI::sum(sum, model.communicator));
   return estimate;
@@ -303,9 +303,9 @@ std::vector<std::vector<bool>> mark_cells(const Model<dim> &model, const ErrorEs
       squares.insert(squares.end(), estimate.squares[d].begin(), estimate.squares[d].end());
   const double threshold = marking_threshold(squares, share, model.communicator);
   std::vector<std::vector<bool>> marked;
-  for (const auto &of_domain : estimate.squares) {
+  for (const auto &domain_squares : estimate.squares) {
     marked.emplace_back();
-    for (const double square : of_domain)
+    for (const double square : domain_squares)
       marked.back().push_back(square > 0 && square >= threshold);
   }
   return marked;

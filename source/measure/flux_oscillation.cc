@@ -33,12 +33,12 @@ void FluxOscillation<dim>::add(const unsigned int field, const unsigned int q,
   const Pairing<dim> &pairing = interface.pairing();
   for (const unsigned int side : {source, destination}) {
     const CellBehind<dim> &behind = pairing.cells[side][pairing.groups[group_of_point[q]].cells[side]];
-    Sums &of_face = sums[side][{behind.rank, behind.face}];
-    of_face.resize(first.back());
+    Sums &face_sums = sums[side][{behind.rank, behind.face}];
+    face_sums.resize(first.back());
     if (field == 0)
-      of_face[0] += pairing.weight(q);
+      face_sums[0] += pairing.weight(q);
     for (unsigned int c = 0; c < error.size(); ++c)
-      of_face[first[field] + c] += error[c] * pairing.weight(q);
+      face_sums[first[field] + c] += error[c] * pairing.weight(q);
   }
 }
 
@@ -58,16 +58,16 @@ typename FluxOscillation<dim>::Faces FluxOscillation<dim>::gather(const unsigned
   const auto all_edges = dealii::Utilities::MPI::gather(communicator, own_edges);
 
   std::map<Key, Sums> merged;
-  for (const auto &of_rank : dealii::Utilities::MPI::gather(communicator, sums[side]))
-    for (const auto &[key, of_face] : of_rank) {
+  for (const auto &rank_sums : dealii::Utilities::MPI::gather(communicator, sums[side]))
+    for (const auto &[key, face_sums] : rank_sums) {
       Sums &sum = merged[key];
-      sum.resize(of_face.size());
-      for (unsigned int i = 0; i < of_face.size(); ++i)
-        sum[i] += of_face[i];
+      sum.resize(face_sums.size());
+      for (unsigned int i = 0; i < face_sums.size(); ++i)
+        sum[i] += face_sums[i];
     }
   Faces faces;
-  for (const auto &[key, of_face] : merged) {
-    faces.sums.push_back(of_face);
+  for (const auto &[key, face_sums] : merged) {
+    faces.sums.push_back(face_sums);
     faces.edges.push_back(all_edges[key.first][key.second]);
   }
   return faces;
@@ -109,17 +109,17 @@ template <int dim>
 std::vector<double> FluxOscillation<dim>::oscillations(const Faces &faces) const
 {
   std::vector<double> squares(first.size() - 1, 0.);
-  const auto of_face = neighbours(faces);
-  for (unsigned int f = 0; f < of_face.size(); ++f) {
+  const auto face_sums = neighbours(faces);
+  for (unsigned int f = 0; f < face_sums.size(); ++f) {
     double area = 0; // of the neighbours
-    for (const unsigned int g : of_face[f])
+    for (const unsigned int g : face_sums[f])
       area += faces.sums[g][0];
     if (!(area > 0) || !(faces.sums[f][0] > 0))
       continue;
     for (unsigned int field = 0; field < squares.size(); ++field)
       for (unsigned int i = first[field]; i < first[field + 1]; ++i) {
         double around = 0;
-        for (const unsigned int g : of_face[f])
+        for (const unsigned int g : face_sums[f])
           around += faces.sums[g][i];
         const double difference = faces.sums[f][i] / faces.sums[f][0] - around / area;
         squares[field] += faces.sums[f][0] * difference * difference / 4;
@@ -133,10 +133,12 @@ std::vector<double> FluxOscillation<dim>::oscillations(const Faces &faces) const
 template <int dim>
 std::vector<double> FluxOscillation<dim>::evaluate(const MPI_Comm &communicator) const
 {
-  const Faces of_source = gather(source, communicator), of_destination = gather(destination, communicator);
+  const Faces source_faces = gather(source, communicator),
+              destination_faces = gather(destination, communicator);
   std::vector<double> result(first.size() - 1);
   if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-    result = oscillations(of_source.sums.size() >= of_destination.sums.size() ? of_source : of_destination);
+    result = oscillations(source_faces.sums.size() >= destination_faces.sums.size() ? source_faces
+                                                                                    : destination_faces);
   return dealii::Utilities::MPI::broadcast(communicator, result);
 }
 

@@ -39,17 +39,17 @@ void InterfacePoint<dim>::evaluate(const unsigned int q, const std::vector<doubl
     for (unsigned int f = 0; f < fields.size(); ++f) {
       const TiedField &field = interface.fields[f];
       fields[f].flux[side] = normal_flux(field, side, q);
-      double square = 0, of_gradient = 0, of_value = 0;
+      double square = 0, gradient_part = 0, value_part = 0;
       for (unsigned int c = field.first_component[side]; c < field.first_component[side] + field.n_components;
            ++c) {
         square += response.flux[c].norm_square();
-        of_gradient += state[side].gradient[c].norm_square();
-        of_value += state[side].value[c] * state[side].value[c];
+        gradient_part += state[side].gradient[c].norm_square();
+        value_part += state[side].value[c] * state[side].value[c];
       }
       const double size = std::sqrt(square),
                    terms = modulus(field, side) *
-                           (std::sqrt(of_gradient) +
-                            std::sqrt(of_value) / interface.sides[side].domain->typical_length());
+                           (std::sqrt(gradient_part) +
+                            std::sqrt(value_part) / interface.sides[side].domain->typical_length());
       fields[f].flux_size[side] = size > rounding * terms ? size : 0; // as of a rigid motion
       const auto first = state[side].value.begin() + field.first_component[side];
       fields[f].trace[side].assign(first, first + field.n_components);
@@ -92,11 +92,11 @@ std::vector<double> InterfacePoint<dim>::exact_flux(const unsigned int field, co
 {
   const Domain<dim> &domain = *interface.sides[side].domain;
   const dealii::Point<dim> &X = interface.pairing().X(side, q);
-  for (const Field &of_domain : domain.fields())
-    if (const Expression *exact = domain.exact().find(of_domain.name))
-      for (unsigned int c = 0; c < of_domain.n_components; ++c) {
-        points.state[side].value[of_domain.first_component + c] = exact->value(X, t, c);
-        points.state[side].gradient[of_domain.first_component + c] =
+  for (const Field &domain_field : domain.fields())
+    if (const Expression *exact = domain.exact().find(domain_field.name))
+      for (unsigned int c = 0; c < domain_field.n_components; ++c) {
+        points.state[side].value[domain_field.first_component + c] = exact->value(X, t, c);
+        points.state[side].gradient[domain_field.first_component + c] =
             exact->gradient(X, t, c, domain.typical_length());
       }
   return normal_flux(interface.fields[field], side, q);
@@ -130,11 +130,11 @@ std::vector<double> InterfacePoint<dim>::exact_flux(const unsigned int field, co
     stiffness = modulus(interface.fields[field], source);
   }
   if (has_exact_flux(field, destination)) {
-    std::vector<double> of_destination = exact_flux(field, destination, q);
+    std::vector<double> destination_flux = exact_flux(field, destination, q);
     if (modulus(interface.fields[field], destination) < much_softer * stiffness) {
-      for (double &component : of_destination)
+      for (double &component : destination_flux)
         component = -component;
-      result = of_destination;
+      result = destination_flux;
     }
   }
   return result;

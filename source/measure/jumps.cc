@@ -26,9 +26,9 @@ double range(const Interface<dim> &interface, const std::string &field, const or
 {
   double largest = -std::numeric_limits<double>::max(), smallest = -largest;
   for (const auto &side : interface.sides) {
-    const ordered_json &of_domain = domains.at(side.domain->name);
-    largest = std::max(largest, of_domain.at("maximum").at(field).get<double>());
-    smallest = std::min(smallest, of_domain.at("minimum").at(field).get<double>());
+    const ordered_json &domain_numbers = domains.at(side.domain->name);
+    largest = std::max(largest, domain_numbers.at("maximum").at(field).get<double>());
+    smallest = std::min(smallest, domain_numbers.at("minimum").at(field).get<double>());
   }
   return largest - smallest > rounding_of_range * std::max(std::abs(largest), std::abs(smallest))
              ? largest - smallest
@@ -83,23 +83,24 @@ std::string words_for_imbalance(const std::string &interface, const std::string 
 /// NaN if the report does not know it.
 double number(const ordered_json &numbers, const std::string &key, const std::string &field)
 {
-  const auto of_fields = numbers.find(key);
-  if (of_fields == numbers.end() || !of_fields->contains(field) || !of_fields->at(field).is_number())
+  const auto field_numbers = numbers.find(key);
+  if (field_numbers == numbers.end() || !field_numbers->contains(field) ||
+      !field_numbers->at(field).is_number())
     return std::numeric_limits<double>::quiet_NaN();
-  return of_fields->at(field).get<double>();
+  return field_numbers->at(field).get<double>();
 }
 
 /// Of ties that give each side the flux at the points of its own faces: what one side gets and the other one
 /// does not give.
 double imbalance(const ordered_json &numbers, const std::string &field)
 {
-  const ordered_json &of_source = numbers.at("resultant source").at(field),
-                     &of_destination = numbers.at("resultant destination").at(field);
+  const ordered_json &source_resultant = numbers.at("resultant source").at(field),
+                     &destination_resultant = numbers.at("resultant destination").at(field);
   double square = 0;
-  if (!of_source.is_array())
-    return std::abs(of_source.get<double>() + of_destination.get<double>());
-  for (unsigned int c = 0; c < of_source.size(); ++c)
-    square += std::pow(of_source[c].get<double>() + of_destination[c].get<double>(), 2);
+  if (!source_resultant.is_array())
+    return std::abs(source_resultant.get<double>() + destination_resultant.get<double>());
+  for (unsigned int c = 0; c < source_resultant.size(); ++c)
+    square += std::pow(source_resultant[c].get<double>() + destination_resultant[c].get<double>(), 2);
   return std::sqrt(square);
 }
 

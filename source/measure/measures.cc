@@ -103,7 +103,7 @@ template <int dim>
 class EnergySquares
 {
 public:
-  EnergySquares(const Domain<dim> &domain, const double t) : of_solution(domain, t), of_exact(domain, t)
+  EnergySquares(const Domain<dim> &domain, const double t) : solution_point(domain, t), exact_point(domain, t)
   {
     const auto &fields = domain.fields();
     for (unsigned int f = 0; f < fields.size(); ++f) {
@@ -127,14 +127,14 @@ public:
                 const std::vector<double> &unknowns)
   {
     for (const unsigned int q : values.quadrature_point_indices()) {
-      of_solution.reinit(values, q, unknowns);
-      of_exact.state.X = of_solution.state.X;
+      solution_point.reinit(values, q, unknowns);
+      exact_point.state.X = solution_point.state.X;
       set_exact_state(exact, q);
-      bool is_defined = of_solution.evaluate(false);
-      is_defined = of_exact.evaluate(false) && is_defined;
+      bool is_defined = solution_point.evaluate(false);
+      is_defined = exact_point.evaluate(false) && is_defined;
       for (const Field *field : known)
-        add_point(*field,
-                  is_defined ? of_exact.domain.measure(values, q) : std::numeric_limits<double>::quiet_NaN());
+        add_point(*field, is_defined ? exact_point.domain.measure(values, q)
+                                     : std::numeric_limits<double>::quiet_NaN());
     }
   }
 
@@ -143,37 +143,37 @@ private:
   {
     for (unsigned int i = 0; i < exact.value.size(); ++i)
       if (!exact.value[i].empty()) {
-        of_exact.state.value[i] = exact.value[i][q];
-        of_exact.state.gradient[i] = exact.gradient[i][q];
+        exact_point.state.value[i] = exact.value[i][q];
+        exact_point.state.gradient[i] = exact.gradient[i][q];
       }
   }
 
   void add_point(const Field &field, const double JxW)
   {
-    Squares &of_field = squares[field.name];
+    Squares &field_numbers = squares[field.name];
     for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
-      const auto &exact_flux = of_exact.response.flux[c], &exact_gradient = of_exact.state.gradient[c];
-      of_field.error += (of_solution.response.flux[c] - exact_flux) *
-                        (of_solution.state.gradient[c] - exact_gradient) * JxW;
-      of_field.norm += exact_flux * exact_gradient * JxW;
+      const auto &exact_flux = exact_point.response.flux[c], &exact_gradient = exact_point.state.gradient[c];
+      field_numbers.error += (solution_point.response.flux[c] - exact_flux) *
+                             (solution_point.state.gradient[c] - exact_gradient) * JxW;
+      field_numbers.norm += exact_flux * exact_gradient * JxW;
     }
-    if (of_exact.domain.measure.has_hoop_strain(field)) {
+    if (exact_point.domain.measure.has_hoop_strain(field)) {
       const unsigned int radial = field.first_component;
-      const double S = of_exact.response.source[radial], u = of_exact.state.value[radial];
-      of_field.error +=
-          (of_solution.response.source[radial] - S) * (of_solution.state.value[radial] - u) * JxW;
-      of_field.norm += S * u * JxW;
+      const double S = exact_point.response.source[radial], u = exact_point.state.value[radial];
+      field_numbers.error +=
+          (solution_point.response.source[radial] - S) * (solution_point.state.value[radial] - u) * JxW;
+      field_numbers.norm += S * u * JxW;
     }
   }
 
-  CellPoints<dim> of_solution, of_exact;
+  CellPoints<dim> solution_point, exact_point;
 };
 
 /// Adds "errors" and "norms" if the domain has an exact solution.
 template <int dim>
 void measure_errors(const Domain<dim> &domain, const Vector &solution, const double t, ordered_json &result)
 {
-  if (domain.exact().of_field.empty())
+  if (domain.exact().expressions.empty())
     return;
   const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
   dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
@@ -204,9 +204,11 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
   };
   for (const Field &field : domain.fields())
     if (domain.exact().find(field.name) != nullptr) {
-      const Squares &of_field = squares[field.name];
-      result["errors"][field.name] = {{"L2", norm(of_field.error)}, {"H1", norm(of_field.error_of_gradient)}};
-      result["norms"][field.name] = {{"L2", norm(of_field.norm)}, {"H1", norm(of_field.norm_of_gradient)}};
+      const Squares &field_numbers = squares[field.name];
+      result["errors"][field.name] = {{"L2", norm(field_numbers.error)},
+                                      {"H1", norm(field_numbers.error_of_gradient)}};
+      result["norms"][field.name] = {{"L2", norm(field_numbers.norm)},
+                                     {"H1", norm(field_numbers.norm_of_gradient)}};
     }
   for (const Field *field : energy.known) {
     result["errors"][field->name]["energy"] = norm(energy.squares[field->name].error);
@@ -258,7 +260,7 @@ struct FluxIntegrals
   std::array<std::vector<double>, 2> trace;
 
   template <int dim>
-  void add(const typename InterfacePoint<dim>::OfField &at_point, const double weight)
+  void add(const typename InterfacePoint<dim>::FieldAtPoint &at_point, const double weight)
   {
     for (unsigned int c = 0; c < at_point.jump.size(); ++c) {
       for (const unsigned int side : {source, destination})
@@ -335,8 +337,8 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
   std::vector<bool> is_known; // the exact flux, by field
   for (unsigned int f = 0; f < integrals.size(); ++f) {
     is_known.push_back(point.has_exact_flux(f));
-    for (auto &of_side : integrals[f].trace)
-      of_side.assign(interface.fields[f].n_components, 0.);
+    for (auto &side_trace : integrals[f].trace)
+      side_trace.assign(interface.fields[f].n_components, 0.);
   }
   std::optional<FluxOscillation<dim>> oscillation;
   if (std::find(is_known.begin(), is_known.end(), true) != is_known.end())
@@ -346,11 +348,11 @@ void measure_fluxes(const Interface<dim> &interface, const Vector &solution, con
     const double weight = interface.pairing().weight(q);
     area += weight;
     for (unsigned int f = 0; f < integrals.size(); ++f) {
-      const auto &of_field = point.fields[f];
-      integrals[f].template add<dim>(of_field, weight);
-      std::vector<double> error(of_field.jump.size(), 0.);
+      const auto &field_numbers = point.fields[f];
+      integrals[f].template add<dim>(field_numbers, weight);
+      std::vector<double> error(field_numbers.jump.size(), 0.);
       if (is_known[f])
-        error = integrals[f].add_error(of_field.numerical_flux, point.exact_flux(f, q), weight);
+        error = integrals[f].add_error(field_numbers.numerical_flux, point.exact_flux(f, q), weight);
       if (oscillation)
         oscillation->add(f, q, error);
     }
@@ -372,10 +374,10 @@ template <int dim>
 void measure_penalty(const Interface<dim> &interface, const MPI_Comm &communicator, ordered_json &result)
 {
   const PointTerms<dim> *terms = interface.tie().parts().point_terms;
-  const PenaltyRange of_rank = terms != nullptr ? terms->penalty() : PenaltyRange();
-  const double smallest = dealii::Utilities::MPI::min(of_rank.smallest, communicator);
-  const double largest = dealii::Utilities::MPI::max(of_rank.largest, communicator);
-  const double margin = dealii::Utilities::MPI::min(of_rank.coercivity_margin, communicator);
+  const PenaltyRange own = terms != nullptr ? terms->penalty() : PenaltyRange();
+  const double smallest = dealii::Utilities::MPI::min(own.smallest, communicator);
+  const double largest = dealii::Utilities::MPI::max(own.largest, communicator);
+  const double margin = dealii::Utilities::MPI::min(own.coercivity_margin, communicator);
   if (largest > 0)
     result["penalty"] = {{"smallest", smallest}, {"largest", largest}};
   if (std::isfinite(margin))
@@ -430,7 +432,7 @@ ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution,
     for (const unsigned int side : {source, destination})
       for (unsigned int f = 0; f < interface->fields.size(); ++f)
         result[side == source ? "resultant source" : "resultant destination"][interface->fields[f].name] =
-            reactions.of_interface(*interface, f)[side];
+            reactions.interface_resultants(*interface, f)[side];
     measure_penalty(*interface, model.communicator, result);
     all[interface->name] = result;
   }

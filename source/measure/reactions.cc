@@ -40,7 +40,7 @@ Reactions<dim>::Reactions(const Model<dim> &model, const NodalForces<dim> &force
   for (const auto &interface : model.interfaces) {
     auto &all = all_transmissions[interface.get()];
     if (interface->is_active(nodal.t)) {
-      all = nodal.of_groups(*interface);
+      all = nodal.group_transmissions(*interface);
       const TieParts<dim> parts = interface->tie().parts();
       if (parts.flux_recovery != nullptr) {
         const auto others = parts.flux_recovery->transmissions();
@@ -87,7 +87,7 @@ void Reactions<dim>::share_with_held(const Interface<dim> &interface,
                                     return side.belongs(face.cell, face.id) ? 0 : -1;
                                   });
     for (const HeldUnknown *held : shared) {
-      const double influx = shares.of_first(held->dof, nodal(held->dof));
+      const double influx = shares.first_share(held->dof, nodal(held->dof));
       all_transmissions[&interface].push_back({f, held->component, {{-influx, influx}}});
       pushes.emplace_back(held->dof, -influx);
       for (const auto &[dof, weight] : held->source)
@@ -101,16 +101,16 @@ void Reactions<dim>::share_with_held(const Interface<dim> &interface,
 template <int dim>
 void Reactions<dim>::add_up(const Interface<dim> &interface)
 {
-  auto &of_fields = resultants[&interface];
+  auto &field_resultants = resultants[&interface];
   for (const TiedField &tied : interface.fields)
-    of_fields.push_back(
+    field_resultants.push_back(
         {{std::vector<double>(tied.n_components, 0.), std::vector<double>(tied.n_components, 0.)}});
   for (const Transmission &transmission : all_transmissions.at(&interface))
     for (const unsigned int side : {source, destination})
-      of_fields[transmission.field][side][transmission.component] += transmission.influx[side];
-  for (auto &of_field : of_fields)
-    for (std::vector<double> &of_side : of_field)
-      dealii::Utilities::MPI::sum(of_side, model.communicator, of_side);
+      field_resultants[transmission.field][side][transmission.component] += transmission.influx[side];
+  for (auto &field_sides : field_resultants)
+    for (std::vector<double> &side_resultant : field_sides)
+      dealii::Utilities::MPI::sum(side_resultant, model.communicator, side_resultant);
 }
 
 template <int dim>
@@ -125,7 +125,7 @@ std::vector<double> Reactions<dim>::resultant(const Domain<dim> &domain, const I
     for (unsigned int f = 0; f < interface->fields.size(); ++f)
       for (const unsigned int side : {source, destination})
         if (interface->sides[side].domain == &domain && interface->fields[f].name == field.name) {
-          const std::vector<double> part = of_part(*interface, f, side, ids);
+          const std::vector<double> part = part_resultant(*interface, f, side, ids);
           for (unsigned int c = 0; c < sum.size(); ++c)
             sum[c] += part[c];
         }
@@ -152,11 +152,11 @@ void Reactions<dim>::add_prescribed(const Domain<dim> &domain, const Ids &ids, c
                                   return ids.count(face.id) > 0 ? 0 : 1;
                                 });
   for (const auto &[dof, at_node] : at_nodes(domain, field))
-    sum[at_node.component] += shares.of_first(dof, at_node.force);
+    sum[at_node.component] += shares.first_share(dof, at_node.force);
 }
 
 template <int dim>
-std::map<dealii::types::global_dof_index, typename Reactions<dim>::OfNode>
+std::map<dealii::types::global_dof_index, typename Reactions<dim>::ForceAtNode>
 Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
 {
   const unsigned int n = domain.n_nodes();
@@ -180,7 +180,7 @@ Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
     if (condition->field.name == field.name)
       add_node(node.cell, node.node);
 
-  std::map<dealii::types::global_dof_index, OfNode> result;
+  std::map<dealii::types::global_dof_index, ForceAtNode> result;
   for (const auto &[dof, component] : component_of)
     if (const ConstraintLine *line = nodal.line_of_condition(dof)) {
       const double force = nodal(dof);
@@ -247,11 +247,11 @@ void Reactions<dim>::add_given(const Domain<dim> &domain, const Ids &ids, const 
 /// What a side of an interface gets through those of its faces that have these ids: the flux of the body
 /// there, and by area what it differs on the whole side from what the tie transmits.
 template <int dim>
-std::vector<double> Reactions<dim>::of_part(const Interface<dim> &interface, const unsigned int f,
-                                            const unsigned int s, const Ids &ids) const
+std::vector<double> Reactions<dim>::part_resultant(const Interface<dim> &interface, const unsigned int f,
+                                                   const unsigned int s, const Ids &ids) const
 {
   const InterfaceSide<dim> &side = interface.sides[s];
-  const std::vector<double> &whole = of_interface(interface, f)[s];
+  const std::vector<double> &whole = interface_resultants(interface, f)[s];
   if (!interface.is_active(nodal.t) || std::none_of(side.boundary_ids.begin(), side.boundary_ids.end(),
                                                     [&](const auto id) { return ids.count(id) > 0; }))
     return std::vector<double>(whole.size(), 0.);
@@ -273,12 +273,12 @@ std::vector<double> Reactions<dim>::of_part(const Interface<dim> &interface, con
       values.reinit(cell, face);
       domain.cell_dofs(domain.dof_cell(cell), dofs);
       solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      double *of_part = &sums[ids.count(id) > 0 ? 0 : n_c + 1];
+      double *part_resultant = &sums[ids.count(id) > 0 ? 0 : n_c + 1];
       for (const unsigned int q : values.quadrature_point_indices()) {
         const std::vector<double> &A_N = flux_on_face.evaluate(values, q, unknowns);
         for (unsigned int c = 0; c < n_c; ++c)
-          of_part[c] += A_N[first + c] * domain.measure(values, q);
-        of_part[n_c] += domain.measure(values, q);
+          part_resultant[c] += A_N[first + c] * domain.measure(values, q);
+        part_resultant[n_c] += domain.measure(values, q);
       }
     }
   dealii::Utilities::MPI::sum(sums, model.communicator, sums);

@@ -81,7 +81,7 @@ public:
     n_undefined[i] += std::isnan(number);
   }
 
-  std::vector<double> of_all_ranks(const MPI_Comm &communicator) const
+  std::vector<double> over_ranks(const MPI_Comm &communicator) const
   {
     std::vector<double> result(largest.size()), undefined(largest.size());
     dealii::Utilities::MPI::max(largest, communicator, result);
@@ -167,7 +167,7 @@ std::vector<double> reduce(const Region<dim> &region, const Field &field, const 
   Extremes extremes(field.n_components, how);
   for_each_unknown(region, field, solution,
                    [&](const unsigned int c, const double value) { extremes.add(c, value); });
-  return extremes.of_all_ranks(solution.block(0).get_mpi_communicator());
+  return extremes.over_ranks(solution.block(0).get_mpi_communicator());
 }
 
 template <int dim>
@@ -187,7 +187,7 @@ std::vector<double> reduce(const Region<dim> &region, const Quantity<dim> &quant
     for (unsigned int i = 0; i < n_numbers; ++i)
       extremes.add(i, numbers[i]);
   });
-  return extremes.of_all_ranks(solution.block(0).get_mpi_communicator());
+  return extremes.over_ranks(solution.block(0).get_mpi_communicator());
 }
 
 template std::vector<double> reduce(const Region<2> &, const Field &, Reduce, const Vector &);

@@ -63,10 +63,10 @@ std::vector<std::string> explain_resolution(const Model<dim> &model, const Vecto
       const Field &field = domain->fields()[f];
       if (field.n_components > 1 || domain->material.is_linear(f))
         continue;
-      const auto of_ranks = dealii::Utilities::MPI::all_gather(
+      const auto gathered = dealii::Utilities::MPI::all_gather(
           model.communicator, variation_on_this_rank(*domain, field, solution, t));
       const Variation<dim> worst = *std::max_element(
-          of_ranks.begin(), of_ranks.end(), [](const auto &a, const auto &b) { return a.first < b.first; });
+          gathered.begin(), gathered.end(), [](const auto &a, const auto &b) { return a.first < b.first; });
       if (!(worst.first > largest_variation))
         continue;
       std::ostringstream words;

@@ -219,10 +219,10 @@ Dense gather(const BlockSystem<dim> &system, const Numbering &numbering, const S
   Entries own_entries, entries;
   std::map<Index, bool> own_rows, is_left_out;
   collect(system, numbering, group, own_entries, own_rows);
-  for (auto &of_rank : dealii::Utilities::MPI::gather(communicator, own_entries))
-    entries.merge(of_rank);
-  for (auto &of_rank : dealii::Utilities::MPI::gather(communicator, own_rows))
-    is_left_out.merge(of_rank);
+  for (auto &rank_entries : dealii::Utilities::MPI::gather(communicator, own_entries))
+    entries.merge(rank_entries);
+  for (auto &rank_entries : dealii::Utilities::MPI::gather(communicator, own_rows))
+    is_left_out.merge(rank_entries);
 
   const auto is_multiplier = [&](const Index row) {
     return numbering.blocks()[numbering.block_of(row)].is_of_multipliers;

@@ -44,7 +44,7 @@ TraceShares<dim>::TraceShares(const Domain<dim> &domain, const Field &field, con
 }
 
 template <int dim>
-double TraceShares<dim>::of_first(const dealii::types::global_dof_index dof, const double force) const
+double TraceShares<dim>::first_share(const dealii::types::global_dof_index dof, const double force) const
 {
   const auto i = dof - domain.first_dof;
   const double sum = area[0](i) + area[1](i);
@@ -65,7 +65,7 @@ void TraceShares<dim>::add_areas(const Part &part)
       for (unsigned int c = 0; c < field.n_components; ++c)
         for (unsigned int a = 0; a < n; ++a)
           if (domain.scalar_element().has_support_on_face(a, face.number))
-            if (const int of_node = part(face, a, c); of_node >= 0) {
+            if (const int node_part = part(face, a, c); node_part >= 0) {
               if (!is_ready) {
                 values.reinit(face.cell, face.number);
                 domain.cell_dofs(domain.dof_cell(face.cell), dofs);
@@ -74,7 +74,7 @@ void TraceShares<dim>::add_areas(const Part &part)
               double square = 0;
               for (const unsigned int q : values.quadrature_point_indices())
                 square += values.shape_value(a, q) * values.shape_value(a, q) * domain.measure(values, q);
-              area[of_node](dofs[(field.first_component + c) * n + a] - domain.first_dof) += square;
+              area[node_part](dofs[(field.first_component + c) * n + a] - domain.first_dof) += square;
             }
   }
   for (Weights &weights : area)
@@ -110,9 +110,9 @@ void TraceShares<dim>::add_fluxes(const Vector &solution, const double t, const 
     for (unsigned int c = 0; c < field.n_components; ++c)
       for (unsigned int a = 0; a < n; ++a)
         if (domain.scalar_element().has_support_on_face(a, face.number))
-          if (const int of_node = part(face, a, c); of_node >= 0) {
+          if (const int node_part = part(face, a, c); node_part >= 0) {
             const unsigned int i = (field.first_component + c) * n + a;
-            nodes.push_back({{i, a, static_cast<unsigned int>(of_node)}});
+            nodes.push_back({{i, a, static_cast<unsigned int>(node_part)}});
             const auto dof = dofs[i] - domain.first_dof;
             has_common = has_common || (ghosted[0](dof) > 0 && ghosted[1](dof) > 0);
           }
@@ -122,8 +122,8 @@ void TraceShares<dim>::add_fluxes(const Vector &solution, const double t, const 
     solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
     for (const unsigned int q : values.quadrature_point_indices()) {
       const std::vector<double> &A_N = flux_on_face.evaluate(values, q, unknowns);
-      for (const auto &[i, a, of_node] : nodes)
-        flux[of_node](dofs[i] - domain.first_dof) +=
+      for (const auto &[i, a, node_part] : nodes)
+        flux[node_part](dofs[i] - domain.first_dof) +=
             A_N[i / n] * values.shape_value(a, q) * domain.measure(values, q);
     }
   }

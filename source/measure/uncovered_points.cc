@@ -25,10 +25,10 @@ nlohmann::ordered_json list_uncovered_points(const Pairing<dim> &pairing, const 
       first.resize(n);
   };
   keep_first();
-  const auto of_ranks = dealii::Utilities::MPI::gather(communicator, first);
+  const auto gathered = dealii::Utilities::MPI::gather(communicator, first);
   first.clear();
-  for (const auto &of_rank : of_ranks)
-    first.insert(first.end(), of_rank.begin(), of_rank.end());
+  for (const auto &rank_points : gathered)
+    first.insert(first.end(), rank_points.begin(), rank_points.end());
   keep_first();
   auto list = nlohmann::ordered_json::array();
   for (const auto &[X, side] : first)

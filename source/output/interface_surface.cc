@@ -55,9 +55,9 @@ void InterfaceSurface<dim>::update(const Vector &solution, const double t)
     if (side != own)
       return;
     data.clear();
-    for (const auto &of_field : point.fields) {
-      data.insert(data.end(), of_field.jump.begin(), of_field.jump.end());
-      data.insert(data.end(), of_field.numerical_flux.begin(), of_field.numerical_flux.end());
+    for (const auto &point_field : point.fields) {
+      data.insert(data.end(), point_field.jump.begin(), point_field.jump.end());
+      data.insert(data.end(), point_field.numerical_flux.begin(), point_field.numerical_flux.end());
     }
     data.push_back(signed_gap(interface, q));
     for (unsigned int d = 0; d < dim; ++d)

@@ -155,9 +155,9 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), sentences);
   report()["steps"].back()["imbalance"] = balance.worst;
   nlohmann::ordered_json flows = balance.report;
-  for (auto &of_domain : flows)
-    for (auto &of_field : of_domain)
-      of_field.erase("rounding");
+  for (auto &domain_flows : flows)
+    for (auto &field_flows : domain_flows)
+      field_flows.erase("rounding");
   step_table.add(solution.t, probes.evaluate(ghosted, reactions), flows);
 }
 

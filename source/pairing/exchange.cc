@@ -25,12 +25,12 @@ std::map<Index, unsigned int> owners(const std::set<Index> &dofs, const Index fi
   return result;
 }
 
-OfRanks<std::vector<char>> exchange_bytes(const OfRanks<std::vector<char>> &bytes,
+RankMap<std::vector<char>> exchange_bytes(const RankMap<std::vector<char>> &bytes,
                                           const MPI_Comm &communicator, InterfaceWork &work)
 {
-  for (const auto &of_rank : bytes) {
+  for (const auto &message : bytes) {
     ++work.messages;
-    work.bytes += of_rank.second.size();
+    work.bytes += message.second.size();
   }
   if (dealii::Utilities::MPI::max(bytes.empty() ? 0 : 1, communicator) == 0)
     return {};

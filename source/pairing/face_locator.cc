@@ -138,7 +138,7 @@ struct FaceLocator<dim>::Implementation
   Answer answer(const Query &query, Candidates &candidates) const;
 
   /// For each other rank the indices of the boxes that its own ones meet.
-  OfRanks<std::vector<unsigned int>> boxes_of_other_ranks(const std::vector<BoundingBox<dim>> &boxes) const;
+  RankMap<std::vector<unsigned int>> boxes_of_other_ranks(const std::vector<BoundingBox<dim>> &boxes) const;
   /// The faces of this rank in some boxes.
   NearbyFaces faces_in(const std::vector<BoundingBox<dim>> &boxes) const;
 
@@ -200,9 +200,9 @@ void FaceLocator<dim>::Implementation::build_trees()
   if (!side.faces.empty())
     own = extract_rtree_level(face_tree, 0);
   std::vector<std::pair<BoundingBox<dim>, unsigned int>> coarse;
-  const auto of_ranks = Utilities::MPI::all_gather(communicator, own);
+  const auto gathered = Utilities::MPI::all_gather(communicator, own);
   for (unsigned int rank = 0; rank < n_ranks; ++rank)
-    for (const BoundingBox<dim> &box : of_ranks[rank])
+    for (const BoundingBox<dim> &box : gathered[rank])
       if (rank != this_rank)
         coarse.emplace_back(box, rank);
   rank_tree = pack_rtree(coarse);
@@ -269,10 +269,10 @@ void FaceLocator<dim>::Implementation::search(const Query &query, Candidates &ca
 }
 
 template <int dim>
-OfRanks<std::vector<unsigned int>>
+RankMap<std::vector<unsigned int>>
 FaceLocator<dim>::Implementation::boxes_of_other_ranks(const std::vector<BoundingBox<dim>> &boxes) const
 {
-  OfRanks<std::vector<unsigned int>> result;
+  RankMap<std::vector<unsigned int>> result;
   for (unsigned int i = 0; i < boxes.size(); ++i)
     rank_tree.query(boost::geometry::index::intersects(boxes[i]),
                     boost::make_function_output_iterator([&](const auto &box_and_rank) {
@@ -298,12 +298,12 @@ namespace {
 
 /// The objects with some indices, for each rank.
 template <typename T>
-OfRanks<std::vector<T>> select(const std::vector<T> &objects,
-                               const OfRanks<std::vector<unsigned int>> &indices)
+RankMap<std::vector<T>> select(const std::vector<T> &objects,
+                               const RankMap<std::vector<unsigned int>> &indices)
 {
-  OfRanks<std::vector<T>> result;
-  for (const auto &[rank, of_rank] : indices)
-    for (const unsigned int i : of_rank)
+  RankMap<std::vector<T>> result;
+  for (const auto &[rank, rank_part] : indices)
+    for (const unsigned int i : rank_part)
       result[rank].push_back(objects[i]);
   return result;
 }
@@ -360,13 +360,13 @@ FaceLocator<dim>::locate(const std::vector<Query> &queries) const
     return matches;
 
   const auto indices = local.boxes_of_other_ranks(boxes);
-  OfRanks<std::vector<typename Implementation::Answer>> answers;
-  for (const auto &[rank, of_rank] : exchange(select(queries, indices), local.communicator, local.work))
-    for (const Query &query : of_rank)
+  RankMap<std::vector<typename Implementation::Answer>> answers;
+  for (const auto &[rank, rank_part] : exchange(select(queries, indices), local.communicator, local.work))
+    for (const Query &query : rank_part)
       answers[rank].push_back(local.answer(query, candidates));
-  for (const auto &[rank, of_rank] : exchange(std::move(answers), local.communicator, local.work))
-    for (unsigned int i = 0; i < of_rank.size(); ++i) {
-      const auto &[match, key] = of_rank[i];
+  for (const auto &[rank, rank_part] : exchange(std::move(answers), local.communicator, local.work))
+    for (unsigned int i = 0; i < rank_part.size(); ++i) {
+      const auto &[match, key] = rank_part[i];
       const unsigned int query = indices.at(rank)[i];
       if (match.face != numbers::invalid_unsigned_int &&
           (matches[query].face == numbers::invalid_unsigned_int ||
@@ -386,7 +386,7 @@ FaceLocator<dim>::Implementation::faces_in(const std::vector<BoundingBox<dim>> &
   std::map<unsigned int, unsigned int> position; // in the result, each face once
   const auto add = [&](const unsigned int index) {
     const auto [entry, is_new] = position.emplace(index, result.faces.size());
-    result.of_box.back().push_back(entry->second);
+    result.faces_in_box.back().push_back(entry->second);
     if (!is_new)
       return;
     const auto &face = side.faces[index];
@@ -400,7 +400,7 @@ FaceLocator<dim>::Implementation::faces_in(const std::vector<BoundingBox<dim>> &
                             {nodes, nodes + side.shape.n_nodes()}});
   };
   for (const BoundingBox<dim> &box : in_boxes) {
-    result.of_box.emplace_back();
+    result.faces_in_box.emplace_back();
     face_tree.query(
         boost::geometry::index::intersects(box),
         boost::make_function_output_iterator([&](const auto &box_and_face) { add(box_and_face.second); }));
@@ -419,20 +419,20 @@ typename FaceLocator<dim>::NearbyFaces FaceLocator<dim>::faces_near(std::vector<
   if (local.n_ranks > 1) {
     const std::size_t n_own = result.faces.size();
     const auto indices = local.boxes_of_other_ranks(boxes);
-    OfRanks<NearbyFaces> answers;
-    for (const auto &[rank, of_rank] : exchange(select(boxes, indices), local.communicator, local.work))
-      answers[rank] = local.faces_in(of_rank);
+    RankMap<NearbyFaces> answers;
+    for (const auto &[rank, rank_part] : exchange(select(boxes, indices), local.communicator, local.work))
+      answers[rank] = local.faces_in(rank_part);
     for (const auto &[rank, nearby] : exchange(std::move(answers), local.communicator, local.work)) {
       const unsigned int first = result.faces.size();
       result.faces.insert(result.faces.end(), nearby.faces.begin(), nearby.faces.end());
-      for (unsigned int i = 0; i < nearby.of_box.size(); ++i)
-        for (const unsigned int face : nearby.of_box[i])
-          result.of_box[indices.at(rank)[i]].push_back(first + face);
+      for (unsigned int i = 0; i < nearby.faces_in_box.size(); ++i)
+        for (const unsigned int face : nearby.faces_in_box[i])
+          result.faces_in_box[indices.at(rank)[i]].push_back(first + face);
     }
     local.work.faces += result.faces.size() - n_own;
   }
-  for (std::vector<unsigned int> &of_box : result.of_box)
-    std::sort(of_box.begin(), of_box.end(), [&](const unsigned int i, const unsigned int j) {
+  for (std::vector<unsigned int> &faces_in_box : result.faces_in_box)
+    std::sort(faces_in_box.begin(), faces_in_box.end(), [&](const unsigned int i, const unsigned int j) {
       return result.faces[i].key < result.faces[j].key;
     });
   return result;

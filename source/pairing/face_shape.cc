@@ -613,7 +613,7 @@ bool FaceShape<dim>::is_flat(const Point<dim> *nodes) const
     }
   const std::vector<Tensor<1, dim>> rest = rest_of_linear(nodes);
   return std::all_of(rest.begin(), rest.end(),
-                     [&](const auto &of_node) { return of_node.norm() <= tolerance; });
+                     [&](const auto &node_vector) { return node_vector.norm() <= tolerance; });
 }
 
 template <int dim>

@@ -92,15 +92,15 @@ std::vector<FacingBoundaries> find_facing_boundaries(const std::vector<std::uniq
       for (const unsigned int k : neighbours[i])
         if (std::binary_search(neighbours[j].begin(), neighbours[j].end(), k))
           third.push_back(domains[k].get());
-      std::map<dealii::types::boundary_id, SideFaces<dim>> of_other;
+      std::map<dealii::types::boundary_id, SideFaces<dim>> other_faces;
       for (const auto id : other.boundary_ids())
-        of_other.emplace(id, faces_of<dim>({&other, {id}}));
+        other_faces.emplace(id, faces_of<dim>({&other, {id}}));
       FacingBoundaries facing{{{i, j}}, {}};
       for (const auto id : one.boundary_ids()) {
-        const auto of_one = faces_of<dim>({&one, {id}});
-        for (const auto &[other_id, faces_of_id] : of_other)
-          if (faces(of_one, faces_of_id, third, search_radius, communicator) ||
-              faces(faces_of_id, of_one, third, search_radius, communicator)) {
+        const auto own_faces = faces_of<dim>({&one, {id}});
+        for (const auto &[other_id, faces_of_id] : other_faces)
+          if (faces(own_faces, faces_of_id, third, search_radius, communicator) ||
+              faces(faces_of_id, own_faces, third, search_radius, communicator)) {
             facing.ids[0].insert(id);
             facing.ids[1].insert(other_id);
           }

@@ -205,8 +205,9 @@ void Pairing<dim>::count(const FacePoints<dim> &points, const SideFaces<dim> &fa
     face.share = covered_area / area;
     if (face.share == 1)
       face = {1., {}, {}, {}};
-    const auto &of_side = faces.faces[points.face[q]];
-    cover[own].emplace(std::make_pair(of_side.cell->active_cell_index(), of_side.face_no), std::move(face));
+    const auto &found_face = faces.faces[points.face[q]];
+    cover[own].emplace(std::make_pair(found_face.cell->active_cell_index(), found_face.face_no),
+                       std::move(face));
   }
 }
 

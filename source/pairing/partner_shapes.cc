@@ -86,27 +86,27 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
   result.values.resize(matches.size() * partner.n_nodes());
   result.gradients.resize(matches.size() * partner.n_nodes());
 
-  OfRanks<std::vector<Request<dim>>> requests;
+  RankMap<std::vector<Request<dim>>> requests;
   std::map<std::pair<unsigned int, unsigned int>, unsigned int> request_of_face;
   for (unsigned int i = 0; i < matches.size(); ++i)
     if (matches[i].found) {
-      auto &of_rank = requests[matches[i].rank];
+      auto &rank_requests = requests[matches[i].rank];
       const auto [entry, is_new] =
-          request_of_face.emplace(std::make_pair(matches[i].rank, matches[i].face), of_rank.size());
+          request_of_face.emplace(std::make_pair(matches[i].rank, matches[i].face), rank_requests.size());
       if (is_new)
-        of_rank.push_back({matches[i].face, {}, {}});
-      of_rank[entry->second].unit_points.push_back(matches[i].unit_point);
-      of_rank[entry->second].points.push_back(i);
+        rank_requests.push_back({matches[i].face, {}, {}});
+      rank_requests[entry->second].unit_points.push_back(matches[i].unit_point);
+      rank_requests[entry->second].points.push_back(i);
     }
   const unsigned int this_rank = dealii::Utilities::MPI::this_mpi_process(communicator),
                      n_nodes = partner.n_nodes();
-  for (const auto &[rank, of_rank] : requests)
-    locator.work().faces += rank == this_rank ? 0 : of_rank.size();
+  for (const auto &[rank, rank_requests] : requests)
+    locator.work().faces += rank == this_rank ? 0 : rank_requests.size();
 
   ShapeEvaluator<dim> shapes(partner);
-  OfRanks<std::vector<Answer<dim>>> answers;
-  for (const auto &[rank, of_rank] : exchange(requests, communicator, locator.work()))
-    answers[rank] = answer(of_rank, this_rank, partner, locator, shapes);
+  RankMap<std::vector<Answer<dim>>> answers;
+  for (const auto &[rank, rank_requests] : exchange(requests, communicator, locator.work()))
+    answers[rank] = answer(rank_requests, this_rank, partner, locator, shapes);
   answers = exchange(std::move(answers), communicator, locator.work());
   const auto add = [&](const std::vector<Request<dim>> &asked, std::vector<Answer<dim>> &answered) {
     for (unsigned int k = 0; k < asked.size(); ++k) {

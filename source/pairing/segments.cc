@@ -52,10 +52,10 @@ public:
   /// Exact for degree @p degree in total, on the unit interval or triangle.
   const Quadrature<structdim> &simplex(const unsigned int degree)
   {
-    const auto known = of_degree.find(degree);
-    if (known != of_degree.end())
+    const auto known = rules_of_degree.find(degree);
+    if (known != rules_of_degree.end())
       return known->second;
-    return of_degree.emplace(degree, make(degree)).first->second;
+    return rules_of_degree.emplace(degree, make(degree)).first->second;
   }
 
 private:
@@ -69,7 +69,7 @@ private:
       return QWitherdenVincentSimplex<2>(std::max(1u, (degree + 1) / 2), degree % 2 == 1 || degree == 0);
   }
 
-  std::map<unsigned int, Quadrature<structdim>> of_degree;
+  std::map<unsigned int, Quadrature<structdim>> rules_of_degree;
 };
 
 /// The quadrature of all segments of one side.
@@ -171,7 +171,7 @@ FacePoints<dim> Segmentation<dim>::run()
   }
   others = locator.faces_near(boxes, sizes);
   for (current_face = 0; current_face < own.faces.size(); ++current_face)
-    add_face(current_face, others.of_box[current_face]);
+    add_face(current_face, others.faces_in_box[current_face]);
   return std::move(points);
 }
 
@@ -190,13 +190,13 @@ void Segmentation<dim>::add_face(const unsigned int face, const std::vector<unsi
     const NearbyFace &other = others.faces[i];
     for (unsigned int c = 0; c < corners.size(); ++c)
       corners[c] = chart.project(partner_shape.corner(other.nodes.data(), c));
-    const Region<dim - 1> of_other = oriented(corners);
+    const Region<dim - 1> other_region = oriented(corners);
     Segment segment;
-    segment.region = clip(of_other, chart.window);
+    segment.region = clip(other_region, chart.window);
     if (segment.region.empty())
       continue;
     const double area = measure(segment.region);
-    if (area > chart.negligible * std::min(whole, measure(of_other)) &&
+    if (area > chart.negligible * std::min(whole, measure(other_region)) &&
         is_near(chart.evaluate(centroid(chart.to_integration(segment.region))), other, segment)) {
       segments.push_back(segment);
       covered += area;

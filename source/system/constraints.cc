@@ -36,8 +36,8 @@ ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_
       if (const auto line = owned_lines.find(dof); line != owned_lines.end())
         answers[rank].insert(*line);
   ConstraintLines lines;
-  for (auto &of_rank : dealii::Utilities::MPI::some_to_some(communicator, answers))
-    lines.merge(of_rank.second);
+  for (auto &answer : dealii::Utilities::MPI::some_to_some(communicator, answers))
+    lines.merge(answer.second);
   return lines;
 }
 

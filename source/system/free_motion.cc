@@ -53,9 +53,9 @@ std::vector<Group<dim>> groups_of(const Model<dim> &model, const std::string &fi
       blocks_of[first[blocks[b].domain_index]].push_back(b);
 
   std::vector<Group<dim>> groups;
-  for (const auto &of_group : blocks_of) {
+  for (const auto &group_blocks : blocks_of) {
     Group<dim> group;
-    group.blocks = of_group.second;
+    group.blocks = group_blocks.second;
     const auto body = [&](const unsigned int b) -> const Domain<dim> & {
       return *model.domains[blocks[b].domain_index];
     };
@@ -65,9 +65,9 @@ std::vector<Group<dim>> groups_of(const Model<dim> &model, const std::string &fi
       group.length =
           std::max(group.length, 2 * body(b).centre().distance(group.centre) + body(b).typical_length());
     const Domain<dim> &first_body = body(group.blocks[0]);
-    const Field &of_body = first_body.fields()[blocks[group.blocks[0]].field_index];
-    group.is_of_vector = of_body.n_components > 1;
-    group.is_around_axis = first_body.measure.has_hoop_strain(of_body);
+    const Field &body_field = first_body.fields()[blocks[group.blocks[0]].field_index];
+    group.is_of_vector = body_field.n_components > 1;
+    group.is_around_axis = first_body.measure.has_hoop_strain(body_field);
     group.n_modes = !group.is_of_vector || group.is_around_axis ? 1 : dim == 2 ? 3 : 6;
     groups.push_back(std::move(group));
   }
@@ -131,8 +131,8 @@ bool is_regular(const dealii::FullMatrix<double> &P, const unsigned int dim)
       A(c, d) = P(c, d);
       scaled(c, d) = P(c, d) / std::sqrt(P(c, c) * P(d, d));
     }
-  const auto of_translations = eigenvectors(scaled).first;
-  if (!(*std::min_element(of_translations.begin(), of_translations.end()) > 1e-6))
+  const auto translation_modes = eigenvectors(scaled).first;
+  if (!(*std::min_element(translation_modes.begin(), translation_modes.end()) > 1e-6))
     return false;
   if (n_rotations == 0)
     return true;
@@ -173,7 +173,7 @@ std::array<dealii::FullMatrix<double>, 2> energies(const std::vector<Group<dim>>
     return std::inner_product(one.begin(), one.end(), other, 0.);
   };
   for (const auto &[row, g] : group_of) {
-    const auto &of_row = groups[g].modes.at(row);
+    const auto &row_modes = groups[g].modes.at(row);
     for (const auto &[column, block] : tangent.row(row)) {
       if (group_of.count(column) == 0)
         continue;
@@ -185,15 +185,16 @@ std::array<dealii::FullMatrix<double>, 2> energies(const std::vector<Group<dim>>
         std::copy(values.begin(), values.end(), z.trilinos_vector()[0]);
         block->vmult(Kz, z);
         for (unsigned int k = 0; k < groups[g].n_modes; ++k)
-          energy(first_mode[g] + k, first_mode[h] + l) += product(of_row[k], Kz.trilinos_vector()[0]);
+          energy(first_mode[g] + k, first_mode[h] + l) += product(row_modes[k], Kz.trilinos_vector()[0]);
       }
     }
     Epetra_Vector diagonal(tangent.block(row, row).trilinos_matrix().RowMap());
     tangent.block(row, row).trilinos_matrix().ExtractDiagonalCopy(diagonal);
     for (unsigned int k = 0; k < groups[g].n_modes; ++k)
       for (unsigned int l = 0; l < groups[g].n_modes; ++l)
-        for (unsigned int i = 0; i < of_row[k].size(); ++i)
-          mass(first_mode[g] + k, first_mode[g] + l) += of_row[k][i] * std::abs(diagonal[i]) * of_row[l][i];
+        for (unsigned int i = 0; i < row_modes[k].size(); ++i)
+          mass(first_mode[g] + k, first_mode[g] + l) +=
+              row_modes[k][i] * std::abs(diagonal[i]) * row_modes[l][i];
   }
   for (auto &matrix : result)
     if (n > 0)
@@ -350,9 +351,9 @@ std::optional<FreeMotion<dim>> find_free_motion(const Model<dim> &model, const s
   const dealii::FullMatrix<double> basis = orthonormal_basis(M);
   if (basis.n() == 0)
     return {};
-  dealii::FullMatrix<double> of_basis(basis.n(), basis.n());
-  of_basis.triple_product(G, basis, basis, true, false);
-  const auto [values, vectors] = eigenvectors(of_basis);
+  dealii::FullMatrix<double> energy_in_basis(basis.n(), basis.n());
+  energy_in_basis.triple_product(G, basis, basis, true, false);
+  const auto [values, vectors] = eigenvectors(energy_in_basis);
   for (unsigned int i = 0; i < values.size(); ++i)
     if (std::abs(values[i]) < rounding) {
       dealii::Vector<double> shares(n);

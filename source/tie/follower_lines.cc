@@ -30,11 +30,11 @@ struct Answer
 };
 
 /// The answers of the owners, from their lines so far.
-std::map<Index, Answer> ask(const OfRanks<std::vector<Index>> &dofs_of_rank,
+std::map<Index, Answer> ask(const RankMap<std::vector<Index>> &dofs_of_rank,
                             const std::map<Index, FollowerLine> &lines, const TieConstraints &constraints,
                             const MPI_Comm &communicator, InterfaceWork &work)
 {
-  OfRanks<std::map<Index, Answer>> answers;
+  RankMap<std::map<Index, Answer>> answers;
   for (const auto &[rank, dofs] : exchange(dofs_of_rank, communicator, work))
     for (const Index dof : dofs) {
       Answer &answer = answers[rank][dof];
@@ -45,8 +45,8 @@ std::map<Index, Answer> ask(const OfRanks<std::vector<Index>> &dofs_of_rank,
         answer.kind = Answer::is_led_by_another_tie;
     }
   std::map<Index, Answer> result;
-  for (auto &of_rank : exchange(std::move(answers), communicator, work))
-    result.merge(of_rank.second);
+  for (auto &rank_part : exchange(std::move(answers), communicator, work))
+    result.merge(rank_part.second);
   return result;
 }
 
@@ -139,7 +139,7 @@ follower_lines(const std::map<Index, Follower> &followers, const Domain<dim> &de
   }
   if (dealii::Utilities::MPI::max(asked.size(), communicator) == 0)
     return lines;
-  OfRanks<std::vector<Index>> dofs_of_rank;
+  RankMap<std::vector<Index>> dofs_of_rank;
   for (const auto &[dof, rank] :
        owners(asked, destination.first_dof, destination.dof_handler().locally_owned_dofs(), communicator))
     dofs_of_rank[rank].push_back(dof);

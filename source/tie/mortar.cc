@@ -206,7 +206,7 @@ void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &con
       const auto found = weights.find(dof);
       return found == weights.end() ? 0. : found->second;
     };
-    const double own = find(row.weights) - find(row.of_own_gradient);
+    const double own = find(row.weights) - find(row.own_gradient);
     if (std::abs(own) < 1e-10 * row.diagonal)
       continue;
     Follower &follower = followers[dof];
@@ -219,11 +219,11 @@ void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &con
       if (other != dof)
         add(follower.first, other, weight);
     follower.first.offset = -row.constant / own;
-    if (row.of_own_gradient.empty())
+    if (row.own_gradient.empty())
       continue;
     follower.wanted = follower.first;
-    add(follower.wanted, dof, find(row.of_own_gradient));
-    for (const auto &[other, weight] : row.of_own_gradient)
+    add(follower.wanted, dof, find(row.own_gradient));
+    for (const auto &[other, weight] : row.own_gradient)
       if (other != dof)
         add(follower.first, other, -weight);
     for (const auto &[other, weight] : row.source_gain)
@@ -274,7 +274,7 @@ std::vector<std::vector<double>> Mortar<dim>::penalties(const Interface<dim> &in
   const Pairing<dim> &pairing = interface.pairing();
   std::vector<std::vector<double>> gamma;
   for (const TiedField &field : interface.fields) {
-    const auto lambda = trace_eigenvalues(interface, field, t, unknowns, communicator).of_penalty;
+    const auto lambda = trace_eigenvalues(interface, field, t, unknowns, communicator).penalty_values;
     gamma.emplace_back(pairing.n_points());
     for (const auto &group : pairing.groups) {
       const double one = lambda[source][group.cells[source]],
@@ -374,7 +374,7 @@ void Mortar<dim>::find_multipliers(const Interface<dim> &, const ValueAt &soluti
   transmitted.clear();
   const auto transmit = [&](const auto &row, const double influx) {
     transmitted.push_back(
-        {row.field, row.component, {{-row.of_source * influx, -row.of_destination * influx}}});
+        {row.field, row.component, {{-row.source_weight * influx, -row.destination_weight * influx}}});
   };
   if (is_dual)
     for (const auto &[dof, row] : space->rows) {
@@ -387,14 +387,14 @@ void Mortar<dim>::find_multipliers(const Interface<dim> &, const ValueAt &soluti
     }
   else
     for (const Term &term : terms) {
-      const double of_term = solution(term.dofs.back());
-      lambda[term.node] = of_term;
+      const double multiplier_value = solution(term.dofs.back());
+      lambda[term.node] = multiplier_value;
       if (term.weights.empty())
         continue;
       std::vector<double> unknowns;
       for (const Index dof : term.dofs)
         unknowns.push_back(solution(dof));
-      transmit(space->rows.at(term.node), of_term + term.augmentation * term.g(unknowns));
+      transmit(space->rows.at(term.node), multiplier_value + term.augmentation * term.g(unknowns));
     }
   space->set_coefficients(lambda, communicator);
 }

@@ -130,18 +130,18 @@ void MultiplierSpace<dim>::find_components(Face &face, const std::vector<Index> 
   for (const TiedField &field : interface.fields)
     for (unsigned int c = 0; c < field.n_components; ++c) {
       Component component;
-      std::vector<std::map<Index, double>> of_node(n);
+      std::vector<std::map<Index, double>> node_weights(n);
       for (unsigned int a = 0; a < n; ++a) {
         const Index dof =
             cell_dofs[(field.first_component[destination] + c) * domain.n_nodes() + face.nodes[a]];
         if (hanging.is_constrained(dof - domain.first_dof)) {
           for (const auto &[master, weight] : *hanging.get_constraint_entries(dof - domain.first_dof))
-            of_node[a][domain.first_dof + master] += weight;
+            node_weights[a][domain.first_dof + master] += weight;
         } else
-          of_node[a][dof] = 1;
+          node_weights[a][dof] = 1;
       }
       std::map<Index, unsigned int> column;
-      for (const auto &entries : of_node)
+      for (const auto &entries : node_weights)
         for (const auto &entry : entries)
           if (std::abs(entry.second) > 1e-14)
             column.emplace(entry.first, 0);
@@ -151,7 +151,7 @@ void MultiplierSpace<dim>::find_components(Face &face, const std::vector<Index> 
       }
       component.C.reinit(n, column.size());
       for (unsigned int a = 0; a < n; ++a)
-        for (const auto &[dof, weight] : of_node[a])
+        for (const auto &[dof, weight] : node_weights[a])
           if (const auto found = column.find(dof); found != column.end())
             component.C(a, found->second) = weight;
       face.components.push_back(std::move(component));
@@ -167,12 +167,12 @@ void MultiplierSpace<dim>::add_full_masses(std::map<Index, Shares> &shares) cons
                                    gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
                                    dealii::update_values | domain.measure.update_flags());
   std::vector<Index> dofs;
-  for (const auto &of_side : faces_of(side).faces) {
-    values.reinit(of_side.cell, of_side.face_no);
-    domain.cell_dofs(domain.dof_cell(of_side.cell), dofs);
+  for (const auto &side_face : faces_of(side).faces) {
+    values.reinit(side_face.cell, side_face.face_no);
+    domain.cell_dofs(domain.dof_cell(side_face.cell), dofs);
     Face face;
     for (unsigned int a = 0; a < domain.n_nodes(); ++a)
-      if (domain.scalar_element().has_support_on_face(a, of_side.face_no))
+      if (domain.scalar_element().has_support_on_face(a, side_face.face_no))
         face.nodes.push_back(a);
     find_components(face, dofs);
     for (const Component &component : face.components)
@@ -231,17 +231,17 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
   add_full_masses(shares);
 
   std::set<Index> all;
-  for (const auto &of_dof : shares)
-    all.insert(of_dof.first);
+  for (const auto &dof_share : shares)
+    all.insert(dof_share.first);
   const Domain<dim> &domain = *interface.sides[destination].domain;
   owner_of = owners(all, domain.first_dof, domain.dof_handler().locally_owned_dofs(), communicator);
-  OfRanks<std::map<Index, Shares>> questions;
+  RankMap<std::map<Index, Shares>> questions;
   for (const auto &[dof, share] : shares)
     questions[owner_of.at(dof)][dof] = share;
   const auto asked = exchange(std::move(questions), communicator, interface.work());
   std::map<Index, Shares> sums;
-  for (const auto &of_rank : asked)
-    for (const auto &[dof, share] : of_rank.second) {
+  for (const auto &rank_part : asked)
+    for (const auto &[dof, share] : rank_part.second) {
       sums[dof].covered += share.covered;
       sums[dof].full += share.full;
       sums[dof].integral += share.integral;
@@ -265,13 +265,13 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
   n_hardly_covered = dealii::Utilities::MPI::sum(counts[2], communicator);
   n_on_axis = dealii::Utilities::MPI::sum(counts[3], communicator);
 
-  OfRanks<std::map<Index, bool>> answers;
-  for (const auto &[rank, of_rank] : asked)
-    for (const auto &of_dof : of_rank)
-      answers[rank][of_dof.first] = keeps.at(of_dof.first);
+  RankMap<std::map<Index, bool>> answers;
+  for (const auto &[rank, rank_part] : asked)
+    for (const auto &dof_share : rank_part)
+      answers[rank][dof_share.first] = keeps.at(dof_share.first);
   std::map<Index, bool> result;
-  for (auto &of_rank : exchange(std::move(answers), communicator, interface.work()))
-    result.merge(of_rank.second);
+  for (auto &rank_part : exchange(std::move(answers), communicator, interface.work()))
+    result.merge(rank_part.second);
   return result;
 }
 
@@ -340,13 +340,13 @@ FullMatrix<double> MultiplierSpace<dim>::extend(const Face &face, Component &com
   FullMatrix<double> inverse_C(m, n);
   inverse_C.invert(component.C);
   const FullMatrix<double> at_nodes = polynomials(face, p - 1);
-  FullMatrix<double> coefficients(m, at_nodes.n()), of_kept(kept.size(), at_nodes.n()),
+  FullMatrix<double> coefficients(m, at_nodes.n()), kept_coefficients(kept.size(), at_nodes.n()),
       coordinates(m, dim - 1);
   inverse_C.mmult(coefficients, at_nodes);
   inverse_C.mmult(coordinates, node_coordinates(face));
   for (unsigned int j = 0; j < kept.size(); ++j)
     for (unsigned int k = 0; k < at_nodes.n(); ++k)
-      of_kept(j, k) = coefficients(kept[j], k);
+      kept_coefficients(j, k) = coefficients(kept[j], k);
   std::vector<double> wanted(at_nodes.n()), weights(kept.size());
   for (unsigned int i = 0; i < m; ++i)
     if (!component.has_function[i]) {
@@ -358,7 +358,7 @@ FullMatrix<double> MultiplierSpace<dim>::extend(const Face &face, Component &com
           square += std::pow(coordinates(i, d) - coordinates(kept[j], d), 2);
         weights[j] = 1 / (square * square); // near nodes take over
       }
-      const std::vector<double> c = extrapolate(of_kept, wanted, weights);
+      const std::vector<double> c = extrapolate(kept_coefficients, wanted, weights);
       for (unsigned int j = 0; j < kept.size(); ++j) {
         eta(j, i) = c[j];
         component.extrapolation.emplace_back(i, kept[j], c[j]);
@@ -424,7 +424,7 @@ void MultiplierSpace<dim>::add_rows(const Face &face, const double t, std::map<I
         for (unsigned int i = 0; i < component.dofs.size(); ++i)
           if (component.mass(j, i) != 0) {
             row.weights[component.dofs[i]] += component.mass(j, i);
-            row.of_destination += component.mass(j, i);
+            row.destination_weight += component.mass(j, i);
           }
         row.diagonal += component.mass(j, j);
       }
@@ -461,7 +461,8 @@ void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<d
     for (unsigned int l = 0; l < component.dofs.size(); ++l)
       psi[a] += component.C(a, l) * component.psi(j, l);
 
-  std::vector<double> moment(n_source, 0.), of_source(n_source, 0.), of_destination(n_destination, 0.);
+  std::vector<double> moment(n_source, 0.), source_weight(n_source, 0.),
+      destination_weight(n_destination, 0.);
   bool is_bridged = false;
   for (unsigned int q = group.begin; q < group.end; ++q) {
     const double *at_destination = pairing.values(destination, q);
@@ -478,27 +479,27 @@ void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<d
       continue;
     is_bridged = true;
     for (unsigned int k = 0; k < n_destination; ++k)
-      of_destination[k] += value * (pairing.trial(destination, q, f)[k] - at_destination[k]);
+      destination_weight[k] += value * (pairing.trial(destination, q, f)[k] - at_destination[k]);
     for (unsigned int k = 0; k < n_source; ++k)
-      of_source[k] += value * (pairing.values(source, q)[k] +
-                               pairing.gradients(source, q)[k] * pairing.offset(q) - trial[k]);
+      source_weight[k] += value * (pairing.values(source, q)[k] +
+                                   pairing.gradients(source, q)[k] * pairing.offset(q) - trial[k]);
   }
   if (is_bridged)
-    add_own_gradient(group, f, row.component, of_destination, of_source, row);
+    add_own_gradient(group, f, row.component, destination_weight, source_weight, row);
   const auto &source_dofs = pairing.cells[source][group.cells[source]].dofs;
   const unsigned int first = interface.fields[f].first_component[source] + row.component;
   for (unsigned int k = 0; k < n_source; ++k)
     if (moment[k] != 0) {
       row.weights[source_dofs[first * n_source + k]] -= moment[k];
-      row.of_source -= moment[k];
+      row.source_weight -= moment[k];
     }
 }
 
 template <int dim>
 void MultiplierSpace<dim>::add_own_gradient(const typename Pairing<dim>::Group &group, const unsigned int f,
                                             const unsigned int component,
-                                            const std::vector<double> &of_destination,
-                                            const std::vector<double> &of_source, Row &row) const
+                                            const std::vector<double> &destination_weight,
+                                            const std::vector<double> &source_weight, Row &row) const
 {
   const TiedField &field = interface.fields[f];
   const auto dof_of = [&](const unsigned int side, const unsigned int node) {
@@ -506,32 +507,32 @@ void MultiplierSpace<dim>::add_own_gradient(const typename Pairing<dim>::Group &
         .cells[side][group.cells[side]]
         .dofs[(field.first_component[side] + component) * interface.sides[side].domain->n_nodes() + node];
   };
-  for (unsigned int k = 0; k < of_source.size(); ++k)
-    if (of_source[k] != 0)
-      row.source_gain[dof_of(source, k)] -= of_source[k];
+  for (unsigned int k = 0; k < source_weight.size(); ++k)
+    if (source_weight[k] != 0)
+      row.source_gain[dof_of(source, k)] -= source_weight[k];
   const Index first = interface.sides[destination].domain->first_dof;
   const auto add = [&row](const Index dof, const double weight) {
     row.weights[dof] += weight;
-    row.of_destination += weight;
-    row.of_own_gradient[dof] += weight;
+    row.destination_weight += weight;
+    row.own_gradient[dof] += weight;
   };
-  for (unsigned int k = 0; k < of_destination.size(); ++k)
-    if (const Index dof = dof_of(destination, k); of_destination[k] == 0)
+  for (unsigned int k = 0; k < destination_weight.size(); ++k)
+    if (const Index dof = dof_of(destination, k); destination_weight[k] == 0)
       continue;
     else if (hanging.is_constrained(dof - first))
       for (const auto &[master, weight] : *hanging.get_constraint_entries(dof - first))
-        add(first + master, weight * of_destination[k]);
+        add(first + master, weight * destination_weight[k]);
     else
-      add(dof, of_destination[k]);
+      add(dof, destination_weight[k]);
 }
 
 template <int dim>
 void MultiplierSpace<dim>::Row::add(const Row &other)
 {
-  for (const auto part : {&Row::weights, &Row::of_own_gradient, &Row::source_gain})
+  for (const auto part : {&Row::weights, &Row::own_gradient, &Row::source_gain})
     for (const auto &[dof, weight] : other.*part)
       (this->*part)[dof] += weight;
-  for (const auto sum : {&Row::diagonal, &Row::constant, &Row::of_source, &Row::of_destination})
+  for (const auto sum : {&Row::diagonal, &Row::constant, &Row::source_weight, &Row::destination_weight})
     this->*sum += other.*sum;
   field = other.field;
   component = other.component;
@@ -553,11 +554,11 @@ void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Com
     add_rows(face, constraints.t, mine);
   }
 
-  OfRanks<std::map<Index, Row>> of_owners;
+  RankMap<std::map<Index, Row>> rows_of_owners;
   for (auto &[dof, row] : mine)
-    of_owners[owner_of.at(dof)][dof] = std::move(row);
-  for (const auto &of_rank : exchange(std::move(of_owners), communicator, interface.work()))
-    for (const auto &[dof, row] : of_rank.second)
+    rows_of_owners[owner_of.at(dof)][dof] = std::move(row);
+  for (const auto &rank_part : exchange(std::move(rows_of_owners), communicator, interface.work()))
+    for (const auto &[dof, row] : rank_part.second)
       rows[dof].add(row);
   for (auto &[dof, row] : rows) { // what cancels between the points of a face
     double largest = 0;
@@ -592,12 +593,12 @@ std::map<Index, double> MultiplierSpace<dim>::average(const std::vector<std::vec
               }
       }
   }
-  OfRanks<std::map<Index, std::array<double, 2>>> of_owners;
+  RankMap<std::map<Index, std::array<double, 2>>> rows_of_owners;
   for (const auto &[dof, sum] : sums)
-    of_owners[owner_of.at(dof)][dof] = sum;
+    rows_of_owners[owner_of.at(dof)][dof] = sum;
   std::map<Index, std::array<double, 2>> totals;
-  for (const auto &of_rank : exchange(std::move(of_owners), communicator, interface.work()))
-    for (const auto &[dof, sum] : of_rank.second)
+  for (const auto &rank_part : exchange(std::move(rows_of_owners), communicator, interface.work()))
+    for (const auto &[dof, sum] : rank_part.second)
       for (const unsigned int i : {0, 1})
         totals[dof][i] += sum[i];
   std::map<Index, double> result;
@@ -607,36 +608,36 @@ std::map<Index, double> MultiplierSpace<dim>::average(const std::vector<std::vec
 }
 
 template <int dim>
-void MultiplierSpace<dim>::set_coefficients(const std::map<Index, double> &of_rows,
+void MultiplierSpace<dim>::set_coefficients(const std::map<Index, double> &row_coefficients,
                                             const MPI_Comm &communicator)
 {
-  OfRanks<std::vector<Index>> asked;
+  RankMap<std::vector<Index>> asked;
   std::set<Index> wanted;
   for (const Face &face : faces)
     for (const Component &component : face.components)
       for (unsigned int j = 0; j < component.dofs.size(); ++j)
         if (component.has_function[j] && wanted.insert(component.dofs[j]).second)
           asked[owner_of.at(component.dofs[j])].push_back(component.dofs[j]);
-  OfRanks<std::map<Index, double>> answers;
+  RankMap<std::map<Index, double>> answers;
   for (const auto &[rank, dofs] : exchange(std::move(asked), communicator, interface.work()))
     for (const Index dof : dofs)
-      answers[rank][dof] = of_rows.at(dof);
+      answers[rank][dof] = row_coefficients.at(dof);
   std::map<Index, double> known;
-  for (auto &of_rank : exchange(std::move(answers), communicator, interface.work()))
-    known.merge(of_rank.second);
+  for (auto &rank_part : exchange(std::move(answers), communicator, interface.work()))
+    known.merge(rank_part.second);
 
   for (Face &face : faces)
     for (Component &component : face.components) {
-      std::vector<double> of_function(component.dofs.size(), 0.);
+      std::vector<double> function_values(component.dofs.size(), 0.);
       for (unsigned int j = 0; j < component.dofs.size(); ++j)
         if (component.has_function[j])
-          of_function[j] = known.at(component.dofs[j]);
+          function_values[j] = known.at(component.dofs[j]);
       for (const auto &[i, j, c] : component.extrapolation)
-        of_function[i] += c * of_function[j];
+        function_values[i] += c * function_values[j];
       component.nodal.assign(face.nodes.size(), 0.);
       for (unsigned int a = 0; a < face.nodes.size(); ++a)
         for (unsigned int j = 0; j < component.dofs.size(); ++j)
-          component.nodal[a] += component.C(a, j) * of_function[j];
+          component.nodal[a] += component.C(a, j) * function_values[j];
     }
   are_set = true;
 }

@@ -229,12 +229,13 @@ bool Nitsche<dim>::update_penalties(const Interface<dim> &interface, const doubl
 /// a and b at a point.
 template <int dim>
 bool Nitsche<dim>::join(const Interface<dim> &interface, const TiedField &field, const unsigned int q,
-                        const double gamma, const std::array<State<dim>, 2> &of_sides, Series &series) const
+                        const double gamma, const std::array<State<dim>, 2> &side_states,
+                        Series &series) const
 {
   if (!has_joint())
     return true;
   Joint joint;
-  if (!find_joint(field, of_sides, joint))
+  if (!find_joint(field, side_states, joint))
     return false;
   series.is_rigid = false;
   const std::array<double, 2> h = {{joint.along_normal, joint.along_tangents}};
@@ -255,12 +256,12 @@ bool Nitsche<dim>::join(const Interface<dim> &interface, const TiedField &field,
 /// s, what the source gets from the destination.
 template <int dim>
 void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedField &field,
-                                  const unsigned int q, const std::array<State<dim>, 2> &of_sides,
+                                  const unsigned int q, const std::array<State<dim>, 2> &side_states,
                                   const std::array<std::vector<double>, 2> &flux,
                                   const std::vector<double> &jump, std::vector<double> &result) const
 {
   if (penalty_at_points.empty()) // the tie has not been active yet
-    return Tie<dim>::numerical_flux(interface, field, q, of_sides, flux, jump, result);
+    return Tie<dim>::numerical_flux(interface, field, q, side_states, flux, jump, result);
   const unsigned int i_at = field.index * interface.pairing().n_points() + q;
   const AtPoint &p = penalty_at_points[i_at];
   for (const unsigned int side : {source, destination})
@@ -270,7 +271,7 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
       return;
     }
   Series series;
-  const bool is_defined = join(interface, field, q, p.gamma, of_sides, series);
+  const bool is_defined = join(interface, field, q, p.gamma, side_states, series);
   std::array<double, dim> rigid;
   for (unsigned int c = 0; c < field.n_components; ++c)
     rigid[c] = is_defined ? p.weight[source] * flux[source][c] -
@@ -390,7 +391,7 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
   for (const InJump &row : in_jump)
     residual[row.i] -= pairing.weight(q) * row.test * transmitted[row.component];
   if (theta != 0)
-    for (const unsigned int i : of_field)
+    for (const unsigned int i : field_unknowns)
       for (unsigned int c = 0; c < n_c; ++c)
         residual[i] -= theta_here * pairing.weight(q) * variation_of[c * n_local + i] * mismatch[c];
   if (tangent == nullptr)
@@ -461,7 +462,7 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
                                       const unsigned int q)
 {
   in_jump.clear();
-  of_field.clear();
+  field_unknowns.clear();
   unsigned int i = 0;
   for (const unsigned int side : {source, destination}) {
     const double sign = side == source ? 1 : -1;
@@ -472,7 +473,7 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
       const unsigned int c = component - field.first_component[side]; // wraps if not of this field
       for (unsigned int a = 0; a < n_nodes; ++a, ++i)
         if (c < field.n_components) {
-          of_field.push_back(i);
+          field_unknowns.push_back(i);
           if (std::abs(trial[a]) > interface.least_in_jump || std::abs(test[a]) > interface.least_in_jump)
             in_jump.push_back({i, c, sign * trial[a], sign * test[a]});
         }
@@ -499,10 +500,10 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
   }
   for (const InJump &row : in_jump) {
     const double test = w * row.test;
-    const double *of_row = &(series.is_rigid ? mean_flux_of : transmitted_of)[row.component * n_local];
+    const double *row_flux = &(series.is_rigid ? mean_flux_of : transmitted_of)[row.component * n_local];
     double *entries = &tangent(row.i, 0);
     for (unsigned int j = 0; j < n_local; ++j)
-      entries[j] -= test * of_row[j];
+      entries[j] -= test * row_flux[j];
     const double penalty = p.gamma * test;
     if (series.is_rigid) {
       for (const InJump &column : in_jump)
@@ -524,26 +525,26 @@ void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &seri
                                       dealii::FullMatrix<double> &tangent) const
 {
   const unsigned int n_local = tangent.n(), n_c = field.n_components;
-  for (const unsigned int row : of_field) {
-    std::array<double, dim> variation, of_jump;
+  for (const unsigned int row : field_unknowns) {
+    std::array<double, dim> variation, jump_factor;
     for (unsigned int c = 0; c < n_c; ++c)
-      variation[c] = of_jump[c] = theta_here * weight * variation_of[c * n_local + row];
+      variation[c] = jump_factor[c] = theta_here * weight * variation_of[c * n_local + row];
     double *entries = &tangent(row, 0);
     if (!series.is_rigid)
       for (unsigned int c = 0; c < n_c; ++c) {
-        double of_flux = 0;
-        of_jump[c] = 0;
+        double flux_factor = 0;
+        jump_factor[c] = 0;
         for (unsigned int d = 0; d < n_c; ++d) {
-          of_jump[c] += series.entry(series.a, c, d) * variation[d];
-          of_flux += series.entry(series.b, c, d) * variation[d];
+          jump_factor[c] += series.entry(series.a, c, d) * variation[d];
+          flux_factor += series.entry(series.b, c, d) * variation[d];
         }
         const double *mean = &mean_flux_of[c * n_local];
         for (unsigned int j = 0; j < n_local; ++j)
-          entries[j] -= of_flux * mean[j];
+          entries[j] -= flux_factor * mean[j];
       }
     for (const InJump *column = in_jump.data(), *end = column + in_jump.size(); column != end;) {
       const unsigned int c = column->component;
-      const double factor = of_jump[c];
+      const double factor = jump_factor[c];
       for (; column != end && column->component == c; ++column)
         entries[column->i] -= factor * column->trial;
     }
@@ -572,7 +573,7 @@ void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const Ti
   for (const InJump &row : in_jump)
     add_row(row.i, p.gamma * row.test);
   if (theta != 0)
-    for (const unsigned int row : of_field)
+    for (const unsigned int row : field_unknowns)
       add_row(row, -theta_here * variation_of[row]);
 }
 

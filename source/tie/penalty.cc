@@ -169,7 +169,7 @@ void Penalty<dim>::evaluate_stiffness(const Interface<dim> &interface,
       const unsigned int n = material.n_components();
       for (unsigned int c = 0; c < n; ++c) // the others are not touched by the next evaluation
         for (unsigned int d = 0; d < n; ++d)
-          if (material.coupling(c, d).of_flux())
+          if (material.coupling(c, d).in_flux())
             sides.response[side].by_gradient[c * n + d][0][0] = not_defined;
     }
 }
@@ -200,10 +200,10 @@ double Penalty<dim>::choose(const Interface<dim> &interface, const unsigned int 
                             const SideStates<dim> &sides, AtPoint &chosen) const
 {
   const TiedField &field = interface.fields[field_index];
-  std::array<double, 2> compliance = {{0, 0}}, area = {{0, 0}}, of_cell = {{0, 0}};
+  std::array<double, 2> compliance = {{0, 0}}, area = {{0, 0}}, cell_eigenvalue = {{0, 0}};
   for (const unsigned int side : {source, destination}) {
     if (!lambda.empty())
-      of_cell[side] = lambda[field_index].of_penalty[side][group.cells[side]];
+      cell_eigenvalue[side] = lambda[field_index].penalty_values[side][group.cells[side]];
     if (weights != Weights::volume && rule != Rule::volume)
       continue;
     // V_i / (p_i^2 k_i): for a scalar the inverse of the trace constant is V_i / (p_i^2 k_i G_i)
@@ -213,13 +213,13 @@ double Penalty<dim>::choose(const Interface<dim> &interface, const unsigned int 
     compliance[side] = cell.cell_measure / (p * p * k);
     area[side] = cell.face_measure;
   }
-  const double sum_of_lambdas = of_cell[source] + of_cell[destination];
+  const double sum_of_lambdas = cell_eigenvalue[source] + cell_eigenvalue[destination];
   const double sum = compliance[source] + compliance[destination];
 
   switch (weights) {
   case Weights::eigenvalue: // a face that is hardly touched has no eigenvalue
     for (const unsigned int side : {source, destination})
-      chosen.weight[side] = sum_of_lambdas != 0 ? of_cell[1 - side] / sum_of_lambdas : 0.5;
+      chosen.weight[side] = sum_of_lambdas != 0 ? cell_eigenvalue[1 - side] / sum_of_lambdas : 0.5;
     break;
   case Weights::volume:
     chosen.weight = {{compliance[source] / sum, compliance[destination] / sum}};
@@ -237,7 +237,7 @@ double Penalty<dim>::choose(const Interface<dim> &interface, const unsigned int 
   double unit = 0;
   switch (rule) {
   case Rule::eigenvalue:
-    unit = eigenvalue_penalty(of_cell[source], of_cell[destination]);
+    unit = eigenvalue_penalty(cell_eigenvalue[source], cell_eigenvalue[destination]);
     break;
   case Rule::volume:
     unit = (area[source] + area[destination]) / sum;
@@ -304,8 +304,8 @@ void Penalty<dim>::freeze(const Interface<dim> &interface, const double t, const
     }
   }
   if (first_gamma.empty())
-    for (const AtPoint &of_point : points)
-      first_gamma.push_back(of_point.gamma);
+    for (const AtPoint &at_point : points)
+      first_gamma.push_back(at_point.gamma);
   warn_if_not_coercive(interface, communicator);
 }
 
@@ -318,7 +318,7 @@ bool Penalty<dim>::update(const Interface<dim> &interface, const double t, const
 {
   const std::vector<AtPoint> used = points;
   freeze(interface, t, values_of, sides, communicator);
-  const std::vector<AtPoint> of_solution = points;
+  const std::vector<AtPoint> solution_points = points;
   const PenaltyRange range_of_solution = present_range;
   points = used;
   present_range = {};
@@ -329,7 +329,7 @@ bool Penalty<dim>::update(const Interface<dim> &interface, const double t, const
         note_margin(f, group, points[f * pairing.n_points() + q], 1.);
   bool is_outdated = false;
   for (unsigned int f = 0; f < interface.fields.size(); ++f) {
-    const Change change = change_to(of_solution, interface, f, communicator);
+    const Change change = change_to(solution_points, interface, f, communicator);
     const bool needs_bound = !may_turn_skew(interface, interface.fields[f]);
     is_outdated = is_outdated || change.growth > (needs_bound ? largest_growth : largest_mean_growth) ||
                   change.decrease > largest_decrease ||
@@ -337,7 +337,7 @@ bool Penalty<dim>::update(const Interface<dim> &interface, const double t, const
   }
   if (dealii::Utilities::MPI::max(static_cast<int>(is_outdated), communicator) == 0)
     return false;
-  points = of_solution;
+  points = solution_points;
   present_range = range_of_solution;
   return true;
 }
@@ -346,17 +346,17 @@ bool Penalty<dim>::update(const Interface<dim> &interface, const double t, const
 /// for no bound at any point.
 template <int dim>
 typename Penalty<dim>::Change
-Penalty<dim>::change_to(const std::vector<AtPoint> &of_solution, const Interface<dim> &interface,
+Penalty<dim>::change_to(const std::vector<AtPoint> &solution_points, const Interface<dim> &interface,
                         const unsigned int field_index, const MPI_Comm &communicator) const
 {
   const unsigned int n_points = interface.pairing().n_points(), begin = field_index * n_points;
   Change change;
   double sum = 0, sum_of_solution = 0;
   for (unsigned int i = begin; i < begin + n_points; ++i) {
-    change.growth = std::max(change.growth, of_solution[i].gamma / points[i].gamma);
-    change.decrease = std::max(change.decrease, points[i].gamma / of_solution[i].gamma);
+    change.growth = std::max(change.growth, solution_points[i].gamma / points[i].gamma);
+    change.decrease = std::max(change.decrease, points[i].gamma / solution_points[i].gamma);
     sum += points[i].gamma;
-    sum_of_solution += of_solution[i].gamma;
+    sum_of_solution += solution_points[i].gamma;
   }
   if (!may_turn_skew(interface, interface.fields[field_index]))
     return change;
@@ -392,7 +392,7 @@ void Penalty<dim>::note_bound(const unsigned int field_index, const typename Pai
   for (const unsigned int side : {source, destination})
     if (const double w = chosen.weight[side]; w != 0)
       chosen.bound[side] =
-          (1 + theta) * (1 + theta) / 4 * w * w * lambda[field_index].of_tangent[side][group.cells[side]];
+          (1 + theta) * (1 + theta) / 4 * w * w * lambda[field_index].tangent_values[side][group.cells[side]];
   chosen.stiffness = {{0, 0}};
   chosen.is_skew = chosen.gamma < chosen.bound[source] + chosen.bound[destination];
 }
@@ -428,13 +428,13 @@ void Penalty<dim>::note_margin(const unsigned int field_index, const typename Pa
   present_range.largest = std::max(present_range.largest, chosen.gamma);
   if (lambda.empty())
     return;
-  double of_symmetric = 0;
+  double symmetric_part = 0;
   for (const unsigned int side : {source, destination})
     if (const double w = chosen.weight[side]; w != 0)
-      of_symmetric += w * w * lambda[field_index].of_tangent[side][group.cells[side]];
-  if (of_symmetric > 0)
-    excess = std::max(excess, chosen.gamma / of_symmetric);
-  const double bound = (1 + theta) * (1 + theta) / 4 * of_symmetric;
+      symmetric_part += w * w * lambda[field_index].tangent_values[side][group.cells[side]];
+  if (symmetric_part > 0)
+    excess = std::max(excess, chosen.gamma / symmetric_part);
+  const double bound = (1 + theta) * (1 + theta) / 4 * symmetric_part;
   if (!(bound > 0) || chosen.is_skew)
     return;
   present_range.coercivity_margin = std::min(present_range.coercivity_margin, chosen.gamma / bound - 1);
@@ -479,12 +479,12 @@ template <int dim>
 void Penalty<dim>::note_if_large(const MPI_Comm &communicator)
 {
   const double largest_excess = 18;
-  const double of_all = dealii::Utilities::MPI::max(excess, communicator);
-  if (has_automatic_multiplier || !sentences.empty() || of_all < largest_excess)
+  const double global_excess = dealii::Utilities::MPI::max(excess, communicator);
+  if (has_automatic_multiplier || !sentences.empty() || global_excess < largest_excess)
     return;
   std::ostringstream message;
   message.precision(2);
-  message << "the penalty is " << of_all
+  message << "the penalty is " << global_excess
           << " times the least one: it locks the sides to each other, and the flux between them oscillates. "
           << (rule == Rule::value ? "Remove Penalty and Value" : "Remove Multiplier");
   sentences.push_back(message.str());

@@ -199,8 +199,8 @@ void Pointwise<dim>::add_own_gradient(const Domain<dim> &domain, const Node &nod
         continue;
       const auto dof = dofs[component * n + a];
       if (hanging.is_constrained(dof - domain.first_dof))
-        for (const auto &[master, of_master] : *hanging.get_constraint_entries(dof - domain.first_dof))
-          entries[domain.first_dof + master] += weight * of_master;
+        for (const auto &[master, master_weight] : *hanging.get_constraint_entries(dof - domain.first_dof))
+          entries[domain.first_dof + master] += weight * master_weight;
       else
         entries[dof] += weight;
     }

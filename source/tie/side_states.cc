@@ -91,8 +91,8 @@ bool SideStates<dim>::evaluate(const Interface<dim> &interface, const typename P
 template <int dim>
 void SideStates<dim>::accept()
 {
-  for (auto &of_point : choices)
-    for (Choice &choice : of_point)
+  for (auto &chosen : choices)
+    for (Choice &choice : chosen)
       choice.is_accepted = choice.is_of_trial;
 }
 

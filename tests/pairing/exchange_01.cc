@@ -21,7 +21,7 @@ int main(int argc, char **argv)
                      me = dealii::Utilities::MPI::this_mpi_process(world);
   InterfaceWork alone, together, of_lines;
 
-  using Numbers = OfRanks<std::vector<double>>;
+  using Numbers = RankMap<std::vector<double>>;
   const Numbers own = exchange(Numbers{{me, {1. + me, 7.}}}, world, alone);
   bool is_right = own == Numbers{{me, {1. + me, 7.}}} && alone.messages == 0 && alone.bytes == 0;
   is_right = exchange(Numbers(), world, alone).empty() && alone.messages == 0 && is_right;
@@ -41,7 +41,7 @@ int main(int argc, char **argv)
 
   // an object of several lists, with indices as integers
   const dealii::types::global_dof_index index = std::numeric_limits<unsigned int>::max() - me;
-  OfRanks<std::map<dealii::types::global_dof_index, std::pair<bool, std::vector<double>>>> lines;
+  RankMap<std::map<dealii::types::global_dof_index, std::pair<bool, std::vector<double>>>> lines;
   lines[(me + 1) % n][index] = {true, {0.1, -0.}};
   lines = exchange(std::move(lines), world, of_lines);
   const unsigned int before = (me + n - 1) % n;

@@ -37,7 +37,7 @@ public:
   const Domain<dim> &domain;
 
   typename dealii::Triangulation<dim>::cell_iterator cell() const { return points->get_cell(); }
-  const BoundaryFace *face() const { return of_face; } ///< nullptr: a point of the cell
+  const BoundaryFace *face() const { return boundary_face; } ///< nullptr: a point of the cell
   const State<dim> &state() const { return point.state; }
 
   /// Fluxes of all components, NaN where a law is not defined. No derivatives.
@@ -54,7 +54,7 @@ public:
 private:
   const Vector &solution;
   const dealii::FEValuesBase<dim> *points = nullptr;
-  const BoundaryFace *of_face = nullptr;
+  const BoundaryFace *boundary_face = nullptr;
   CellPoints<dim> point;
   dealii::Tensor<2, 3> stress;
   bool has_fluxes = false, has_stress = false; ///< of this point

@@ -21,7 +21,7 @@ class InterfacePoint
 public:
   InterfacePoint(const Interface<dim> &interface, double t);
 
-  struct OfField
+  struct FieldAtPoint
   {
     std::vector<double> jump;                 ///< [B]
     std::array<std::vector<double>, 2> trace; ///< B of each side at its own point
@@ -30,7 +30,7 @@ public:
     std::array<double, 2> flux_size; ///< |A| of each side, along the interface too; 0 if it is but rounding
     std::vector<double> numerical_flux; ///< the tie's, into the source; zero while the interface is inactive
   };
-  std::vector<OfField> fields; ///< as in Interface::fields, at the point visited last
+  std::vector<FieldAtPoint> fields; ///< as in Interface::fields, at the point visited last
 
   /// Of a point, and of the side on whose faces it lies.
   using Visitor = std::function<void(unsigned int q, unsigned int side)>;

@@ -32,8 +32,8 @@ public:
                                 const Field &field) const;
 
   /// What each side of an interface gets, by component; zero while the interface is inactive.
-  const std::array<std::vector<double>, 2> &of_interface(const Interface<dim> &interface,
-                                                         const unsigned int field) const
+  const std::array<std::vector<double>, 2> &interface_resultants(const Interface<dim> &interface,
+                                                                 const unsigned int field) const
   {
     return resultants.at(&interface)[field];
   }
@@ -44,7 +44,7 @@ public:
   }
 
   /// What a boundary condition that constrains an unknown puts into the body there.
-  struct OfNode
+  struct ForceAtNode
   {
     unsigned int component = 0; ///< of the field
     double force = 0;
@@ -52,8 +52,8 @@ public:
   /// By unknown that this rank owns. Where a plane that is not parallel to the axes holds the body, the
   /// unknown that its line B_k = sum_i w_i B_i + b constrains has the force r_k, and each other one -w_i r_k:
   /// none of them does work on a motion that the line allows.
-  std::map<dealii::types::global_dof_index, OfNode> at_nodes(const Domain<dim> &domain,
-                                                             const Field &field) const;
+  std::map<dealii::types::global_dof_index, ForceAtNode> at_nodes(const Domain<dim> &domain,
+                                                                  const Field &field) const;
   const NodalForces<dim> &forces() const { return nodal; }
 
 private:
@@ -63,8 +63,8 @@ private:
                       const Field &field, std::vector<double> &sum) const;
   void add_given(const Domain<dim> &domain, const std::set<dealii::types::boundary_id> &ids,
                  const Field &field, std::vector<double> &sum) const;
-  std::vector<double> of_part(const Interface<dim> &interface, unsigned int field, unsigned int side,
-                              const std::set<dealii::types::boundary_id> &ids) const;
+  std::vector<double> part_resultant(const Interface<dim> &interface, unsigned int field, unsigned int side,
+                                     const std::set<dealii::types::boundary_id> &ids) const;
 
   const Model<dim> &model;
   NodalForces<dim> nodal; ///< with what walls and interfaces share

@@ -50,7 +50,7 @@ public:
               const Part &part);
 
   /// The share that part 0 has of a force on an owned unknown.
-  double of_first(dealii::types::global_dof_index dof, double force) const;
+  double first_share(dealii::types::global_dof_index dof, double force) const;
 
 private:
   using Weights = dealii::TrilinosWrappers::MPI::Vector;

@@ -43,7 +43,7 @@ struct InterfaceWork
 
 /// What is for, or from, each rank.
 template <typename T>
-using OfRanks = std::map<unsigned int, T>;
+using RankMap = std::map<unsigned int, T>;
 
 /// The ranks that own unknowns of a domain. Collective. @p owned: of this rank, as in the domain's
 /// DoFHandler;
@@ -53,22 +53,22 @@ owners(const std::set<dealii::types::global_dof_index> &dofs, dealii::types::glo
        const dealii::IndexSet &owned, const MPI_Comm &communicator);
 
 /// Send bytes to other ranks, and count them. If nobody has any, nothing is sent at all. Collective.
-OfRanks<std::vector<char>> exchange_bytes(const OfRanks<std::vector<char>> &bytes,
+RankMap<std::vector<char>> exchange_bytes(const RankMap<std::vector<char>> &bytes,
                                           const MPI_Comm &communicator, InterfaceWork &work);
 
 /// Send objects to other ranks; that for this rank stays where it is. T is a type that boost serialises: a
 /// number, a class with serialize(), or a container of such. Collective. @return what came, by the rank it
 /// comes from
 template <typename T>
-OfRanks<T> exchange(OfRanks<T> objects, const MPI_Comm &communicator, InterfaceWork &work)
+RankMap<T> exchange(RankMap<T> objects, const MPI_Comm &communicator, InterfaceWork &work)
 {
   auto own = objects.extract(dealii::Utilities::MPI::this_mpi_process(communicator));
-  OfRanks<std::vector<char>> bytes;
+  RankMap<std::vector<char>> bytes;
   for (const auto &[rank, object] : objects)
     bytes[rank] = dealii::Utilities::pack(object, false);
-  OfRanks<T> received;
-  for (const auto &[rank, of_rank] : exchange_bytes(bytes, communicator, work))
-    received[rank] = dealii::Utilities::unpack<T>(of_rank, false);
+  RankMap<T> received;
+  for (const auto &[rank, message] : exchange_bytes(bytes, communicator, work))
+    received[rank] = dealii::Utilities::unpack<T>(message, false);
   if (!own.empty())
     received.insert(std::move(own));
   return received;

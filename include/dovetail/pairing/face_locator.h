@@ -131,12 +131,12 @@ public:
   {
     std::vector<NearbyFace> faces;
     std::vector<std::vector<unsigned int>>
-        of_box; ///< for each box positions in faces, in the order of the keys
+        faces_in_box; ///< for each box positions in faces, in the order of the keys
 
     template <typename Archive>
     void serialize(Archive &archive, const unsigned int)
     {
-      archive &faces &of_box;
+      archive &faces &faces_in_box;
     }
   };
 

@@ -83,7 +83,7 @@ public:
   /// How often assemble() has been called with and without the tangent.
   struct Assemblies
   {
-    unsigned long of_tangent = 0, of_residual = 0;
+    unsigned long tangents = 0, residuals_alone = 0;
   };
   const Assemblies &assemblies() const { return n_assemblies; }
 
@@ -198,10 +198,10 @@ private:
   /// sum_j |K_ij x_j| there, times the number of terms.
   struct Sizes
   {
-    std::vector<double> forces, on_free, of_tangent;
+    std::vector<double> forces, on_free, tangents;
   };
   Sizes sizes;
-  std::vector<double> tangent_at_x;                             ///< of_tangent of the last tangent
+  std::vector<double> tangent_at_x;                             ///< tangents of the last tangent
   double share = 1;                                             ///< of what is held back
   Vector held_back;                                             ///< the negative residual
   std::map<dealii::types::global_dof_index, double> held_moves; ///< of relevant constrained unknowns

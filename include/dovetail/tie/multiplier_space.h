@@ -46,9 +46,9 @@ public:
     double constant = 0; ///< int psi_j c
     /// If the destination's gradient bridges a share of a gap: its part of the weights, and what the source's
     /// gain if its own gradient bridges that share instead.
-    std::map<Index, double> of_own_gradient, source_gain;
+    std::map<Index, double> own_gradient, source_gain;
     /// Sums of the weights of each side's unknowns.
-    double of_source = 0, of_destination = 0;
+    double source_weight = 0, destination_weight = 0;
     unsigned int field = 0, component = 0; ///< of Interface::fields
 
     /// What the faces of another rank give to the row.
@@ -56,8 +56,8 @@ public:
     template <typename Archive>
     void serialize(Archive &archive, const unsigned int)
     {
-      archive &weights &diagonal &constant &of_own_gradient &source_gain &of_source &of_destination &field
-          &component;
+      archive &weights &diagonal &constant &own_gradient &source_gain &source_weight &destination_weight
+          &field &component;
     }
   };
 
@@ -78,7 +78,7 @@ public:
 
   /// The coefficients of the multipliers on the faces, from those of the rows that this rank owns.
   /// Collective.
-  void set_coefficients(const std::map<Index, double> &of_rows, const MPI_Comm &communicator);
+  void set_coefficients(const std::map<Index, double> &row_coefficients, const MPI_Comm &communicator);
   bool has_coefficients() const { return are_set; }
   /// sum_j lambda_j phi_j at a point; its integrals over Gamma are those of sum_j lambda_j psi_j.
   double value(unsigned int field, unsigned int component, unsigned int q) const;
@@ -130,8 +130,8 @@ private:
   void add_source(const Face &face, const typename Pairing<dim>::Group &group, const Component &component,
                   unsigned int j, double t, Row &row) const;
   void add_own_gradient(const typename Pairing<dim>::Group &group, unsigned int field, unsigned int component,
-                        const std::vector<double> &of_destination, const std::vector<double> &of_source,
-                        Row &row) const;
+                        const std::vector<double> &destination_weight,
+                        const std::vector<double> &source_weight, Row &row) const;
 
   const Interface<dim> &interface;
   const bool is_dual;

@@ -110,7 +110,7 @@ private:
   void note_central_gradients(const MPI_Comm &communicator);
 
   bool join(const Interface<dim> &interface, const TiedField &field, unsigned int q, double gamma,
-            const std::array<State<dim>, 2> &of_sides, Series &series) const;
+            const std::array<State<dim>, 2> &side_states, Series &series) const;
   bool evaluate_sides(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
                       unsigned int q, double t, const std::vector<double> &unknowns, bool with_derivatives);
   bool add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q, double t,
@@ -168,7 +168,7 @@ private:
     double trial, test;
   };
   std::vector<InJump> in_jump;
-  std::vector<unsigned int> of_field; ///< all unknowns of the field
+  std::vector<unsigned int> field_unknowns; ///< all unknowns of the field
   std::vector<dealii::Tensor<1, dim>> contraction;
   dealii::FullMatrix<double> second_derivative;
 };

@@ -99,7 +99,7 @@ private:
   {
     double growth = 0, decrease = 0;
   };
-  Change change_to(const std::vector<AtPoint> &of_solution, const Interface<dim> &interface,
+  Change change_to(const std::vector<AtPoint> &solution_points, const Interface<dim> &interface,
                    unsigned int field_index, const MPI_Comm &communicator) const;
 
   double theta;

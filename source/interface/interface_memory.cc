@@ -26,14 +26,14 @@ void InterfaceMemory<dim>::set_points(const Pairing<dim> &pairing,
       points[side].push_back(pairing.X(side, q));
     variables[side] = InternalVariables(points[side].size(), material.initial_memory());
     if (has_points)
-      take_from_nearest(side, former, former_points, communicator);
+      copy_from_nearest(side, former, former_points, communicator);
   }
   has_points = true;
 }
 
 /// All ranks look at all points, in an order that does not depend on the ranks.
 template <int dim>
-void InterfaceMemory<dim>::take_from_nearest(const unsigned int side, const InternalVariables &former,
+void InterfaceMemory<dim>::copy_from_nearest(const unsigned int side, const InternalVariables &former,
                                              const std::vector<dealii::Point<dim>> &former_points,
                                              const MPI_Comm &communicator)
 {

@@ -95,7 +95,7 @@ double own_share_of_gap(const Interface<dim> &interface, const TiedField &field,
   return k[1 - own] > 0 && k[own] > k[1 - own] ? 1 - k[1 - own] / k[own] : 0;
 }
 
-std::string words_for_stiff_follower(const double stiffness)
+std::string note_on_stiff_destination(const double stiffness)
 {
   std::ostringstream sentence;
   sentence.precision(2);

@@ -284,7 +284,7 @@ void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
 
   if (!present_system->assemble(x, true))
     return;
-  if (const auto motion = present_system->find_free_motion(true))
+  if (const auto motion = present_system->find_unrestrained_mode(true))
     notes.add("nothing holds " + motion->in_words());
 }
 

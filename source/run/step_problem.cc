@@ -84,7 +84,7 @@ double StepProblem<dim>::measure(const bool is_defined)
 template <int dim>
 void StepProblem<dim>::check_is_held() const
 {
-  if (const auto motion = system.find_free_motion())
+  if (const auto motion = system.find_unrestrained_mode())
     motion->bodies[0]->section.fail("Boundary conditions",
                                     "and interfaces do not hold " + motion->in_words() +
                                         ". Add a condition of Type = value, or a tie, that does.");

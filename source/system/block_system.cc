@@ -187,8 +187,8 @@ template <int dim>
 void BlockSystem<dim>::make_constraints(const ConstraintLines &lines)
 {
   constraints.clear();
-  freed.clear();
-  constraints = close_constraints(lines, *model.numbering, relevant, model.communicator, &freed);
+  unconstrained.clear();
+  constraints = close_constraints(lines, *model.numbering, relevant, model.communicator, &unconstrained);
   update_constraints.clear();
   update_constraints.copy_from(constraints);
   relevant.add_indices(constraints.get_local_lines()); // those that lines refer to, too
@@ -723,7 +723,7 @@ template <int dim>
 NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x) const
 {
   ConstraintLines lines = lines_at(time);
-  for (const auto dof : freed)
+  for (const auto dof : unconstrained)
     lines.erase(dof);
   ghosted_scratch = x;
   return NodalForces<dim>(model, lines, constraints, ghosted_scratch, time, step_rates);
@@ -754,7 +754,7 @@ std::vector<std::string> BlockSystem<dim>::notes() const
     if (interface->is_active(time))
       for (const std::string &sentence : interface->tie().notes())
         sentences.push_back(interface->name + ": " + sentence);
-  if (const auto n = dealii::Utilities::MPI::sum(freed.size(), model.communicator); n > 0)
+  if (const auto n = dealii::Utilities::MPI::sum(unconstrained.size(), model.communicator); n > 0)
     sentences.push_back("constraints of interfaces that meet led back to themselves and were dropped at " +
                         std::to_string(n) + (n == 1 ? " unknown" : " unknowns"));
   return sentences;
@@ -852,11 +852,12 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx, Vector &rest)
 }
 
 template <int dim>
-std::optional<FreeMotion<dim>> BlockSystem<dim>::find_free_motion(const bool in_any_case) const
+std::optional<UnrestrainedMode<dim>> BlockSystem<dim>::find_unrestrained_mode(const bool in_any_case) const
 {
   for (unsigned int f = 0; f < fields.size(); ++f)
     if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time, update_constraints)))
-      if (const auto motion = dovetail::find_free_motion(model, fields[f], time, matrix, update_constraints))
+      if (const auto motion =
+              dovetail::find_unrestrained_mode(model, fields[f], time, matrix, update_constraints))
         return motion;
   return {};
 }

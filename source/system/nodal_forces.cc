@@ -147,9 +147,9 @@ Vector NodalForces<dim>::passed_on(const Vector &residual) const
   for (unsigned int link = 0; link < longest_chain; ++link) {
     passed = 0;
     for (const auto &[dof, line] : lines) {
-      const double follower_force = line.entries.empty() ? 0. : total(dof);
+      const double constrained_force = line.entries.empty() ? 0. : total(dof);
       for (const auto &[other, weight] : line.entries)
-        passed(other) += weight * follower_force;
+        passed(other) += weight * constrained_force;
     }
     passed.compress(dealii::VectorOperation::add);
     previous = total;
@@ -179,7 +179,7 @@ bool NodalForces<dim>::is_fixed(const Index dof) const
   return constraints.is_constrained(dof) && (entries == nullptr || entries->empty());
 }
 
-/// Followers bring the rounding of their own body with them.
+/// Constrained bodies bring the rounding of their own body with them.
 template <int dim>
 double NodalForces<dim>::rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const
 {

@@ -28,7 +28,7 @@
 //     end
 
 #include <dovetail/interface/side_ratios.h>
-#include <dovetail/tie/follower_lines.h>
+#include <dovetail/tie/gap_constraints.h>
 #include <dovetail/tie/multiplier_space.h>
 #include <dovetail/tie/penalty.h>
 
@@ -118,7 +118,7 @@ private:
   bool loses_order = false; ///< dual functions on nodes that are not those of Gauss and Lobatto
   std::unique_ptr<MultiplierSpace<dim>> space;
   std::map<Index, double> source_shares;
-  std::map<Index, std::array<double, 2>> shares_of_force; ///< of a follower, that its line gives to the sides
+  std::map<Index, std::array<double, 2>> shares_of_force; ///< that a constrained unknown gives to the sides
   std::vector<Term> terms;
   std::vector<Transmission> transmitted;
   SideRatios ratios;
@@ -199,7 +199,7 @@ void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &con
                             const MPI_Comm &communicator)
 {
   const Domain<dim> &to = *interface.sides[destination].domain;
-  std::map<Index, Follower> followers;
+  std::map<Index, GapConstraint> constrained;
   for (const auto &[dof, row] : space->rows) {
     // differs from the diagonal where the source has the same unknown
     const auto find = [dof = dof](const std::map<Index, double> &weights) {
@@ -209,36 +209,37 @@ void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &con
     const double own = find(row.weights) - find(row.own_gradient);
     if (std::abs(own) < 1e-10 * row.diagonal)
       continue;
-    Follower &follower = followers[dof];
-    const auto add = [own, &to](FollowerLine &line, const Index other, const double weight) {
+    GapConstraint &constraint = constrained[dof];
+    const auto add = [own, &to](GapLine &line, const Index other, const double weight) {
       const bool is_of_destination =
           other >= to.first_dof && other < to.first_dof + to.dof_handler().n_dofs();
       (is_of_destination ? line.from_destination : line.from_source)[other] -= weight / own;
     };
     for (const auto &[other, weight] : row.weights)
       if (other != dof)
-        add(follower.first, other, weight);
-    follower.first.offset = -row.constant / own;
+        add(constraint.first, other, weight);
+    constraint.first.offset = -row.constant / own;
     if (row.own_gradient.empty())
       continue;
-    follower.wanted = follower.first;
-    add(follower.wanted, dof, find(row.own_gradient));
+    constraint.wanted = constraint.first;
+    add(constraint.wanted, dof, find(row.own_gradient));
     for (const auto &[other, weight] : row.own_gradient)
       if (other != dof)
-        add(follower.first, other, -weight);
+        add(constraint.first, other, -weight);
     for (const auto &[other, weight] : row.source_gain)
-      add(follower.first, other, weight);
-    auto &entries = follower.first.from_destination;
+      add(constraint.first, other, weight);
+    auto &entries = constraint.first.from_destination;
     for (auto entry = entries.begin(); entry != entries.end();)
       entry = std::abs(entry->second) <= 1e-14 ? entries.erase(entry) : std::next(entry);
   }
   source_shares.clear();
   shares_of_force.clear();
-  for (const auto &[dof, line] : follower_lines(followers, to, constraints, communicator, interface.work())) {
+  for (const auto &[dof, line] :
+       gap_constraints(constrained, to, constraints, communicator, interface.work())) {
     constraints.add(dof, line.as_constraint());
     shares_of_force[dof] = {{-line.source_weight(), 1 - line.destination_weight()}};
-    if (const Follower &follower = followers.at(dof); !follower.wanted.from_destination.empty())
-      source_shares[dof] = line.source_weight() / follower.first.source_weight();
+    if (const GapConstraint &constraint = constrained.at(dof); !constraint.wanted.from_destination.empty())
+      source_shares[dof] = line.source_weight() / constraint.first.source_weight();
   }
 }
 
@@ -416,9 +417,9 @@ std::vector<std::string> Mortar<dim>::notes() const
 {
   std::vector<std::string> sentences;
   // the source's trace has kinks inside the destination's faces only if it is the coarser one
-  if (ratios.stiffness > largest_stiffness_of_follower && ratios.face_size < 0.9)
-    sentences.push_back(words_for_stiff_follower(ratios.stiffness));
-  if (ratios.stiffness > largest_stiffness_of_follower && ratios.face_size > 1.1)
+  if (ratios.stiffness > largest_stiffness_ratio && ratios.face_size < 0.9)
+    sentences.push_back(note_on_stiff_destination(ratios.stiffness));
+  if (ratios.stiffness > largest_stiffness_ratio && ratios.face_size > 1.1)
     sentences.push_back(words_for_fine_soft_source(ratios));
   if (loses_order)
     sentences.push_back("dual multipliers on triangles of degree 3 hold constants only, and the flux errs as "

@@ -19,7 +19,7 @@
 #include <dovetail/interface/interface.h>
 #include <dovetail/interface/side_ratios.h>
 #include <dovetail/pairing/partner_shapes.h>
-#include <dovetail/tie/follower_lines.h>
+#include <dovetail/tie/gap_constraints.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/dofs/dof_tools.h>
@@ -77,8 +77,8 @@ private:
   static Bridge find_bridge(const Interface<dim> &interface, const Node &node,
                             const typename FaceLocator<dim>::Match &match, const PartnerShapes<dim> &shapes,
                             unsigned int point);
-  static Follower follow(const Interface<dim> &interface, const TiedField &field, unsigned int c,
-                         const Bridge &bridge, double t);
+  static GapConstraint follow(const Interface<dim> &interface, const TiedField &field, unsigned int c,
+                              const Bridge &bridge, double t);
   static void add_own_gradient(const Domain<dim> &domain, const Node &node, unsigned int component,
                                const dealii::Tensor<1, dim> &direction,
                                const dealii::AffineConstraints<double> &hanging, ShapeEvaluator<dim> &shapes,
@@ -103,8 +103,8 @@ private:
 template <int dim>
 std::vector<std::string> Pointwise<dim>::notes() const
 {
-  if (ratios.stiffness > largest_stiffness_of_follower)
-    return {words_for_stiff_follower(ratios.stiffness)};
+  if (ratios.stiffness > largest_stiffness_ratio)
+    return {note_on_stiff_destination(ratios.stiffness)};
   if (ratios.face_size < 1.1) {
     if (lost_degree < 2)
       return {};
@@ -233,22 +233,22 @@ typename Pointwise<dim>::Bridge Pointwise<dim>::find_bridge(const Interface<dim>
 
 /// What component c of a field takes from the source.
 template <int dim>
-Follower Pointwise<dim>::follow(const Interface<dim> &interface, const TiedField &field, const unsigned int c,
-                                const Bridge &bridge, const double t)
+GapConstraint Pointwise<dim>::follow(const Interface<dim> &interface, const TiedField &field,
+                                     const unsigned int c, const Bridge &bridge, const double t)
 {
   const double own_share = bridge.own_share[field.index];
-  Follower follower;
+  GapConstraint constraint;
   if (interface.has_prescribed_jump())
-    follower.first.offset = follower.wanted.offset = -interface.prescribed_jump(bridge.X, t, c);
+    constraint.first.offset = constraint.wanted.offset = -interface.prescribed_jump(bridge.X, t, c);
   for (unsigned int a = 0; a < bridge.n_masters; ++a) {
     const auto master = (*bridge.masters)[(field.first_component[source] + c) * bridge.n_masters + a];
     const double value = bridge.values[a], extension = bridge.gradients[a] * bridge.gap;
     if (std::abs(value + extension) > 1e-14)
-      follower.first.from_source[master] += value + extension;
+      constraint.first.from_source[master] += value + extension;
     if (std::abs(value + (1 - own_share) * extension) > 1e-14)
-      follower.wanted.from_source[master] += value + (1 - own_share) * extension;
+      constraint.wanted.from_source[master] += value + (1 - own_share) * extension;
   }
-  return follower;
+  return constraint;
 }
 
 template <int dim>
@@ -271,10 +271,10 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
   const PartnerShapes<dim> shapes = fetch_shapes(*from.domain, locator, matches, communicator);
   interface.work() += locator.work();
 
-  std::map<dealii::types::global_dof_index, Follower> followers;
+  std::map<dealii::types::global_dof_index, GapConstraint> constrained;
   const auto hanging = to.domain->hanging_nodes();
   ShapeEvaluator<dim> own_shapes(*to.domain);
-  unsigned int n_followers = 0, n_prescribed = 0;
+  unsigned int n_constrained = 0, n_prescribed = 0;
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     if (!matches[i].found)
       continue;
@@ -283,34 +283,34 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
       for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
         const unsigned int component = interface.fields[f].first_component[destination] + c;
         const auto dof = nodes[i].dofs[component];
-        ++(constraints.has(dof) ? n_prescribed : n_followers);
+        ++(constraints.has(dof) ? n_prescribed : n_constrained);
         if (constraints.has(dof)) {
           hold(dof, f, c, interface.fields[f], bridge, constraints);
           continue;
         }
-        Follower follower = follow(interface, interface.fields[f], c, bridge, constraints.t);
-        if (follower.first.from_source.size() == 1 && follower.first.from_source.count(dof) > 0)
+        GapConstraint constraint = follow(interface, interface.fields[f], c, bridge, constraints.t);
+        if (constraint.first.from_source.size() == 1 && constraint.first.from_source.count(dof) > 0)
           continue; // at the tip of a slit
         if (bridge.own_share[f] > 0)
           add_own_gradient(*to.domain, nodes[i], component, bridge.own_share[f] * bridge.gap, hanging,
-                           own_shapes, follower.wanted.from_destination);
-        followers[dof] = std::move(follower);
+                           own_shapes, constraint.wanted.from_destination);
+        constrained[dof] = std::move(constraint);
         places[dof] = {f, c, {{-1., 1.}}};
       }
   }
   for (const auto &[dof, line] :
-       follower_lines(followers, *to.domain, constraints, communicator, interface.work())) {
+       gap_constraints(constrained, *to.domain, constraints, communicator, interface.work())) {
     places.at(dof).shares = {{-line.source_weight(), 1 - line.destination_weight()}};
     constraints.add(dof, line.as_constraint());
   }
-  n_followers = dealii::Utilities::MPI::sum(n_followers, communicator);
+  n_constrained = dealii::Utilities::MPI::sum(n_constrained, communicator);
   n_prescribed = dealii::Utilities::MPI::sum(n_prescribed, communicator);
   interface.section.check(
-      n_followers > 0 || n_prescribed > 0, "Destination",
+      n_constrained > 0 || n_prescribed > 0, "Destination",
       "has no node that faces the source: nothing follows it. Refine the destination, swap Source and "
       "Destination, or use Type = Nitsche.");
   interface.section.check(
-      n_followers > 0, "Destination",
+      n_constrained > 0, "Destination",
       "has unknowns that are prescribed already, all of them, by a boundary condition or by another "
       "interface: nothing is left to follow the source. Swap Source and Destination, or use "
       "Type = Nitsche.");
@@ -333,7 +333,7 @@ void Pointwise<dim>::hold(const dealii::types::global_dof_index dof, const unsig
   prescribed.push_back(std::move(unknown));
 }
 
-/// What acts on the followers acts on the source.
+/// What acts on the constrained unknowns acts on the source.
 template <int dim>
 void Pointwise<dim>::find_multipliers(const Interface<dim> & /*interface*/, const ValueAt & /*solution*/,
                                       const ValueAt &force, const MPI_Comm & /*communicator*/)

@@ -8,9 +8,9 @@
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/scene/undefined.h>
 #include <dovetail/solve/block_matrix.h>
-#include <dovetail/system/free_motion.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/nodal_forces.h>
+#include <dovetail/system/unrestrained_mode.h>
 #include <dovetail/system/vector.h>
 #include <dovetail/time/rates.h>
 
@@ -112,7 +112,7 @@ public:
   double largest_move() const { return move; } ///< of a prescribed value, likewise
   /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
   /// nothing where all bodies are surely held, unless @p in_any_case.
-  std::optional<FreeMotion<dim>> find_free_motion(bool in_any_case = false) const;
+  std::optional<UnrestrainedMode<dim>> find_unrestrained_mode(bool in_any_case = false) const;
   /// Whether an unknown that this rank owns follows from others, so that its row is trivial.
   bool is_constrained(dealii::types::global_dof_index dof) const
   {
@@ -175,7 +175,8 @@ private:
   std::vector<bool> is_of_multipliers; ///< by field
   dealii::IndexSet relevant;           ///< relevant unknowns of the domains and those behind interface points
   ConstraintLines tie_lines;           ///< of owned unknowns
-  std::set<dealii::types::global_dof_index> freed;      ///< of tie_lines, where they would have no solution
+  std::set<dealii::types::global_dof_index>
+      unconstrained;                                    ///< of tie_lines, where they would have no solution
   std::set<dealii::types::global_dof_index> dropped;    ///< multipliers
   dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx

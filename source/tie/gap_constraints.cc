@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/tie/follower_lines.h>
+#include <dovetail/tie/gap_constraints.h>
 
 #include <cmath>
 #include <set>
@@ -12,7 +12,7 @@ namespace {
 
 using Index = dealii::types::global_dof_index;
 
-/// The sum of the weights of followers in the gradient of one.
+/// The sum of the weights of constrained unknowns in the gradient of one.
 constexpr double largest_feedback = 0.5;
 constexpr unsigned int n_sweeps = 2;
 
@@ -20,7 +20,7 @@ constexpr unsigned int n_sweeps = 2;
 struct Answer
 {
   enum Kind { is_free, follows, is_led_by_another_tie } kind = is_free;
-  FollowerLine line; ///< if it follows
+  GapLine line; ///< if it follows
 
   template <typename Archive>
   void serialize(Archive &archive, const unsigned int)
@@ -31,7 +31,7 @@ struct Answer
 
 /// The answers of the owners, from their lines so far.
 std::map<Index, Answer> ask(const RankMap<std::vector<Index>> &dofs_of_rank,
-                            const std::map<Index, FollowerLine> &lines, const TieConstraints &constraints,
+                            const std::map<Index, GapLine> &lines, const TieConstraints &constraints,
                             const MPI_Comm &communicator, InterfaceWork &work)
 {
   RankMap<std::map<Index, Answer>> answers;
@@ -51,37 +51,37 @@ std::map<Index, Answer> ask(const RankMap<std::vector<Index>> &dofs_of_rank,
 }
 
 /// One equation, solved for its own unknown.
-FollowerLine sweep(const Index own, const Follower &follower, const std::map<Index, Answer> &answers)
+GapLine sweep(const Index own, const GapConstraint &constraint, const std::map<Index, Answer> &answers)
 {
   double feedback = 0;
-  for (const auto &[dof, weight] : follower.wanted.from_destination) {
+  for (const auto &[dof, weight] : constraint.wanted.from_destination) {
     const Answer &answer = answers.at(dof);
     if (answer.kind == Answer::is_led_by_another_tie)
-      return follower.first;
+      return constraint.first;
     feedback += answer.kind == Answer::follows ? std::abs(weight) : 0;
   }
   const double share = feedback > largest_feedback ? largest_feedback / feedback : 1;
-  FollowerLine line;
-  line.add(1 - share, follower.first);
-  line.offset += share * follower.wanted.offset;
+  GapLine line;
+  line.add(1 - share, constraint.first);
+  line.offset += share * constraint.wanted.offset;
   double own_weight = 0;
-  for (const auto &[dof, weight] : follower.wanted.from_source)
+  for (const auto &[dof, weight] : constraint.wanted.from_source)
     line.from_source[dof] += share * weight;
-  for (const auto &[dof, weight] : follower.wanted.from_destination)
+  for (const auto &[dof, weight] : constraint.wanted.from_destination)
     if (dof == own)
       own_weight = share * weight;
     else if (const Answer &answer = answers.at(dof); answer.kind == Answer::follows)
       line.add(share * weight, answer.line);
     else
       line.from_destination[dof] += share * weight;
-  FollowerLine solved;
+  GapLine solved;
   solved.add(1 / (1 - own_weight), line);
   return solved;
 }
 
 } // namespace
 
-void FollowerLine::add(const double factor, const FollowerLine &other)
+void GapLine::add(const double factor, const GapLine &other)
 {
   if (factor == 0)
     return;
@@ -92,7 +92,7 @@ void FollowerLine::add(const double factor, const FollowerLine &other)
     from_destination[dof] += factor * weight;
 }
 
-ConstraintLine FollowerLine::as_constraint() const
+ConstraintLine GapLine::as_constraint() const
 {
   std::map<Index, double> all = from_source; // sides of one body may share unknowns
   for (const auto &[dof, weight] : from_destination)
@@ -115,26 +115,26 @@ double sum_of_weights(const std::map<Index, double> &weights)
 
 } // namespace
 
-double FollowerLine::source_weight() const
+double GapLine::source_weight() const
 {
   return sum_of_weights(from_source);
 }
 
-double FollowerLine::destination_weight() const
+double GapLine::destination_weight() const
 {
   return sum_of_weights(from_destination);
 }
 
 template <int dim>
-std::map<Index, FollowerLine>
-follower_lines(const std::map<Index, Follower> &followers, const Domain<dim> &destination,
-               const TieConstraints &constraints, const MPI_Comm &communicator, InterfaceWork &work)
+std::map<Index, GapLine> gap_constraints(const std::map<Index, GapConstraint> &constrained,
+                                         const Domain<dim> &destination, const TieConstraints &constraints,
+                                         const MPI_Comm &communicator, InterfaceWork &work)
 {
-  std::map<Index, FollowerLine> lines;
+  std::map<Index, GapLine> lines;
   std::set<Index> asked;
-  for (const auto &[own, follower] : followers) {
-    lines[own] = follower.first;
-    for (const auto &entry : follower.wanted.from_destination)
+  for (const auto &[own, constraint] : constrained) {
+    lines[own] = constraint.first;
+    for (const auto &entry : constraint.wanted.from_destination)
       asked.insert(entry.first);
   }
   if (dealii::Utilities::MPI::max(asked.size(), communicator) == 0)
@@ -145,18 +145,16 @@ follower_lines(const std::map<Index, Follower> &followers, const Domain<dim> &de
     dofs_of_rank[rank].push_back(dof);
   for (unsigned int i = 0; i < n_sweeps; ++i) {
     const auto answers = ask(dofs_of_rank, lines, constraints, communicator, work);
-    for (const auto &[own, follower] : followers)
-      if (!follower.wanted.from_destination.empty())
-        lines[own] = sweep(own, follower, answers);
+    for (const auto &[own, constraint] : constrained)
+      if (!constraint.wanted.from_destination.empty())
+        lines[own] = sweep(own, constraint, answers);
   }
   return lines;
 }
 
-template std::map<Index, FollowerLine> follower_lines(const std::map<Index, Follower> &, const Domain<2> &,
-                                                      const TieConstraints &, const MPI_Comm &,
-                                                      InterfaceWork &);
-template std::map<Index, FollowerLine> follower_lines(const std::map<Index, Follower> &, const Domain<3> &,
-                                                      const TieConstraints &, const MPI_Comm &,
-                                                      InterfaceWork &);
+template std::map<Index, GapLine> gap_constraints(const std::map<Index, GapConstraint> &, const Domain<2> &,
+                                                  const TieConstraints &, const MPI_Comm &, InterfaceWork &);
+template std::map<Index, GapLine> gap_constraints(const std::map<Index, GapConstraint> &, const Domain<3> &,
+                                                  const TieConstraints &, const MPI_Comm &, InterfaceWork &);
 
 } // namespace dovetail

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/system/free_motion.h>
 #include <dovetail/system/joined_domains.h>
 #include <dovetail/system/rigid_motions.h>
+#include <dovetail/system/unrestrained_mode.h>
 
 #include <deal.II/base/array_view.h>
 #include <deal.II/base/mpi.h>
@@ -205,10 +205,10 @@ std::array<dealii::FullMatrix<double>, 2> energies(const std::vector<Group<dim>>
 
 /// @param shares of the modes in the motion
 template <int dim>
-FreeMotion<dim> describe(const Model<dim> &model, const std::string &field,
-                         const std::vector<Group<dim>> &groups, const dealii::Vector<double> &shares)
+UnrestrainedMode<dim> describe(const Model<dim> &model, const std::string &field,
+                               const std::vector<Group<dim>> &groups, const dealii::Vector<double> &shares)
 {
-  FreeMotion<dim> motion = {field, {}, "a constant"};
+  UnrestrainedMode<dim> motion = {field, {}, "a constant"};
   const double relevant = 1e-3 * shares.linfty_norm();
   std::array<bool, dim> moves_along{};
   bool is_vector = false, rotates = false;
@@ -267,7 +267,7 @@ std::vector<double> seen_by_constraint(const dealii::AffineConstraints<double> &
 } // namespace
 
 template <int dim>
-std::string FreeMotion<dim>::in_words() const
+std::string UnrestrainedMode<dim>::in_words() const
 {
   std::vector<std::string> names;
   for (const auto *body : bodies)
@@ -313,9 +313,9 @@ bool is_surely_held(const Model<dim> &model, const std::string &field, const dou
 }
 
 template <int dim>
-std::optional<FreeMotion<dim>> find_free_motion(const Model<dim> &model, const std::string &field,
-                                                const double t, const BlockMatrix &tangent,
-                                                const dealii::AffineConstraints<double> &constraints)
+std::optional<UnrestrainedMode<dim>>
+find_unrestrained_mode(const Model<dim> &model, const std::string &field, const double t,
+                       const BlockMatrix &tangent, const dealii::AffineConstraints<double> &constraints)
 {
   auto groups = groups_of(model, field, t);
   for (auto &group : groups)
@@ -365,17 +365,17 @@ std::optional<FreeMotion<dim>> find_free_motion(const Model<dim> &model, const s
   return {};
 }
 
-template struct FreeMotion<2>;
-template struct FreeMotion<3>;
+template struct UnrestrainedMode<2>;
+template struct UnrestrainedMode<3>;
 template bool is_surely_held(const Model<2> &, const std::string &, double,
                              const dealii::AffineConstraints<double> &);
 template bool is_surely_held(const Model<3> &, const std::string &, double,
                              const dealii::AffineConstraints<double> &);
-template std::optional<FreeMotion<2>> find_free_motion(const Model<2> &, const std::string &, double,
-                                                       const BlockMatrix &,
-                                                       const dealii::AffineConstraints<double> &);
-template std::optional<FreeMotion<3>> find_free_motion(const Model<3> &, const std::string &, double,
-                                                       const BlockMatrix &,
-                                                       const dealii::AffineConstraints<double> &);
+template std::optional<UnrestrainedMode<2>> find_unrestrained_mode(const Model<2> &, const std::string &,
+                                                                   double, const BlockMatrix &,
+                                                                   const dealii::AffineConstraints<double> &);
+template std::optional<UnrestrainedMode<3>> find_unrestrained_mode(const Model<3> &, const std::string &,
+                                                                   double, const BlockMatrix &,
+                                                                   const dealii::AffineConstraints<double> &);
 
 } // namespace dovetail

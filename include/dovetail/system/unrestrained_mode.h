@@ -26,7 +26,7 @@ bool is_surely_held(const Model<dim> &model, const std::string &field, double t,
 
 /// A motion that nothing resists.
 template <int dim>
-struct FreeMotion
+struct UnrestrainedMode
 {
   std::string field;
   std::vector<const Domain<dim> *> bodies; ///< that move
@@ -41,8 +41,8 @@ struct FreeMotion
 /// @param tangent K, assembled on @p constraints
 /// @return nothing if there is none
 template <int dim>
-std::optional<FreeMotion<dim>> find_free_motion(const Model<dim> &model, const std::string &field, double t,
-                                                const BlockMatrix &tangent,
-                                                const dealii::AffineConstraints<double> &constraints);
+std::optional<UnrestrainedMode<dim>>
+find_unrestrained_mode(const Model<dim> &model, const std::string &field, double t,
+                       const BlockMatrix &tangent, const dealii::AffineConstraints<double> &constraints);
 
 } // namespace dovetail

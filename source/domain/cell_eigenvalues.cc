@@ -138,7 +138,7 @@ private:
   const Field &field;
   const bool has_hoop;
   const std::vector<unsigned int> &components;
-  const unsigned int n_nodes;
+  const unsigned int n_nodes, first_shape; ///< of the field
   dealii::FEValues<dim> values, at_nodes;
   CellPoints<dim> point;
   TangentParts<dim> tangent;
@@ -148,12 +148,14 @@ template <int dim>
 CellProblem<dim>::CellProblem(const Domain<dim> &domain, const Field &field,
                               const std::vector<unsigned int> &components, const double t)
     : domain(domain), field(field), has_hoop(domain.measure.has_hoop_strain(field)), components(components),
-      n_nodes(domain.n_nodes()),
-      values(domain.mapping(), domain.scalar_element(),
-             gauss_rule<dim>(domain.scalar_element().reference_cell(), domain.degree + 1),
+      n_nodes(domain.layout().n_nodes(field.first_component)),
+      first_shape(domain.layout().first_shape(field.first_component)),
+      values(domain.mapping(), domain.layout().shape_element(),
+             gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
              dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                  dealii::update_JxW_values),
-      at_nodes(domain.mapping(), domain.scalar_element(), domain.scalar_element().get_unit_support_points(),
+      at_nodes(domain.mapping(), domain.layout().element(field.first_component),
+               domain.layout().element(field.first_component).get_unit_support_points(),
                dealii::update_quadrature_points),
       point(domain, t), tangent(field.n_components, has_hoop)
 {
@@ -228,8 +230,8 @@ bool CellProblem<dim>::add_energy(const std::vector<double> &unknowns)
           direction[L] = factor * tangent.vectors[e * tangent.n + d * dim + L];
         const double around = factor * tangent.vectors[e * tangent.n + tangent.n - 1];
         for (unsigned int a = 0; a < n_nodes; ++a)
-          rows.push_back(direction * point.shape_gradients()[a] +
-                         around * hoop_strain(point.shape_values()[a], d));
+          rows.push_back(direction * point.shape_gradients()[first_shape + a] +
+                         around * hoop_strain(point.shape_values()[first_shape + a], d));
       }
     }
   }
@@ -263,7 +265,8 @@ void CellProblem<dim>::add_flux_rows(const std::vector<double> &D, const TracePo
         around +=
             std::sqrt(face_point.weight) * face_point.N[J] * D[(c * dim + J) * tangent.n + tangent.n - 1];
       for (unsigned int a = 0; a < n_nodes; ++a)
-        rows.push_back(N_D * face_point.gradients[a] + around * hoop_strain(face_point.values[a], d));
+        rows.push_back(N_D * face_point.gradients[first_shape + a] +
+                       around * hoop_strain(face_point.values[first_shape + a], d));
     }
 }
 
@@ -276,7 +279,7 @@ void CellProblem<dim>::find_rotations(const std::vector<double> &unknowns)
     double mean = 0;
     for (unsigned int a = 0; a < n_nodes; ++a) {
       position[c].push_back(at_nodes.quadrature_point(a)[c] - at_nodes.quadrature_point(0)[c] +
-                            unknowns[(field.first_component + c) * n_nodes + a]);
+                            unknowns[domain.layout().index(field.first_component + c, a)]);
       mean += position[c].back() / n_nodes;
     }
     for (double &x : position[c])

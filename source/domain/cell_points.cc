@@ -8,10 +8,13 @@
 namespace dovetail {
 
 template <int dim>
-void evaluate_state(const unsigned int n_components, const unsigned int n_nodes, const double *shape_values,
-                    const dealii::Tensor<1, dim> *shape_gradients, const double *unknowns, State<dim> &state)
+void evaluate_state(const CellLayout<dim> &layout, const double *all_values,
+                    const dealii::Tensor<1, dim> *all_gradients, const double *unknowns, State<dim> &state)
 {
-  for (unsigned int c = 0; c < n_components; ++c, unknowns += n_nodes) {
+  for (unsigned int c = 0; c < layout.n_components(); ++c) {
+    const unsigned int n_nodes = layout.n_nodes(c);
+    const double *shape_values = all_values + layout.first_shape(c);
+    const dealii::Tensor<1, dim> *shape_gradients = all_gradients + layout.first_shape(c);
     double value = 0;
     dealii::Tensor<1, dim> gradient;
     for (unsigned int a = 0; a < n_nodes; ++a) {
@@ -21,13 +24,15 @@ void evaluate_state(const unsigned int n_components, const unsigned int n_nodes,
     }
     state.value[c] = value;
     state.gradient[c] = gradient;
+    unknowns += n_nodes;
   }
 }
 
 template <int dim>
 CellPoints<dim>::CellPoints(const Domain<dim> &domain, const double t)
-    : domain(domain), state(domain.n_components()), response(domain.n_components()), shape(domain.n_nodes()),
-      gradient(domain.n_nodes()), trial_memory(domain.material.initial_memory())
+    : domain(domain), state(domain.n_components()), response(domain.n_components()),
+      shape(domain.layout().n_shapes()), gradient(domain.layout().n_shapes()),
+      trial_memory(domain.material.initial_memory())
 {
   state.t = t;
   const std::vector<double> &initial = domain.material.initial_memory();
@@ -48,8 +53,9 @@ void CellPoints<dim>::reinit(const dealii::FEValuesBase<dim> &values, const unsi
   if (domain.memory)
     cell = values.get_cell();
   for (unsigned int a = 0; a < shape.size(); ++a) {
-    shape[a] = values.shape_value(a, q);
-    gradient[a] = values.shape_grad(a, q);
+    const unsigned int i = domain.layout().shape_index(a);
+    shape[a] = values.shape_value(i, q);
+    gradient[a] = values.shape_grad(i, q);
   }
   reinit(values.quadrature_point(q), shape.data(), gradient.data(), unknowns);
 }
@@ -63,8 +69,7 @@ void CellPoints<dim>::reinit(const dealii::Point<dim> &X, const double *shape_va
   remember();
   if (domain.is_on_axis(X))
     state.X[0] = 0;
-  evaluate_state<dim>(domain.n_components(), shape.size(), shape_values, shape_gradients, unknowns.data(),
-                      state);
+  evaluate_state(domain.layout(), shape_values, shape_gradients, unknowns.data(), state);
   if (!state.rate.empty())
     evaluate_rates(shape_values);
 }
@@ -94,9 +99,10 @@ void CellPoints<dim>::set_rates(const Rates *rates, const std::vector<dealii::ty
 template <int dim>
 void CellPoints<dim>::evaluate_rates(const double *shape_values)
 {
-  const unsigned int n_nodes = shape.size();
   const auto at_point = [&](const std::vector<double> &cell_values, const unsigned int c) {
-    return std::inner_product(shape_values, shape_values + n_nodes, cell_values.begin() + c * n_nodes, 0.);
+    const double *values = shape_values + domain.layout().first_shape(c);
+    return std::inner_product(values, values + domain.layout().n_nodes(c),
+                              cell_values.begin() + domain.layout().first(c), 0.);
   };
   for (unsigned int c = 0; c < domain.n_components(); ++c) {
     const unsigned int order = domain.material.order_in_time(c);
@@ -107,10 +113,10 @@ void CellPoints<dim>::evaluate_rates(const double *shape_values)
   }
 }
 
-template void evaluate_state<2>(unsigned int, unsigned int, const double *, const dealii::Tensor<1, 2> *,
-                                const double *, State<2> &);
-template void evaluate_state<3>(unsigned int, unsigned int, const double *, const dealii::Tensor<1, 3> *,
-                                const double *, State<3> &);
+template void evaluate_state(const CellLayout<2> &, const double *, const dealii::Tensor<1, 2> *,
+                             const double *, State<2> &);
+template void evaluate_state(const CellLayout<3> &, const double *, const dealii::Tensor<1, 3> *,
+                             const double *, State<3> &);
 template class CellPoints<2>;
 template class CellPoints<3>;
 

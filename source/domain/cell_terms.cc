@@ -13,12 +13,12 @@ namespace dovetail {
 
 template <int dim>
 CellTerms<dim>::CellTerms(const Domain<dim> &domain)
-    : domain(domain), n(domain.n_components()), n_nodes(domain.n_nodes()),
-      cell_values(domain.mapping(), domain.scalar_element(), domain.cell_quadrature(),
+    : domain(domain), layout(domain.layout()), n(domain.n_components()),
+      cell_values(domain.mapping(), layout.shape_element(), domain.cell_quadrature(),
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
-      uniform_response(n), shape(n_nodes), gradient(n_nodes), source_of_component(n)
+      uniform_response(n), shape(layout.n_shapes()), gradient(layout.n_shapes()), source_of_component(n)
 {
   const auto &fields = domain.fields();
   for (unsigned int c = 0; c < n; ++c)
@@ -37,7 +37,7 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
     if (condition->adds_flux() || condition->is_weak())
       flux_conditions.push_back(condition.get());
   for (auto &direction : gradient_of_direction)
-    direction.resize(n_nodes);
+    direction.resize(layout.n_shapes());
 }
 
 template <int dim>
@@ -56,7 +56,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
                               dealii::FullMatrix<double> *tangent)
 {
   std::fill(residual.begin(), residual.end(), 0.);
-  force_sizes.assign(n * n_nodes, 0.);
+  force_sizes.assign(layout.size(), 0.);
   if (tangent)
     *tangent = 0;
   point.state.t = t;
@@ -87,18 +87,23 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
 template <int dim>
 void CellTerms<dim>::add_flux(const double JxW, std::vector<double> &residual)
 {
-  const auto &gradients = point.shape_gradients();
-  for (unsigned int c = 0; c < n; ++c)
+  for (unsigned int c = 0; c < n; ++c) {
+    const unsigned int first = layout.first(c), n_nodes = layout.n_nodes(c);
+    const dealii::Tensor<1, dim> *gradients = &point.shape_gradients()[layout.first_shape(c)];
     for (unsigned int a = 0; a < n_nodes; ++a)
-      add(c * n_nodes + a, (point.response.flux[c] * gradients[a]) * JxW, residual);
+      add(first + a, (point.response.flux[c] * gradients[a]) * JxW, residual);
+  }
 }
 
 template <int dim>
 void CellTerms<dim>::add_source_of_laws(const double JxW, std::vector<double> &residual)
 {
-  for (const unsigned int c : with_source)
+  for (const unsigned int c : with_source) {
+    const unsigned int first = layout.first(c), n_nodes = layout.n_nodes(c);
+    const double *values = &point.shape_values()[layout.first_shape(c)];
     for (unsigned int a = 0; a < n_nodes; ++a)
-      add(c * n_nodes + a, point.response.source[c] * point.shape_values()[a] * JxW, residual);
+      add(first + a, point.response.source[c] * values[a] * JxW, residual);
+  }
 }
 
 template <int dim>
@@ -110,7 +115,7 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
                                       [](const auto &source) { return source.first != nullptr; });
   const bool has_boundary = !flux_conditions.empty() && cell->at_boundary();
   std::fill(residual.begin(), residual.end(), 0.);
-  force_sizes.assign(n * n_nodes, 0.);
+  force_sizes.assign(layout.size(), 0.);
   if (has_source) {
     cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
     has_uniform_tangent = false; // what comes next is not compared with the cell before
@@ -162,7 +167,7 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
   if (rates == nullptr || !rates->has_first() || domain.material.order_in_time() == 0)
     return false;
   std::fill(residual.begin(), residual.end(), 0.);
-  force_sizes.assign(n * n_nodes, 0.);
+  force_sizes.assign(layout.size(), 0.);
   enter_without_tangent(cell, t);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     point.reinit(cell_values, q, unknowns);
@@ -176,9 +181,10 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
 template <int dim>
 void CellTerms<dim>::load_directions(const unsigned int q)
 {
-  for (unsigned int a = 0; a < n_nodes; ++a) {
-    shape[a] = cell_values.shape_value(a, q);
-    gradient[a] = cell_values.shape_grad(a, q);
+  for (unsigned int a = 0; a < layout.n_shapes(); ++a) {
+    const unsigned int i = layout.shape_index(a);
+    shape[a] = cell_values.shape_value(i, q);
+    gradient[a] = cell_values.shape_grad(i, q);
     for (unsigned int d = 0; d < dim; ++d)
       gradient_of_direction[d][a] = gradient[a][d];
   }
@@ -228,10 +234,12 @@ template <int dim>
 void CellTerms<dim>::add_tangent_at_point(const Response<dim> &response, const double JxW,
                                           dealii::FullMatrix<double> &tangent) const
 {
-  const double *x = gradient_of_direction[0].data(), *y = gradient_of_direction[1].data(),
-               *z = gradient_of_direction[dim - 1].data();
-  for (const auto &[c, d, index, coupling] : pairs)
-    for (unsigned int a = 0; a < n_nodes; ++a) {
+  for (const auto &[c, d, index, coupling] : pairs) {
+    const unsigned int row_nodes = layout.n_nodes(c), n_nodes = layout.n_nodes(d), at = layout.first_shape(d);
+    const double *x = gradient_of_direction[0].data() + at, *y = gradient_of_direction[1].data() + at,
+                 *z = gradient_of_direction[dim - 1].data() + at, *values = shape.data() + at;
+    for (unsigned int i = 0; i < row_nodes; ++i) {
+      const unsigned int a = layout.first_shape(c) + i;
       dealii::Tensor<1, dim> g; // of grad phi_b, and v of phi_b
       double v = 0;
       if (coupling.flux_by_gradient)
@@ -242,7 +250,7 @@ void CellTerms<dim>::add_tangent_at_point(const Response<dim> &response, const d
         g += JxW * shape[a] * response.source_by_gradient[index];
       if (coupling.source_by_value)
         v += JxW * shape[a] * response.source_by_value[index];
-      double *row = &tangent(c * n_nodes + a, d * n_nodes);
+      double *row = &tangent(layout.index(c, i), layout.first(d));
       if (coupling.flux_by_gradient || coupling.source_by_gradient) {
         for (unsigned int b = 0; b < n_nodes; ++b)
           if constexpr (dim == 3)
@@ -252,8 +260,9 @@ void CellTerms<dim>::add_tangent_at_point(const Response<dim> &response, const d
       }
       if (coupling.flux_by_value || coupling.source_by_value)
         for (unsigned int b = 0; b < n_nodes; ++b)
-          row[b] += v * shape[b];
+          row[b] += v * values[b];
     }
+  }
 }
 
 namespace {
@@ -281,8 +290,8 @@ void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
           finite(value, domain.section.subsection("Source"), field_of_component(domain, c),
                  cell_values.quadrature_point(q), t);
         const double f = value * domain.measure(cell_values, q);
-        for (unsigned int a = 0; a < n_nodes; ++a)
-          add(c * n_nodes + a, -f * cell_values.shape_value(a, q), residual);
+        for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
+          add(layout.index(c, a), -f * cell_values.shape_value(layout.shape_of_node(c, a), q), residual);
       }
     }
 }
@@ -292,18 +301,19 @@ void CellTerms<dim>::add_body_force(const double t, const std::vector<double> &u
                                     std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
   const BodyForce<dim> &force = domain.body_force();
-  const unsigned int first = force.first_component();
+  const unsigned int first = force.first_component(), n_nodes = layout.n_nodes(first);
+  std::vector<double> phi(n_nodes);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     const double JxW = domain.measure(cell_values, q);
     for (unsigned int a = 0; a < n_nodes; ++a)
-      shape[a] = cell_values.shape_value(a, q);
+      phi[a] = cell_values.shape_value(layout.shape_of_node(first, a), q);
     dealii::Tensor<1, dim> u;
     for (unsigned int c = 0; force.depends_on_displacement() && c < dim; ++c)
-      u[c] = std::inner_product(shape.begin(), shape.end(), unknowns.begin() + (first + c) * n_nodes, 0.);
+      u[c] = std::inner_product(phi.begin(), phi.end(), unknowns.begin() + layout.first(first + c), 0.);
     const dealii::Tensor<1, dim> b = force.value(cell_values.quadrature_point(q), t, u);
     for (unsigned int c = 0; c < dim; ++c)
       for (unsigned int i = 0; i < n_nodes; ++i)
-        add((first + c) * n_nodes + i, -b[c] * shape[i] * JxW, residual);
+        add(layout.index(first + c, i), -b[c] * phi[i] * JxW, residual);
     if (tangent == nullptr || !force.depends_on_displacement())
       continue;
     const dealii::Tensor<2, dim> derivative = force.derivative(cell_values.quadrature_point(q), t);
@@ -311,8 +321,8 @@ void CellTerms<dim>::add_body_force(const double t, const std::vector<double> &u
       for (unsigned int d = 0; d < dim; ++d)
         for (unsigned int i = 0; derivative[c][d] != 0 && i < n_nodes; ++i)
           for (unsigned int j = 0; j < n_nodes; ++j)
-            (*tangent)((first + c) * n_nodes + i, (first + d) * n_nodes + j) -=
-                derivative[c][d] * shape[i] * shape[j] * JxW;
+            (*tangent)(layout.index(first + c, i), layout.index(first + d, j)) -=
+                derivative[c][d] * phi[i] * phi[j] * JxW;
   }
 }
 
@@ -347,21 +357,22 @@ void CellTerms<dim>::add_influx(const Condition<dim> &condition, const typename 
   Influx<dim> influx(n_c, n);
   condition.influx(at.state, at.N, influx);
   for (unsigned int c = 0; c < n_c; ++c)
-    for (unsigned int a = 0; a < n_nodes; ++a) {
-      const double test = at.shape_values[a] * at.JxW;
-      const unsigned int i = (first + c) * n_nodes + a;
+    for (unsigned int a = 0; a < layout.n_nodes(first); ++a) {
+      const double test = at.shape_values[layout.first_shape(first) + a] * at.JxW;
+      const unsigned int i = layout.index(first + c, a);
       add(i, -test * influx.value[c], residual);
       if (tangent == nullptr)
         continue;
       for (unsigned int d = 0; d < n; ++d) {
-        double *row = &(*tangent)(i, d * n_nodes);
+        const unsigned int n_nodes = layout.n_nodes(d), s = layout.first_shape(d);
+        double *row = &(*tangent)(i, layout.first(d));
         if (const double by_value = influx.by_value(c, d); by_value != 0)
           for (unsigned int b = 0; b < n_nodes; ++b)
-            row[b] -= test * by_value * at.shape_values[b];
+            row[b] -= test * by_value * at.shape_values[s + b];
         if (const dealii::Tensor<1, dim> &by_gradient = influx.by_gradient(c, d);
             by_gradient != dealii::Tensor<1, dim>())
           for (unsigned int b = 0; b < n_nodes; ++b)
-            row[b] -= test * (by_gradient * at.shape_gradients[b]);
+            row[b] -= test * (by_gradient * at.shape_gradients[s + b]);
       }
     }
 }

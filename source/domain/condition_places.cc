@@ -179,7 +179,7 @@ struct Nearest
 };
 
 template <int dim>
-Nearest<dim> nearest_node(const Domain<dim> &domain, const dealii::Point<dim> &point)
+Nearest<dim> nearest_node(const Domain<dim> &domain, const Field &field, const dealii::Point<dim> &point)
 {
   Nearest<dim> nearest;
   const auto look_at = [&](const auto &cell, const dealii::Point<dim> &X,
@@ -191,8 +191,8 @@ Nearest<dim> nearest_node(const Domain<dim> &domain, const dealii::Point<dim> &p
     nearest.X = X;
     nearest.node = node ? std::optional(NodeOfCell<dim>{cell, *node}) : std::nullopt;
   };
-  dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
-                                 domain.scalar_element().get_unit_support_points(),
+  const auto &element = domain.layout().element(field.first_component);
+  dealii::FEValues<dim> at_nodes(domain.mapping(), element, element.get_unit_support_points(),
                                  dealii::update_quadrature_points);
   const auto hanging = domain.hanging_nodes();
   const auto &owned = domain.dof_handler().locally_owned_dofs();
@@ -207,8 +207,9 @@ Nearest<dim> nearest_node(const Domain<dim> &domain, const dealii::Point<dim> &p
     }
     at_nodes.reinit(cell);
     domain.cell_dofs(domain.dof_cell(cell), dofs);
-    for (unsigned int a = 0; a < domain.n_nodes(); ++a)
-      if (const auto dof = dofs[a] - domain.first_dof; owned.is_element(dof) && !hanging.is_constrained(dof))
+    for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
+      if (const auto dof = dofs[domain.layout().index(field.first_component, a)] - domain.first_dof;
+          owned.is_element(dof) && !hanging.is_constrained(dof))
         look_at(cell, at_nodes.quadrature_point(a), a);
   }
   return nearest;
@@ -227,7 +228,7 @@ std::optional<NodeOfCell<dim>> find_node(const Domain<dim> &domain, const Condit
                                          const MPI_Comm &communicator)
 {
   const double tolerance = 1e-2; // of the diameter: coordinates are typed by hand
-  const Nearest<dim> nearest = nearest_node(domain, *condition.point());
+  const Nearest<dim> nearest = nearest_node(domain, condition.field, *condition.point());
   std::vector<double> own = {nearest.distance, nearest.diameter};
   for (unsigned int d = 0; d < dim; ++d)
     own.push_back(nearest.X[d]);

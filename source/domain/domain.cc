@@ -14,8 +14,6 @@
 #include <deal.II/distributed/cell_data_transfer.templates.h>
 #include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
-#include <deal.II/fe/fe_q.h>
-#include <deal.II/fe/fe_simplex_p.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/fe/mapping_q.h>
 #include <deal.II/lac/affine_constraints.h>
@@ -25,59 +23,6 @@
 #include <sstream>
 
 namespace dovetail {
-
-namespace {
-
-/// FE_SimplexP, which before deal.II 9.6 gives every shape function a support on every face.
-template <int dim>
-class SimplexElement : public dealii::FE_SimplexP<dim>
-{
-public:
-  using dealii::FE_SimplexP<dim>::FE_SimplexP;
-
-  std::unique_ptr<dealii::FiniteElement<dim>> clone() const override
-  {
-    return std::make_unique<SimplexElement>(*this);
-  }
-
-  /// The nodes of face f are those where the barycentric coordinate of the opposite vertex vanishes.
-  bool has_support_on_face(const unsigned int shape_function, const unsigned int face) const override
-  {
-    const auto shape = this->reference_cell();
-    unsigned int opposite = 0;
-    for (const unsigned int v : shape.vertex_indices()) {
-      bool is_on_face = false;
-      for (unsigned int i = 0; i < dim; ++i)
-        is_on_face = is_on_face || shape.face_to_cell_vertices(face, i, 1) == v;
-      if (!is_on_face)
-        opposite = v;
-    }
-    return shape.d_linear_shape_function(this->get_unit_support_points()[shape_function], opposite) < 1e-10;
-  }
-};
-
-/// Several of them. Triangles may run along a common line in either direction; deal.II's FESystem takes that
-/// into account only in three dimensions (pull request 18832 of dealii, merged in August 2025; 9.6 lacks it).
-template <int dim>
-class SystemOfSimplices : public dealii::FESystem<dim>
-{
-public:
-  SystemOfSimplices(const dealii::FiniteElement<dim> &scalar, const unsigned int n)
-      : dealii::FESystem<dim>(scalar, n)
-  {
-    const int n_on_line = scalar.n_dofs_per_line(); // of one component, which stand side by side
-    std::vector<int> &shift = this->adjust_line_dof_index_for_line_orientation_table;
-    for (unsigned int i = 0; i < shift.size(); ++i)
-      shift[i] = n_on_line - 1 - 2 * (static_cast<int>(i) % n_on_line);
-  }
-
-  std::unique_ptr<dealii::FiniteElement<dim>> clone() const override
-  {
-    return std::make_unique<SystemOfSimplices>(this->base_element(0), this->element_multiplicity(0));
-  }
-};
-
-} // namespace
 
 template <int dim>
 Domain<dim>::Domain(const std::string &name, const Section &section, const Material<dim> &material,
@@ -97,7 +42,7 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
   check_conditions();
 
   check_unknowns<dim>(section, triangulation->n_global_active_cells(), degree, n_components(), communicator);
-  choose_element();
+  choose_elements();
   examine_cells(section.subsection("Mesh"), *triangulation, *cell_mapping, scalar_element(), communicator);
   measure_box(communicator);
   dofs.reinit(*triangulation);
@@ -107,21 +52,26 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
 }
 
 template <int dim>
-void Domain<dim>::choose_element()
+void Domain<dim>::choose_elements()
 {
-  if (dovetail::has_simplices(*triangulation)) {
+  const bool simplices = dovetail::has_simplices(*triangulation);
+  for (const Field &field : fields())
+    if (const unsigned int lowest = CellLayout<dim>::lowest_degree(field, simplices); degree < lowest)
+      section.fail("Degree", "is " + std::to_string(degree) + ", but the elements of the " + field.name +
+                                 " have one degree less than those of other fields. Set Degree = " +
+                                 std::to_string(lowest) + " or higher.");
+  if (simplices) {
     section.check(degree <= largest_degree_of_simplices, "Degree",
                   "is " + std::to_string(degree) +
                       ", but triangles and tetrahedra have the degrees 1 and 2 only (with deal.II 9.6 or "
                       "newer also 3).");
     cell_mapping = mapping_of_simplices(*triangulation);
     degree_of_mapping = has_curved_simplices(*triangulation) ? 2 : 1;
-    element = std::make_unique<SystemOfSimplices<dim>>(SimplexElement<dim>(degree), n_components());
-    return;
+  } else {
+    degree_of_mapping = is_straight(*triangulation) ? 1 : degree;
+    cell_mapping = std::make_unique<dealii::MappingQ<dim>>(degree_of_mapping);
   }
-  degree_of_mapping = is_straight(*triangulation) ? 1 : degree;
-  cell_mapping = std::make_unique<dealii::MappingQ<dim>>(degree_of_mapping);
-  element = std::make_unique<dealii::FESystem<dim>>(dealii::FE_Q<dim>(degree), n_components());
+  cell_layout = std::make_unique<CellLayout<dim>>(fields(), degree, simplices);
 }
 
 /// Only by the cells of this rank: without any, deal.II may give it a dummy cell.
@@ -266,6 +216,10 @@ void Domain<dim>::check_conditions() const
   for (const auto &condition : all_conditions)
     for (const auto id : condition->boundary_ids) {
       check_boundary_id(id, condition->section, "Boundary ids");
+      condition->section.check(condition->field.is_continuous, "Field",
+                               "is " + condition->field.name +
+                                   ", which is discontinuous: its equation holds in each cell by itself and "
+                                   "takes no boundary condition. Remove the condition.");
       if (!condition->toggle_name().empty() || condition->constrains_normal())
         continue;
       std::vector<unsigned int> components = condition->prescribed_components();
@@ -292,7 +246,7 @@ void Domain<dim>::check_conditions() const
 template <int dim>
 void Domain<dim>::distribute_dofs()
 {
-  dofs.distribute_dofs(*element);
+  dofs.distribute_dofs(cell_layout->system_element());
   if (fields().size() > 1) {
     std::vector<unsigned int> field_of_component(n_components());
     for (unsigned int f = 0; f < fields().size(); ++f)
@@ -300,11 +254,6 @@ void Domain<dim>::distribute_dofs()
         field_of_component[fields()[f].first_component + c] = f;
     dealii::DoFRenumbering::component_wise(dofs, field_of_component);
   }
-
-  by_component.resize(dofs_per_cell());
-  for (unsigned int c = 0; c < n_components(); ++c)
-    for (unsigned int a = 0; a < n_nodes(); ++a)
-      by_component[c * n_nodes() + a] = element->component_to_system_index(c, a);
 }
 
 template <int dim>
@@ -379,7 +328,7 @@ void Domain<dim>::cell_dofs(const cell_iterator &cell,
   cell->get_dof_indices(in_order_of_element);
   indices.resize(dofs_per_cell());
   for (unsigned int i = 0; i < indices.size(); ++i)
-    indices[i] = first_dof + in_order_of_element[by_component[i]];
+    indices[i] = first_dof + in_order_of_element[cell_layout->system_index(i)];
 }
 
 template <int dim>
@@ -410,22 +359,32 @@ void Domain<dim>::add_hanging_nodes(ConstraintLines &lines) const
 template <int dim>
 void Domain<dim>::add_axis(ConstraintLines &lines) const
 {
-  const unsigned int n = n_nodes();
-  dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), scalar_element().get_unit_support_points(),
-                                 dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> indices;
-  for (const Field &field : fields())
+  for (const Field &field : fields()) {
+    if (!measure.has_hoop_strain(field))
+      continue;
+    const auto at_nodes = nodes_of(field.first_component);
     for (const BoundaryFace &face : faces)
-      if (measure.has_hoop_strain(field) && touches_axis(face)) {
-        at_nodes.reinit(face.cell);
+      if (touches_axis(face)) {
+        at_nodes->reinit(face.cell);
         cell_dofs(dof_cell(face.cell), indices);
-        for (unsigned int a = 0; a < n; ++a)
-          if (const auto dof = indices[field.first_component * n + a];
-              is_on_axis(at_nodes.quadrature_point(a)) &&
+        for (unsigned int a = 0; a < at_nodes->n_quadrature_points; ++a)
+          if (const auto dof = indices[cell_layout->index(field.first_component, a)];
+              is_on_axis(at_nodes->quadrature_point(a)) &&
               dofs.locally_owned_dofs().is_element(dof - first_dof))
             if (const auto [line, is_new] = lines.try_emplace(dof); is_new)
               line->second.is_of_condition = true;
       }
+  }
+}
+
+/// The nodes of a component as points of a cell.
+template <int dim>
+std::unique_ptr<dealii::FEValues<dim>> Domain<dim>::nodes_of(const unsigned int component) const
+{
+  const auto &element = cell_layout->element(component);
+  return std::make_unique<dealii::FEValues<dim>>(*cell_mapping, element, element.get_unit_support_points(),
+                                                 dealii::update_quadrature_points);
 }
 
 template <int dim>
@@ -453,36 +412,35 @@ void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
 template <int dim>
 void Domain<dim>::add_values(const double t, ConstraintLines &lines) const
 {
-  const unsigned int n = n_nodes();
-  dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), scalar_element().get_unit_support_points(),
-                                 dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> indices;
   for (const auto &condition : all_conditions) {
     const auto components = condition->prescribed_components();
     if (components.empty() || condition->is_weak() || condition->constrains_normal() ||
         !condition->is_active(t))
       continue;
+    const unsigned int first = condition->field.first_component;
+    const auto &element = cell_layout->element(first);
+    const auto at_nodes = nodes_of(first);
     const auto add = [&](const unsigned int a) {
       for (const unsigned int c : components) {
-        const auto dof = indices[(condition->field.first_component + c) * n + a];
+        const auto dof = indices[cell_layout->index(first + c, a)];
         if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)
           continue;
         ConstraintLine &line = lines[dof];
-        line.inhomogeneity = condition->prescribed_value(at_nodes.quadrature_point(a), t, c);
+        line.inhomogeneity = condition->prescribed_value(at_nodes->quadrature_point(a), t, c);
         line.is_of_condition = true;
       }
     };
     for (const BoundaryFace &face : faces)
       if (condition->boundary_ids.count(face.id) > 0) {
-        at_nodes.reinit(face.cell);
+        at_nodes->reinit(face.cell);
         cell_dofs(dof_cell(face.cell), indices);
-        for (unsigned int a = 0; a < n; ++a)
-          if (scalar_element().has_support_on_face(a, face.number) &&
-              !is_covered(*this, condition->field.name, face, a, t))
+        for (unsigned int a = 0; a < at_nodes->n_quadrature_points; ++a)
+          if (element.has_support_on_face(a, face.number) && !is_covered(*this, condition->field, face, a, t))
             add(a);
       }
     if (const auto node = point_nodes.find(condition.get()); node != point_nodes.end()) {
-      at_nodes.reinit(node->second.cell);
+      at_nodes->reinit(node->second.cell);
       cell_dofs(dof_cell(node->second.cell), indices);
       add(node->second.node);
     }
@@ -495,31 +453,30 @@ void Domain<dim>::add_values(const double t, ConstraintLines &lines) const
 template <int dim>
 void Domain<dim>::add_planes(const double t, ConstraintLines &lines) const
 {
-  const unsigned int n = n_nodes();
-  dealii::FEValues<dim> at_nodes(*cell_mapping, scalar_element(), scalar_element().get_unit_support_points(),
-                                 dealii::update_quadrature_points);
   std::map<dealii::types::global_dof_index, NodeEquations<dim>> equations; // by the first unknown of a node
   std::vector<dealii::types::global_dof_index> indices;
   for (const auto &condition : all_conditions) {
     if (!condition->constrains_normal() || !condition->is_active(t))
       continue;
     const unsigned int first = condition->field.first_component;
+    const auto &element = cell_layout->element(first);
+    const auto at_nodes = nodes_of(first);
     for (const BoundaryFace &face : faces) {
       if (condition->boundary_ids.count(face.id) == 0)
         continue;
-      at_nodes.reinit(face.cell);
+      at_nodes->reinit(face.cell);
       cell_dofs(dof_cell(face.cell), indices);
-      for (unsigned int a = 0; a < n; ++a) {
-        if (!scalar_element().has_support_on_face(a, face.number) ||
-            !dofs.locally_owned_dofs().is_element(indices[first * n + a] - first_dof) ||
-            is_covered(*this, condition->field.name, face, a, t))
+      for (unsigned int a = 0; a < at_nodes->n_quadrature_points; ++a) {
+        if (!element.has_support_on_face(a, face.number) ||
+            !dofs.locally_owned_dofs().is_element(indices[cell_layout->index(first, a)] - first_dof) ||
+            is_covered(*this, condition->field, face, a, t))
           continue;
         std::array<dealii::types::global_dof_index, dim> node_unknowns;
         for (unsigned int c = 0; c < dim; ++c)
-          node_unknowns[c] = indices[(first + c) * n + a];
+          node_unknowns[c] = indices[cell_layout->index(first + c, a)];
         const auto &at_node = equations.try_emplace(node_unknowns[0], node_unknowns, lines).first;
         at_node->second.add(plane_normal(face),
-                            condition->prescribed_normal(at_nodes.quadrature_point(a), t));
+                            condition->prescribed_normal(at_nodes->quadrature_point(a), t));
       }
     }
   }

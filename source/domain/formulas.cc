@@ -56,6 +56,21 @@ bool is_body_force_finite(const Domain<dim> &domain, const double t)
   return true;
 }
 
+/// Where initial values are asked for.
+template <int dim>
+dealii::Quadrature<dim> points_of_initial(const Domain<dim> &domain)
+{
+  std::vector<dealii::Point<dim>> points;
+  for (unsigned int s = 0; s < domain.layout().n_spaces(); ++s) {
+    const auto &element = domain.layout().element_of_space(s);
+    const auto of_space = domain.layout().is_continuous_space(s)
+                              ? element.get_unit_support_points()
+                              : gauss_rule<dim>(domain.cell_shape(), domain.degree + 1).get_points();
+    points.insert(points.end(), of_space.begin(), of_space.end());
+  }
+  return dealii::Quadrature<dim>(points);
+}
+
 } // namespace
 
 template <int dim>
@@ -64,8 +79,7 @@ bool has_finite_formulas(const Domain<dim> &domain, const double first_time, con
   return are_finite(domain, "Source", domain.source(),
                     gauss_rule<dim>(domain.cell_shape(), domain.degree + 1), first_time) &&
          is_body_force_finite(domain, first_time) &&
-         are_finite(domain, "Initial", domain.initial(),
-                    dealii::Quadrature<dim>(domain.scalar_element().get_unit_support_points()), 0) &&
+         are_finite(domain, "Initial", domain.initial(), points_of_initial(domain), 0) &&
          are_finite(domain, "Exact", domain.exact(), gauss_rule<dim>(domain.cell_shape(), domain.degree + 3),
                     last_time);
 }

@@ -16,15 +16,15 @@ OpenBoundary<dim>::OpenBoundary(const Domain<dim> &domain)
                                                  [](const auto &condition) {
                                                    return condition->sees_gradients() || condition->is_weak();
                                                  })),
-      face_values(domain.mapping(), domain.scalar_element(),
+      face_values(domain.mapping(), domain.layout().shape_element(),
                   gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
                   dealii::update_values | dealii::update_quadrature_points | dealii::update_JxW_values |
                       dealii::update_normal_vectors |
                       (with_gradients ? dealii::update_gradients : dealii::update_default)),
       point({State<dim>(domain.n_components()),
              {},
-             std::vector<double>(domain.n_nodes()),
-             std::vector<dealii::Tensor<1, dim>>(domain.n_nodes()),
+             std::vector<double>(domain.layout().n_shapes()),
+             std::vector<dealii::Tensor<1, dim>>(domain.layout().n_shapes()),
              0})
 {
 }
@@ -32,14 +32,16 @@ OpenBoundary<dim>::OpenBoundary(const Domain<dim> &domain)
 template <int dim>
 void OpenBoundary<dim>::find_state(const std::vector<double> &unknowns)
 {
-  const unsigned int n_nodes = point.shape_values.size();
+  const CellLayout<dim> &layout = domain.layout();
   if (with_gradients)
-    evaluate_state<dim>(domain.n_components(), n_nodes, point.shape_values.data(),
-                        point.shape_gradients.data(), unknowns.data(), point.state);
+    evaluate_state(layout, point.shape_values.data(), point.shape_gradients.data(), unknowns.data(),
+                   point.state);
   else
-    for (unsigned int c = 0; c < domain.n_components(); ++c)
-      point.state.value[c] = std::inner_product(point.shape_values.begin(), point.shape_values.end(),
-                                                unknowns.begin() + c * n_nodes, 0.);
+    for (unsigned int c = 0; c < domain.n_components(); ++c) {
+      const auto values = point.shape_values.begin() + layout.first_shape(c);
+      point.state.value[c] =
+          std::inner_product(values, values + layout.n_nodes(c), unknowns.begin() + layout.first(c), 0.);
+    }
 }
 
 template <int dim>
@@ -65,9 +67,10 @@ void OpenBoundary<dim>::for_each_point(const cell_iterator &cell, const unsigned
   point.state.t = t;
   for (const unsigned int q : face_values.quadrature_point_indices()) {
     for (unsigned int a = 0; a < point.shape_values.size(); ++a) {
-      point.shape_values[a] = face_values.shape_value(a, q);
+      const unsigned int i = domain.layout().shape_index(a);
+      point.shape_values[a] = face_values.shape_value(i, q);
       if (with_gradients)
-        point.shape_gradients[a] = face_values.shape_grad(a, q);
+        point.shape_gradients[a] = face_values.shape_grad(i, q);
     }
     point.state.X = face_values.quadrature_point(q);
     if (domain.is_on_axis(point.state.X))

@@ -67,9 +67,22 @@ void ShapeEvaluator<dim>::evaluate_simplex(const dealii::Point<dim> &unit_point,
         jacobian[i] += nodes[a][i] * geometry_gradients[a];
     inverse_of_simplex = dealii::invert(jacobian);
   }
-  for (unsigned int a = 0; a < domain.n_nodes(); ++a) {
-    shape_values[a] = domain.scalar_element().shape_value(a, unit_point);
-    shape_gradients[a] = domain.scalar_element().shape_grad(a, unit_point) * inverse_of_simplex;
+  evaluate_spaces(0, unit_point, inverse_of_simplex, shape_values, shape_gradients);
+}
+
+/// The functions of the spaces from the @p first one on. @p inverse: dxi_i / dX_j
+template <int dim>
+void ShapeEvaluator<dim>::evaluate_spaces(const unsigned int first, const dealii::Point<dim> &unit_point,
+                                          const dealii::Tensor<2, dim> &inverse, double *shape_values,
+                                          dealii::Tensor<1, dim> *shape_gradients) const
+{
+  unsigned int i = first == 0 ? 0 : element.size();
+  for (unsigned int s = first; s < domain.layout().n_spaces(); ++s) {
+    const dealii::FiniteElement<dim> &of_space = domain.layout().element_of_space(s);
+    for (unsigned int a = 0; a < of_space.n_dofs_per_cell(); ++a, ++i) {
+      shape_values[i] = of_space.shape_value(a, unit_point);
+      shape_gradients[i] = of_space.shape_grad(a, unit_point) * inverse;
+    }
   }
 }
 
@@ -95,6 +108,7 @@ void ShapeEvaluator<dim>::evaluate(const dealii::Point<dim> &unit_point, double 
     shape_values[a] = values[lexicographic[a]];
     shape_gradients[a] = element_gradients[lexicographic[a]] * inverse;
   }
+  evaluate_spaces(1, unit_point, inverse, shape_values, shape_gradients);
 }
 
 template <int dim>

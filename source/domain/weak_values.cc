@@ -29,7 +29,9 @@ bool CellTerms<dim>::add_weak_value(const Condition<dim> &condition,
                                     dealii::FullMatrix<double> *tangent)
 {
   const Field &field = condition.field;
-  const unsigned int first = field.first_component, n_c = field.n_components;
+  const unsigned int first = field.first_component, n_c = field.n_components, n_nodes = layout.n_nodes(first);
+  const double *phi = &at.shape_values[layout.first_shape(first)];
+  const dealii::Tensor<1, dim> *gradients = &at.shape_gradients[layout.first_shape(first)];
   point.state.t = at.state.t;
   point.reinit(at.state.X, at.shape_values.data(), at.shape_gradients.data(), unknowns);
   if (!point.evaluate(true))
@@ -46,15 +48,14 @@ bool CellTerms<dim>::add_weak_value(const Condition<dim> &condition,
       continue;
     const double influx = is_prescribed[c] * (point.response.flux[first + c] * at.N) - gamma * mismatch[c];
     for (unsigned int a = 0; a < n_nodes; ++a)
-      add((first + c) * n_nodes + a, -influx * at.shape_values[a], residual);
+      add(layout.index(first + c, a), -influx * phi[a], residual);
     for (unsigned int d = 0; d < n_c; ++d) {
       const dealii::Tensor<1, dim> variation =
           theta * mismatch[c] * (at.N * point.response.by_gradient[(first + c) * n + first + d]);
       const double by_value = // of a vector: the strain around an axis
           n_c > 1 ? theta * mismatch[c] * (at.N * point.response.by_value[(first + c) * n + first + d]) : 0;
       for (unsigned int a = 0; a < n_nodes; ++a)
-        add((first + d) * n_nodes + a, -variation * at.shape_gradients[a] - by_value * at.shape_values[a],
-            residual);
+        add(layout.index(first + d, a), -variation * gradients[a] - by_value * phi[a], residual);
     }
   }
   if (tangent != nullptr)
@@ -69,10 +70,10 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
                                       const typename OpenBoundary<dim>::Point &at, const double gamma,
                                       dealii::FullMatrix<double> &tangent)
 {
-  const unsigned int first = field.first_component, n_c = field.n_components;
-  const std::vector<double> &phi = at.shape_values;
+  const unsigned int first = field.first_component, n_c = field.n_components, n_nodes = layout.n_nodes(first);
+  const double *phi = &at.shape_values[layout.first_shape(first)];
   const double theta = theta_of_weak_values(domain, field);
-  std::vector<double> flux_derivative(n_nodes); // dA_c.N / dx_(d,b)
+  std::vector<double> flux_derivative; // dA_c.N / dx_(d,b)
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int d = 0; factor[c] != 0 && d < n; ++d) {
       const Coupling &coupling = domain.material.coupling(first + c, d);
@@ -81,16 +82,19 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
                                                      ? factor[c] * (at.N * point.response.by_gradient[pair])
                                                      : dealii::Tensor<1, dim>();
       const double by_value = coupling.flux_by_value ? factor[c] * (at.N * point.response.by_value[pair]) : 0;
-      for (unsigned int b = 0; b < n_nodes; ++b)
-        flux_derivative[b] = by_gradient * at.shape_gradients[b];
+      const unsigned int n_columns = layout.n_nodes(d);
+      const double *phi_d = &at.shape_values[layout.first_shape(d)];
+      flux_derivative.resize(n_columns);
+      for (unsigned int b = 0; b < n_columns; ++b)
+        flux_derivative[b] = by_gradient * at.shape_gradients[layout.first_shape(d) + b];
       const bool is_own = d >= first && d < first + n_c;
       for (unsigned int a = 0; a < n_nodes; ++a) {
-        double *row = &tangent((first + c) * n_nodes + a, d * n_nodes);
-        for (unsigned int b = 0; b < n_nodes; ++b)
-          row[b] -= phi[a] * (flux_derivative[b] + by_value * phi[b]);
+        double *row = &tangent(layout.index(first + c, a), layout.first(d));
+        for (unsigned int b = 0; b < n_columns; ++b)
+          row[b] -= phi[a] * (flux_derivative[b] + by_value * phi_d[b]);
         if (is_own)
           for (unsigned int b = 0; b < n_nodes; ++b)
-            tangent(d * n_nodes + a, (first + c) * n_nodes + b) -=
+            tangent(layout.index(d, a), layout.index(first + c, b)) -=
                 theta * (flux_derivative[a] + (n_c > 1 ? by_value * phi[a] : 0)) * phi[b];
         if (d == first + c)
           for (unsigned int b = 0; b < n_nodes; ++b)
@@ -111,17 +115,20 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
   for (unsigned int c = first; c < first + n_c; ++c)
     for (unsigned int d = 0; d < n; ++d)
       for (unsigned int a = 0; a < n_nodes; ++a) {
+        const dealii::Tensor<1, dim> &gradient_a = at.shape_gradients[layout.first_shape(first) + a];
         dealii::Tensor<1, dim> g; // grad phi_a (and phi_a) times H, by gradient and by value of component d
         double v = n_c > 1 ? phi[a] * H(c * (1 + dim), d * (1 + dim)) : 0;
         for (unsigned int L = 0; n_c > 1 && L < dim; ++L)
           g[L] = phi[a] * H(c * (1 + dim), d * (1 + dim) + 1 + L);
         for (unsigned int J = 0; J < dim; ++J) {
-          v += at.shape_gradients[a][J] * H(c * (1 + dim) + 1 + J, d * (1 + dim));
+          v += gradient_a[J] * H(c * (1 + dim) + 1 + J, d * (1 + dim));
           for (unsigned int L = 0; L < dim; ++L)
-            g[L] += at.shape_gradients[a][J] * H(c * (1 + dim) + 1 + J, d * (1 + dim) + 1 + L);
+            g[L] += gradient_a[J] * H(c * (1 + dim) + 1 + J, d * (1 + dim) + 1 + L);
         }
-        for (unsigned int b = 0; b < n_nodes && (v != 0 || g.norm_square() > 0); ++b)
-          tangent(c * n_nodes + a, d * n_nodes + b) += g * at.shape_gradients[b] + v * phi[b];
+        const unsigned int s = layout.first_shape(d);
+        for (unsigned int b = 0; b < layout.n_nodes(d) && (v != 0 || g.norm_square() > 0); ++b)
+          tangent(layout.index(c, a), layout.index(d, b)) +=
+              g * at.shape_gradients[s + b] + v * at.shape_values[s + b];
       }
 }
 
@@ -148,8 +155,9 @@ void add_points(const Domain<dim> &domain, const dealii::FEFaceValues<dim> &valu
     point.X = values.quadrature_point(q);
     point.N = values.normal_vector(q);
     for (unsigned int a = 0; a < values.dofs_per_cell; ++a) {
-      point.values.push_back(values.shape_value(a, q));
-      point.gradients.push_back(values.shape_grad(a, q));
+      const unsigned int i = domain.layout().shape_index(a);
+      point.values.push_back(values.shape_value(i, q));
+      point.gradients.push_back(values.shape_grad(i, q));
     }
     points.push_back(std::move(point));
   }
@@ -161,10 +169,11 @@ std::map<typename dealii::Triangulation<dim>::active_cell_iterator, std::vector<
 points_of_weak_values(const Domain<dim> &domain, const Field &field)
 {
   std::map<typename dealii::Triangulation<dim>::active_cell_iterator, std::vector<TracePoint<dim>>> points;
-  dealii::FEFaceValues<dim> values(
-      domain.mapping(), domain.scalar_element(), gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
-      dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
-          dealii::update_normal_vectors | dealii::update_JxW_values);
+  dealii::FEFaceValues<dim> values(domain.mapping(), domain.layout().shape_element(),
+                                   gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
+                                   dealii::update_values | dealii::update_gradients |
+                                       dealii::update_quadrature_points | dealii::update_normal_vectors |
+                                       dealii::update_JxW_values);
   for (const auto &[cell, face, id] : domain.boundary_faces())
     if (cell->is_locally_owned() && std::any_of(domain.conditions().begin(), domain.conditions().end(),
                                                 [&, id = id](const auto &condition) {

@@ -180,7 +180,8 @@ void Interface<dim>::read_fields()
 {
   std::vector<std::string> common;
   for (const Field &field : sides[source].domain->fields())
-    if (sides[destination].domain->material.find_field(field.name) != nullptr)
+    if (const Field *other = sides[destination].domain->material.find_field(field.name);
+        other != nullptr && field.is_continuous && other->is_continuous)
       common.push_back(field.name);
   const auto asked = section.read<std::vector<std::string>>(
       "Fields", {}, "The fields that are tied; all that both domains have if empty [-]");
@@ -188,6 +189,12 @@ void Interface<dim>::read_fields()
                 "and Destination have no field in common: " + sides[source].domain->name + " and " +
                     sides[destination].domain->name + " share no field.");
   for (const std::string &field : asked.empty() ? common : asked) {
+    for (const InterfaceSide<dim> &side : sides)
+      if (const Field *side_field = side.domain->material.find_field(field); side_field != nullptr)
+        section.check(side_field->is_continuous, "Fields",
+                      "names '" + field +
+                          "', which is discontinuous: it has no trace that a tie could hold. "
+                          "Remove it from the list.");
     if (!section.documenting() && std::find(common.begin(), common.end(), field) == common.end())
       section.fail("Fields", "names '" + field + "', but the fields that both domains have are " +
                                  comma_separated(common) + ". " + did_you_mean(field, common));
@@ -201,6 +208,8 @@ void Interface<dim>::read_fields()
           tied.n_components = side_field.n_components;
           tied.first_component[side] = side_field.first_component;
           tied.field[side] = f;
+          tied.n_nodes[side] = sides[side].domain->layout().n_nodes(side_field.first_component);
+          tied.first_shape[side] = sides[side].domain->layout().first_shape(side_field.first_component);
           tied.has_curvature = tied.has_curvature && sides[side].domain->material.has_curvature(f);
         }
     fields.push_back(tied);
@@ -237,9 +246,12 @@ void Interface<dim>::find_components()
       const Field &field = sides[side].domain->fields()[g];
       bool is_needed = false;
       for (const TiedField &tied : fields)
-        is_needed = is_needed || sides[side].domain->material.flux_depends(tied.field[side], g);
-      for (unsigned int c = 0; is_needed && c < field.n_components; ++c)
+        is_needed = is_needed || tied.field[side] == g ||
+                    sides[side].domain->material.flux_depends(tied.field[side], g);
+      for (unsigned int c = 0; is_needed && c < field.n_components; ++c) {
         components[side].push_back(field.first_component + c);
+        n_unknowns[side] += sides[side].domain->layout().n_nodes(field.first_component);
+      }
     }
 }
 
@@ -354,9 +366,10 @@ void Interface<dim>::group_dofs(const typename Pairing<dim>::Group &group,
   dofs.clear();
   for (const unsigned int side : {source, destination}) {
     const auto &cell_unknowns = pairing().cells[side][group.cells[side]].dofs;
-    const unsigned int n = sides[side].domain->n_nodes();
+    const auto &layout = sides[side].domain->layout();
     for (const unsigned int c : components[side])
-      dofs.insert(dofs.end(), cell_unknowns.begin() + c * n, cell_unknowns.begin() + (c + 1) * n);
+      dofs.insert(dofs.end(), cell_unknowns.begin() + layout.first(c),
+                  cell_unknowns.begin() + layout.first(c + 1));
   }
 }
 
@@ -368,11 +381,10 @@ void Interface<dim>::jump(const TiedField &field, const unsigned int q, const do
   for (unsigned int c = 0; has_jump && c < field.n_components; ++c)
     result[c] = -prescribed_jump(pairing().X(source, q), t, c);
   for (const unsigned int side : {source, destination}) {
-    const unsigned int n = sides[side].domain->n_nodes();
-    const double *trial = pairing().trial(side, q, field.index);
+    const unsigned int n = field.n_nodes[side];
+    const double *trial = pairing().trial(side, q, field.index) + field.first_shape[side];
     const double sign = side == source ? 1 : -1;
-    const unsigned int first =
-        (side == source ? 0 : n_local(source)) + position(side, field.first_component[side]) * n;
+    const unsigned int first = first_unknown(side, field.first_component[side]);
     for (unsigned int c = 0; c < field.n_components; ++c)
       for (unsigned int a = 0; a < n; ++a)
         result[c] += sign * trial[a] * unknowns[first + c * n + a];
@@ -385,11 +397,11 @@ std::vector<bool> Interface<dim>::unknowns_in_jump(const typename Pairing<dim>::
   std::vector<bool> in_jump(n_local(source) + n_local(destination), false);
   for (unsigned int f = 0; f < fields.size(); ++f)
     for (const unsigned int side : {source, destination}) {
-      const unsigned int n = sides[side].domain->n_nodes();
-      const unsigned int first =
-          (side == source ? 0 : n_local(source)) + position(side, fields[f].first_component[side]) * n;
+      const unsigned int n = fields[f].n_nodes[side], first_shape = fields[f].first_shape[side];
+      const unsigned int first = first_unknown(side, fields[f].first_component[side]);
       for (unsigned int q = group.begin; q < group.end; ++q) {
-        const double *trial = pairing().trial(side, q, f), *test = pairing().test(side, q, f);
+        const double *trial = pairing().trial(side, q, f) + first_shape,
+                     *test = pairing().test(side, q, f) + first_shape;
         for (unsigned int a = 0; a < n; ++a)
           if (std::abs(trial[a]) > least_in_jump || std::abs(test[a]) > least_in_jump)
             for (unsigned int c = 0; c < fields[f].n_components; ++c)
@@ -403,6 +415,19 @@ template <int dim>
 unsigned int Interface<dim>::position(const unsigned int side, const unsigned int component) const
 {
   return std::find(components[side].begin(), components[side].end(), component) - components[side].begin();
+}
+
+template <int dim>
+unsigned int Interface<dim>::first_unknown(const unsigned int side, const unsigned int component) const
+{
+  const auto &layout = sides[side].domain->layout();
+  unsigned int first = side == source ? 0 : n_local(source);
+  for (const unsigned int c : components[side]) {
+    if (c == component)
+      break;
+    first += layout.n_nodes(c);
+  }
+  return first;
 }
 
 template <int dim>

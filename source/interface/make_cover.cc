@@ -12,14 +12,14 @@ template <int dim>
 struct Look
 {
   typename FaceLocator<dim>::Query query;
-  std::array<unsigned int, 3> node; ///< as in Cover::nodes
+  std::array<unsigned int, 4> node; ///< as in Cover::nodes
 };
 
 template <int dim>
-std::vector<Look<dim>> looks_at_nodes(const InterfaceSide<dim> &side)
+std::vector<Look<dim>> looks_at_nodes(const InterfaceSide<dim> &side, const unsigned int space)
 {
   const Domain<dim> &domain = *side.domain;
-  const auto &element = domain.scalar_element();
+  const auto &element = domain.layout().element_of_space(space);
   const FaceShape<dim> shape(element.reference_cell(), 1);
   std::vector<Look<dim>> looks;
   for (const auto &[cell, face, id] : domain.boundary_faces())
@@ -38,7 +38,7 @@ std::vector<Look<dim>> looks_at_nodes(const InterfaceSide<dim> &side)
             const auto target = centre + 0.9 * (shape.position_in_cell(face, shape.corner(corner)) - centre);
             looks.push_back({{at(unit_point + 1e-3 * (target - unit_point)) + side.shift, outward,
                               cell->face(face)->diameter()},
-                             {{cell->active_cell_index(), face, a}}});
+                             {{cell->active_cell_index(), face, space, a}}});
           }
     }
   return looks;
@@ -58,7 +58,14 @@ Cover<dim> make_cover(const Interface<dim> &interface, const unsigned int side, 
   cover.faces = interface.pairing().covered_faces(side);
 
   const FaceLocator<dim> locator = interface.make_locator(1 - side, communicator);
-  const auto looks = looks_at_nodes(interface.sides[side]);
+  std::set<unsigned int> spaces;
+  for (const TiedField &field : interface.fields)
+    spaces.insert(interface.sides[side].domain->layout().space(field.first_component[side]));
+  std::vector<Look<dim>> looks;
+  for (const unsigned int space : spaces) {
+    const auto of_space = looks_at_nodes(interface.sides[side], space);
+    looks.insert(looks.end(), of_space.begin(), of_space.end());
+  }
   std::vector<typename FaceLocator<dim>::Query> queries;
   for (const auto &look : looks)
     queries.push_back(look.query);

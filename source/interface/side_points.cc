@@ -32,16 +32,19 @@ void SidePoints<dim>::reinit(const unsigned int side, const unsigned int q,
                      {trial_memory[side].data(), trial_memory[side].size()}};
   if (interface->sides[side].domain->is_on_axis(at_point.X))
     at_point.X[0] = 0;
-  const unsigned int n = interface->sides[side].domain->n_nodes();
-  const double *values = interface->pairing().values(side, q);
+  const auto &layout = interface->sides[side].domain->layout();
+  const double *values_of_all = interface->pairing().values(side, q);
   const double *unknown = unknowns.data() + (side == source ? 0 : interface->n_local(source));
   std::fill(at_point.value.begin(), at_point.value.end(), std::numeric_limits<double>::quiet_NaN());
   for (const unsigned int c : interface->components[side]) {
     at_point.value[c] = 0;
     at_point.gradient[c] = 0;
+    const unsigned int n = layout.n_nodes(c);
+    const double *values = values_of_all + layout.first_shape(c);
+    const dealii::Tensor<1, dim> *of_component = gradients + layout.first_shape(c);
     for (unsigned int a = 0; a < n; ++a, ++unknown) {
       at_point.value[c] += values[a] * *unknown;
-      at_point.gradient[c] += *unknown * gradients[a];
+      at_point.gradient[c] += *unknown * of_component[a];
     }
   }
 }

@@ -142,7 +142,7 @@ std::pair<Questions<dim>, RankMap<std::vector<unsigned int>>> ask_owners(const I
 {
   const Pairing<dim> &pairing = interface.pairing();
   const auto &cells = pairing.cells[side];
-  const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
+  const unsigned int n_shapes = interface.sides[side].domain->layout().n_shapes();
   std::vector<std::vector<TracePoint<dim>>> points(cells.size());
   for (const auto &group : pairing.groups)
     for (unsigned int q = group.begin; q < group.end; ++q) {
@@ -151,8 +151,8 @@ std::pair<Questions<dim>, RankMap<std::vector<unsigned int>>> ask_owners(const I
       points[group.cells[side]].push_back({pairing.weight(q),
                                            pairing.X(side, q),
                                            pairing.N(side, q),
-                                           {values, values + n_nodes},
-                                           {gradients, gradients + n_nodes}});
+                                           {values, values + n_shapes},
+                                           {gradients, gradients + n_shapes}});
     }
   Questions<dim> questions;
   RankMap<std::vector<unsigned int>> asked;

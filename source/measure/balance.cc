@@ -43,11 +43,13 @@ template <int dim>
 void add_influxes(const Domain<dim> &domain, const std::vector<double> &residual, const double sign,
                   Flows FlowsOfField::*flow, std::vector<FlowsOfField> &flows)
 {
-  const unsigned int n = domain.n_nodes();
   for (unsigned int f = 0; f < flows.size(); ++f)
     for (unsigned int c = 0; c < domain.fields()[f].n_components; ++c) {
-      const auto first = residual.begin() + (domain.fields()[f].first_component + c) * n;
-      (flows[f].*flow).add(c, sign * std::accumulate(first, first + n, 0.));
+      const unsigned int component = domain.fields()[f].first_component + c;
+      const std::vector<double> &unit = domain.layout().unit(component);
+      (flows[f].*flow)
+          .add(c, sign * std::inner_product(unit.begin(), unit.end(),
+                                            residual.begin() + domain.layout().first(component), 0.));
     }
 }
 

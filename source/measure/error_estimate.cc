@@ -50,9 +50,8 @@ ScalesOfDomain scales_of(const Domain<dim> &domain, const Vector &ghosted, const
                          const MPI_Comm &communicator)
 {
   const unsigned int n = domain.n_components();
-  const auto &element = domain.scalar_element();
-  dealii::FEValues<dim> values(domain.mapping(), element,
-                               gauss_rule<dim>(element.reference_cell(), domain.degree + 1),
+  dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(),
+                               gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
                                dealii::update_values | dealii::update_gradients |
                                    dealii::update_quadrature_points | dealii::update_JxW_values);
   // volume; per component the integrals of B^2 and |grad B|^2; volume where the law is defined at rest, and

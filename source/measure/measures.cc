@@ -63,7 +63,8 @@ template <int dim>
 void add_squares(const Domain<dim> &domain, const Field &field, const ExactSolution<dim> &exact,
                  const dealii::FEValues<dim> &values, const std::vector<double> &unknowns, Squares &squares)
 {
-  const unsigned int n = domain.n_nodes();
+  const CellLayout<dim> &layout = domain.layout();
+  const unsigned int first = field.first_component;
   const bool has_hoop = domain.measure.has_hoop_strain(field); // u_r/r belongs to the gradient
   std::array<double, dim> error{};
   std::array<dealii::Tensor<1, dim>, dim> error_of_gradient;
@@ -77,11 +78,12 @@ void add_squares(const Domain<dim> &domain, const Field &field, const ExactSolut
       squares.norm += B * B * dV;
       squares.norm_of_gradient += gradient.norm_square() * dV;
     }
-    for (unsigned int a = 0; a < n; ++a) {
-      const double shape = values.shape_value(a, q);
-      const dealii::Tensor<1, dim> &shape_gradient = values.shape_grad(a, q);
+    for (unsigned int a = 0; a < layout.n_nodes(first); ++a) {
+      const unsigned int i = layout.shape_of_node(first, a);
+      const double shape = values.shape_value(i, q);
+      const dealii::Tensor<1, dim> &shape_gradient = values.shape_grad(i, q);
       for (unsigned int c = 0; c < field.n_components; ++c) {
-        const double unknown = unknowns[(field.first_component + c) * n + a];
+        const double unknown = unknowns[layout.index(first + c, a)];
         error[c] += unknown * shape;
         error_of_gradient[c] += unknown * shape_gradient;
       }
@@ -176,8 +178,8 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
   if (domain.exact().expressions.empty())
     return;
   const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
-  dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
-                               gauss_rule<dim>(domain.scalar_element().reference_cell(), domain.degree + 3),
+  dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(),
+                               gauss_rule<dim>(domain.cell_shape(), domain.degree + 3),
                                dealii::update_values | dealii::update_gradients |
                                    dealii::update_quadrature_points | dealii::update_JxW_values);
   std::map<std::string, Squares> squares;
@@ -220,25 +222,29 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
 template <int dim>
 void measure_extremes(const Domain<dim> &domain, const Vector &solution, ordered_json &result)
 {
-  const unsigned int n_fields = domain.fields().size(), n = domain.n_nodes();
+  const unsigned int n_fields = domain.fields().size();
   std::vector<double> largest(n_fields, -std::numeric_limits<double>::max()), minus_smallest = largest;
   std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns;
+  std::vector<double> unknowns, of_component, squares;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       gather(solution, dofs, unknowns);
-      for (unsigned int f = 0; f < n_fields; ++f)
-        for (unsigned int a = 0; a < n; ++a) {
-          const Field &field = domain.fields()[f];
-          double square = 0;
-          for (unsigned int c = 0; c < field.n_components; ++c)
-            square += std::pow(unknowns[(field.first_component + c) * n + a], 2);
-          const double value =
-              field.n_components == 1 ? unknowns[field.first_component * n + a] : std::sqrt(square);
+      for (unsigned int f = 0; f < n_fields; ++f) {
+        const Field &field = domain.fields()[f];
+        squares.clear();
+        for (unsigned int c = 0; c < field.n_components; ++c) {
+          domain.layout().nodal_values(field.first_component + c, unknowns, of_component);
+          squares.resize(of_component.size(), 0.);
+          for (unsigned int a = 0; a < squares.size(); ++a)
+            squares[a] += of_component[a] * of_component[a];
+        }
+        for (unsigned int a = 0; a < squares.size(); ++a) {
+          const double value = field.n_components == 1 ? of_component[a] : std::sqrt(squares[a]);
           largest[f] = std::max(largest[f], value);
           minus_smallest[f] = std::max(minus_smallest[f], -value);
         }
+      }
     }
   const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
   dealii::Utilities::MPI::max(largest, communicator, largest);

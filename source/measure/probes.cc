@@ -110,7 +110,7 @@ std::vector<double> value_at(const std::vector<PointInCell<dim>> &places, const 
   std::vector<double> sums(quantity.n_numbers() + 1, 0.), numbers; // the last one: of cells
   DomainPoint<dim> point(domain, solution, t);
   for (const auto &[cell, unit_point] : places) {
-    dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
+    dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(),
                                  dealii::Quadrature<dim>(unit_point), DomainPoint<dim>::needed());
     values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
     point.enter(values);

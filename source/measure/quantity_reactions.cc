@@ -47,11 +47,12 @@ public:
 
   void evaluate(DomainPoint<dim> &point, std::vector<double> &numbers) const override
   {
-    const unsigned int n_nodes = point.shape_values().size();
+    const CellLayout<dim> &layout = this->domain.layout();
     for (unsigned int c = 0; c < this->domain.n_components(); ++c) {
       double sum = 0;
-      for (unsigned int a = 0; a < n_nodes; ++a)
-        sum += point.shape_values()[a] * forces(point.dofs()[c * n_nodes + a] - this->domain.first_dof);
+      for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
+        sum += point.shape_values()[layout.first_shape(c) + a] *
+               forces(point.dofs()[layout.index(c, a)] - this->domain.first_dof);
       numbers.push_back(sum);
     }
   }

@@ -27,7 +27,7 @@ bool is_prescribed(const Domain<dim> &domain, const Field &field,
   for (const auto &condition : domain.conditions())
     if (condition->field.name == field.name && condition->is_active(t) &&
         domain.constrains(*condition, face, component))
-      return !is_covered(domain, field.name, face, node, t);
+      return !is_covered(domain, field, face, node, t);
   return false;
 }
 
@@ -70,7 +70,7 @@ void Reactions<dim>::share_with_held(const Interface<dim> &interface,
       if (condition->field.name == field.name) {
         side.domain->cell_dofs(side.domain->dof_cell(node.cell), dofs);
         for (const unsigned int c : condition->prescribed_components())
-          supported.insert(dofs[(field.first_component + c) * side.domain->n_nodes() + node.node]);
+          supported.insert(dofs[side.domain->layout().index(field.first_component + c, node.node)]);
       }
     std::vector<const HeldUnknown *> shared;
     for (const HeldUnknown &held : all_held)
@@ -159,7 +159,7 @@ template <int dim>
 std::map<dealii::types::global_dof_index, typename Reactions<dim>::ForceAtNode>
 Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
 {
-  const unsigned int n = domain.n_nodes();
+  const auto &element = domain.layout().element(field.first_component);
   std::set<dealii::types::boundary_id> with_conditions;
   for (const auto &condition : domain.conditions())
     if (condition->field.name == field.name && !condition->prescribed_components().empty())
@@ -169,12 +169,13 @@ Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
   const auto add_node = [&](const auto &cell, const unsigned int a) {
     domain.cell_dofs(domain.dof_cell(cell), dofs);
     for (unsigned int c = 0; c < field.n_components; ++c)
-      component_of.emplace(dofs[(field.first_component + c) * n + a], c);
+      component_of.emplace(dofs[domain.layout().index(field.first_component + c, a)], c);
   };
   const bool has_axis = domain.measure.has_hoop_strain(field) && domain.reaches_axis();
   for (const auto &[cell, face, id] : domain.boundary_faces())
-    for (unsigned int a = 0; (has_axis || with_conditions.count(id) > 0) && a < n; ++a)
-      if (domain.scalar_element().has_support_on_face(a, face))
+    for (unsigned int a = 0; (has_axis || with_conditions.count(id) > 0) && a < element.n_dofs_per_cell();
+         ++a)
+      if (element.has_support_on_face(a, face))
         add_node(cell, a);
   for (const auto &[condition, node] : domain.nodes_of_points())
     if (condition->field.name == field.name)
@@ -260,10 +261,11 @@ std::vector<double> Reactions<dim>::part_resultant(const Interface<dim> &interfa
 
   const Domain<dim> &domain = *side.domain;
   const unsigned int n_c = whole.size(), first = interface.fields[f].first_component[s];
-  dealii::FEFaceValues<dim> values(
-      domain.mapping(), domain.scalar_element(), gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 2),
-      dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
-          dealii::update_normal_vectors | dealii::update_JxW_values);
+  dealii::FEFaceValues<dim> values(domain.mapping(), domain.layout().shape_element(),
+                                   gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 2),
+                                   dealii::update_values | dealii::update_gradients |
+                                       dealii::update_quadrature_points | dealii::update_normal_vectors |
+                                       dealii::update_JxW_values);
   FluxOnFace<dim> flux_on_face(domain, nodal.t);
   std::vector<double> sums(2 * (n_c + 1), 0.); // of the asked and the other faces: fluxes and area
   std::vector<dealii::types::global_dof_index> dofs;

@@ -45,7 +45,7 @@ void for_each_point(const Region<dim> &region, const Vector &solution, const dou
   const auto flags = DomainPoint<dim>::needed() | dealii::update_JxW_values;
   const unsigned int n = n_gauss_points(domain);
   if (!region.boundary_ids.empty()) {
-    dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
+    dealii::FEFaceValues<dim> values(domain.mapping(), domain.layout().shape_element(),
                                      gauss_rule<dim - 1>(domain.face_shape(), n), flags);
     for (const auto &face : domain.boundary_faces())
       if (face.cell->is_locally_owned() && region.boundary_ids.count(face.id) > 0) {
@@ -55,7 +55,7 @@ void for_each_point(const Region<dim> &region, const Vector &solution, const dou
       }
     return;
   }
-  dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
+  dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(),
                                gauss_rule<dim>(domain.cell_shape(), n), flags);
   for (const auto &cell : domain.mesh().active_cell_iterators())
     if (cell->is_locally_owned()) {
@@ -124,14 +124,19 @@ void for_each_unknown(const Region<dim> &region, const Field &field, const Vecto
                       const Visit &visit)
 {
   const Domain<dim> &domain = *region.domain;
-  const unsigned int n = domain.n_nodes();
+  const auto &element = domain.layout().nodal_element(field.first_component);
   std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns, of_component;
   const auto visit_cell = [&](const auto &cell, const auto &belongs) {
     domain.cell_dofs(domain.dof_cell(cell), dofs);
-    for (unsigned int c = 0; c < field.n_components; ++c)
-      for (unsigned int a = 0; a < n; ++a)
+    unknowns.resize(dofs.size());
+    solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+    for (unsigned int c = 0; c < field.n_components; ++c) {
+      domain.layout().nodal_values(field.first_component + c, unknowns, of_component);
+      for (unsigned int a = 0; a < of_component.size(); ++a)
         if (belongs(a))
-          visit(c, solution(dofs[(field.first_component + c) * n + a]));
+          visit(c, of_component[a]);
+    }
   };
   if (region.boundary_ids.empty()) {
     for (const auto &cell : domain.mesh().active_cell_iterators())
@@ -141,9 +146,8 @@ void for_each_unknown(const Region<dim> &region, const Field &field, const Vecto
   }
   for (const auto &face : domain.boundary_faces())
     if (face.cell->is_locally_owned() && region.boundary_ids.count(face.id) > 0)
-      visit_cell(face.cell, [&](const unsigned int a) {
-        return domain.scalar_element().has_support_on_face(a, face.number);
-      });
+      visit_cell(face.cell,
+                 [&](const unsigned int a) { return element.has_support_on_face(a, face.number); });
 }
 
 } // namespace

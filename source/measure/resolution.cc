@@ -25,9 +25,10 @@ Variation<dim> variation_on_this_rank(const Domain<dim> &domain, const Field &fi
                                       const double t)
 {
   const unsigned int n = domain.n_components();
-  dealii::FEValues<dim> values(
-      domain.mapping(), domain.scalar_element(), gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
-      dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points);
+  dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(),
+                               gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
+                               dealii::update_values | dealii::update_gradients |
+                                   dealii::update_quadrature_points);
   CellPoints<dim> point(domain, t);
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns(domain.dofs_per_cell());

@@ -54,8 +54,9 @@ double TraceShares<dim>::first_share(const dealii::types::global_dof_index dof, 
 template <int dim>
 void TraceShares<dim>::add_areas(const Part &part)
 {
-  const unsigned int n = domain.n_nodes();
-  dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
+  const auto &element = domain.layout().element(field.first_component);
+  const unsigned int n = element.n_dofs_per_cell();
+  dealii::FEFaceValues<dim> values(domain.mapping(), element,
                                    gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
                                    dealii::update_values | domain.measure.update_flags());
   std::vector<dealii::types::global_dof_index> dofs;
@@ -64,7 +65,7 @@ void TraceShares<dim>::add_areas(const Part &part)
     if (face.cell->is_locally_owned())
       for (unsigned int c = 0; c < field.n_components; ++c)
         for (unsigned int a = 0; a < n; ++a)
-          if (domain.scalar_element().has_support_on_face(a, face.number))
+          if (element.has_support_on_face(a, face.number))
             if (const int node_part = part(face, a, c); node_part >= 0) {
               if (!is_ready) {
                 values.reinit(face.cell, face.number);
@@ -74,7 +75,8 @@ void TraceShares<dim>::add_areas(const Part &part)
               double square = 0;
               for (const unsigned int q : values.quadrature_point_indices())
                 square += values.shape_value(a, q) * values.shape_value(a, q) * domain.measure(values, q);
-              area[node_part](dofs[(field.first_component + c) * n + a] - domain.first_dof) += square;
+              area[node_part](dofs[domain.layout().index(field.first_component + c, a)] - domain.first_dof) +=
+                  square;
             }
   }
   for (Weights &weights : area)
@@ -85,7 +87,8 @@ void TraceShares<dim>::add_areas(const Part &part)
 template <int dim>
 void TraceShares<dim>::add_fluxes(const Vector &solution, const double t, const Part &part)
 {
-  const unsigned int n = domain.n_nodes();
+  const CellLayout<dim> &layout = domain.layout();
+  const auto &element = layout.element(field.first_component);
   const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
   const dealii::IndexSet relevant = dealii::DoFTools::extract_locally_relevant_dofs(domain.dof_handler());
   std::array<Weights, 2> ghosted;
@@ -94,7 +97,7 @@ void TraceShares<dim>::add_fluxes(const Vector &solution, const double t, const 
     ghosted[p] = area[p];
   }
   dealii::FEFaceValues<dim> values(
-      domain.mapping(), domain.scalar_element(), gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 2),
+      domain.mapping(), layout.shape_element(), gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 2),
       dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
           dealii::update_normal_vectors | dealii::update_JxW_values);
   FluxOnFace<dim> flux_on_face(domain, t);
@@ -105,14 +108,15 @@ void TraceShares<dim>::add_fluxes(const Vector &solution, const double t, const 
     if (!face.cell->is_locally_owned())
       continue;
     domain.cell_dofs(domain.dof_cell(face.cell), dofs);
-    std::vector<std::array<unsigned int, 3>> nodes; // local unknown, node, part
+    std::vector<std::array<unsigned int, 4>> nodes; // local unknown, component, shape function, part
     bool has_common = has_hanging_nodes;            // masters may be elsewhere
     for (unsigned int c = 0; c < field.n_components; ++c)
-      for (unsigned int a = 0; a < n; ++a)
-        if (domain.scalar_element().has_support_on_face(a, face.number))
+      for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
+        if (element.has_support_on_face(a, face.number))
           if (const int node_part = part(face, a, c); node_part >= 0) {
-            const unsigned int i = (field.first_component + c) * n + a;
-            nodes.push_back({{i, a, static_cast<unsigned int>(node_part)}});
+            const unsigned int component = field.first_component + c, i = layout.index(component, a);
+            nodes.push_back(
+                {{i, component, layout.shape_of_node(component, a), static_cast<unsigned int>(node_part)}});
             const auto dof = dofs[i] - domain.first_dof;
             has_common = has_common || (ghosted[0](dof) > 0 && ghosted[1](dof) > 0);
           }
@@ -122,9 +126,9 @@ void TraceShares<dim>::add_fluxes(const Vector &solution, const double t, const 
     solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
     for (const unsigned int q : values.quadrature_point_indices()) {
       const std::vector<double> &A_N = flux_on_face.evaluate(values, q, unknowns);
-      for (const auto &[i, a, node_part] : nodes)
+      for (const auto &[i, component, shape, node_part] : nodes)
         flux[node_part](dofs[i] - domain.first_dof) +=
-            A_N[i / n] * values.shape_value(a, q) * domain.measure(values, q);
+            A_N[component] * values.shape_value(shape, q) * domain.measure(values, q);
     }
   }
   for (Weights &weights : flux)

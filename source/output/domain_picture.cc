@@ -89,8 +89,8 @@ DomainPicture<dim>::DomainPicture(const Domain<dim> &domain, const QuantityList<
     : QuantityPicture<dim, dim>(quantities)
 {
   DomainPoint<dim> point(domain, solution, t);
-  dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(), points_of_patch<dim>(domain),
-                               DomainPoint<dim>::needed());
+  dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(),
+                               points_of_patch<dim>(domain), DomainPoint<dim>::needed());
   for (const auto &cell : domain.mesh().active_cell_iterators())
     if (cell->is_locally_owned()) {
       values.reinit(cell);
@@ -114,7 +114,7 @@ BoundaryPicture<dim>::BoundaryPicture(const Domain<dim> &domain, const QuantityL
     : QuantityPicture<dim - 1, dim>(quantities)
 {
   DomainPoint<dim> point(domain, solution, t);
-  dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
+  dealii::FEFaceValues<dim> values(domain.mapping(), domain.layout().shape_element(),
                                    points_of_patch<dim - 1>(domain), DomainPoint<dim>::needed());
   for (const auto &face : domain.boundary_faces())
     if (face.cell->is_locally_owned()) {

@@ -171,7 +171,7 @@ void Log::cost_of_pairing(const Model<dim> &model)
     // functions
     unsigned int n_doubles = 1;
     for (const auto &side : interface->sides)
-      n_doubles += 2 * dim + side.domain->n_nodes() * (2 + dim);
+      n_doubles += 2 * dim + side.domain->layout().n_shapes() * (2 + dim);
     bytes += static_cast<double>(coverage.n_points) * n_doubles * sizeof(double);
   }
   const double pairing = dealii::Utilities::MPI::max(model.pairing_seconds, model.communicator);

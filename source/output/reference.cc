@@ -79,7 +79,6 @@ void add_squares(const Domain<dim> &domain, const std::vector<double> &unknowns,
                  const std::vector<double> &values, const std::vector<dealii::Tensor<1, dim>> &gradients,
                  const double *sample, std::vector<SquaresOfField> &squares)
 {
-  const unsigned int n = domain.n_nodes();
   const double weight = sample[dim];
   for (unsigned int f = 0; f < domain.fields().size(); ++f) {
     const Field &field = domain.fields()[f];
@@ -91,9 +90,10 @@ void add_squares(const Domain<dim> &domain, const std::vector<double> &unknowns,
         gradient[d] = -component_sample[1 + d];
       squares[f].norm += weight * error * error;
       squares[f].norm_of_gradient += weight * gradient.norm_square();
-      for (unsigned int a = 0; a < n; ++a) {
-        error += unknowns[c * n + a] * values[a];
-        gradient += unknowns[c * n + a] * gradients[a];
+      const unsigned int first = domain.layout().first(c), s = domain.layout().first_shape(c);
+      for (unsigned int a = 0; a < domain.layout().n_nodes(c); ++a) {
+        error += unknowns[first + a] * values[s + a];
+        gradient += unknowns[first + a] * gradients[s + a];
       }
       squares[f].error += weight * error * error;
       squares[f].error_of_gradient += weight * gradient.norm_square();
@@ -248,8 +248,8 @@ void Reference<dim>::compare_domain(const Domain<dim> &domain, const Samples::Pa
   const CellSearch<dim> search(domain);
   std::vector<SquaresOfField> squares(domain.fields().size());
   ShapeEvaluator<dim> shapes(domain);
-  std::vector<double> values(domain.n_nodes()), unknowns;
-  std::vector<dealii::Tensor<1, dim>> gradients(domain.n_nodes());
+  std::vector<double> values(domain.layout().n_shapes()), unknowns;
+  std::vector<dealii::Tensor<1, dim>> gradients(domain.layout().n_shapes());
   std::vector<dealii::types::global_dof_index> dofs;
   double weight_found = 0, weight = 0;
   for (unsigned long begin = 0; begin < part.n_points; begin += chunk) {

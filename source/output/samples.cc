@@ -26,11 +26,11 @@ const char *const beginning_of_samples = "{\"format\":\"Dovetail";
 template <int dim>
 std::vector<double> sample_domain(const Domain<dim> &domain, const Vector &solution)
 {
-  dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
-                               gauss_rule<dim>(domain.scalar_element().reference_cell(), domain.degree + 1),
+  const CellLayout<dim> &layout = domain.layout();
+  dealii::FEValues<dim> values(domain.mapping(), layout.shape_element(),
+                               gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
                                dealii::update_values | dealii::update_gradients |
                                    dealii::update_quadrature_points | dealii::update_JxW_values);
-  const unsigned int n = domain.n_nodes();
   std::vector<double> numbers;
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
@@ -45,10 +45,10 @@ std::vector<double> sample_domain(const Domain<dim> &domain, const Vector &solut
         for (unsigned int c = 0; c < domain.n_components(); ++c) {
           double value = 0;
           dealii::Tensor<1, dim> gradient;
-          for (unsigned int a = 0; a < n; ++a) {
-            const double unknown = solution(dofs[c * n + a]);
-            value += unknown * values.shape_value(a, q);
-            gradient += unknown * values.shape_grad(a, q);
+          for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
+            const double unknown = solution(dofs[layout.index(c, a)]);
+            value += unknown * values.shape_value(layout.shape_of_node(c, a), q);
+            gradient += unknown * values.shape_grad(layout.shape_of_node(c, a), q);
           }
           numbers.push_back(value);
           for (unsigned int d = 0; d < dim; ++d)

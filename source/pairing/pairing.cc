@@ -41,7 +41,7 @@ template <int dim>
 PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &points,
                               const SideFaces<dim> &faces, const unsigned int this_rank)
 {
-  const unsigned int n = domain.n_nodes();
+  const unsigned int n = domain.layout().n_shapes();
   PartnerShapes<dim> result;
   result.values.resize(points.size() * n);
   result.gradients.resize(points.size() * n);
@@ -107,9 +107,8 @@ cells_behind(const InterfaceSide<dim> &side)
 template <int dim>
 Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
                       const std::array<bool, 2> &with_cover, const MPI_Comm &communicator)
-    : extension(options.gap_extension),
-      shift(sides[source].shift - sides[destination].shift), n_nodes{{sides[source].domain->n_nodes(),
-                                                                      sides[destination].domain->n_nodes()}}
+    : extension(options.gap_extension), shift(sides[source].shift - sides[destination].shift),
+      n_shapes{{sides[source].domain->layout().n_shapes(), sides[destination].domain->layout().n_shapes()}}
 {
   for (const unsigned int side : {source, destination}) {
     const SideFaces<dim> faces = faces_of(sides[side]);
@@ -266,7 +265,7 @@ void Pairing<dim>::append(const std::array<InterfaceSide<dim>, 2> &sides, const 
   const std::array<unsigned int, 2> first_cell = {{static_cast<unsigned int>(cells[source].size()),
                                                    static_cast<unsigned int>(cells[destination].size())}};
   for (const unsigned int side : {source, destination}) {
-    const std::size_t size = (first_point + order.size()) * n_nodes[side];
+    const std::size_t size = (first_point + order.size()) * n_shapes[side];
     shape_values[side].reserve(size);
     shape_gradients[side].reserve(size);
     cells[side].insert(cells[side].end(), shapes[side].cells.begin(), shapes[side].cells.end());
@@ -283,7 +282,7 @@ void Pairing<dim>::append(const std::array<InterfaceSide<dim>, 2> &sides, const 
     normals[partner].push_back(match.N);
     offsets.push_back(query.X - match.X);
     for (const unsigned int side : {source, destination})
-      for (unsigned int i = q * n_nodes[side]; i < (q + 1) * n_nodes[side]; ++i) {
+      for (unsigned int i = q * n_shapes[side]; i < (q + 1) * n_shapes[side]; ++i) {
         shape_values[side].push_back(shapes[side].values[i]);
         shape_gradients[side].push_back(shapes[side].gradients[i]);
       }
@@ -331,7 +330,7 @@ void Pairing<dim>::extend(const std::vector<OwnShare> &share_of_field)
       for (unsigned int q = group.begin; q < group.end; ++q)
         for (const unsigned int side : {source, destination}) {
           const double share = side == group.side ? -shares[q] : 1 - shares[q];
-          for (unsigned int i = q * n_nodes[side]; share != 0 && i < (q + 1) * n_nodes[side]; ++i)
+          for (unsigned int i = q * n_shapes[side]; share != 0 && i < (q + 1) * n_shapes[side]; ++i)
             extended[side][i] += share * (shape_gradients[side][i] * offsets[q]);
         }
     own_shares.push_back(std::move(shares));

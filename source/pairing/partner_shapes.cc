@@ -27,7 +27,7 @@ struct Request
   }
 };
 
-/// The cell behind a face, and its shape functions at the points: point i has them at i * n_nodes.
+/// The cell behind a face, and its shape functions at the points: point i has them at i * n_shapes.
 template <int dim>
 struct Answer
 {
@@ -47,9 +47,9 @@ std::vector<Answer<dim>> answer(const std::vector<Request<dim>> &requests, const
                                 const Domain<dim> &domain, const FaceLocator<dim> &locator,
                                 ShapeEvaluator<dim> &shapes)
 {
-  const unsigned int n_nodes = domain.n_nodes();
+  const unsigned int n_shapes = domain.layout().n_shapes();
   std::vector<Answer<dim>> answers;
-  std::vector<double> unused(n_nodes);
+  std::vector<double> unused(n_shapes);
   for (const Request<dim> &request : requests) {
     const auto &face = locator.side().faces[request.face];
     shapes.reinit(face.cell);
@@ -59,16 +59,16 @@ std::vector<Answer<dim>> answer(const std::vector<Request<dim>> &requests, const
     cell.cell_measure = shapes.cell_measure(face.cell);
     cell.face_measure = shapes.face_measure(face.cell, face.face_no);
     if (domain.material.has_large_strain()) {
-      cell.central_gradients.resize(n_nodes);
+      cell.central_gradients.resize(n_shapes);
       shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), unused.data(),
                       cell.central_gradients.data());
     }
     cell.rank = this_rank;
     cell.face = request.face;
-    answer.values.resize(request.unit_points.size() * n_nodes);
-    answer.gradients.resize(request.unit_points.size() * n_nodes);
+    answer.values.resize(request.unit_points.size() * n_shapes);
+    answer.gradients.resize(request.unit_points.size() * n_shapes);
     for (unsigned int i = 0; i < request.unit_points.size(); ++i)
-      shapes.evaluate(request.unit_points[i], &answer.values[i * n_nodes], &answer.gradients[i * n_nodes]);
+      shapes.evaluate(request.unit_points[i], &answer.values[i * n_shapes], &answer.gradients[i * n_shapes]);
     answers.push_back(std::move(answer));
   }
   return answers;
@@ -83,8 +83,8 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
 {
   PartnerShapes<dim> result;
   result.cell_of_point.assign(matches.size(), dealii::numbers::invalid_unsigned_int);
-  result.values.resize(matches.size() * partner.n_nodes());
-  result.gradients.resize(matches.size() * partner.n_nodes());
+  result.values.resize(matches.size() * partner.layout().n_shapes());
+  result.gradients.resize(matches.size() * partner.layout().n_shapes());
 
   RankMap<std::vector<Request<dim>>> requests;
   std::map<std::pair<unsigned int, unsigned int>, unsigned int> request_of_face;
@@ -99,7 +99,7 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
       rank_requests[entry->second].points.push_back(i);
     }
   const unsigned int this_rank = dealii::Utilities::MPI::this_mpi_process(communicator),
-                     n_nodes = partner.n_nodes();
+                     n_shapes = partner.layout().n_shapes();
   for (const auto &[rank, rank_requests] : requests)
     locator.work().faces += rank == this_rank ? 0 : rank_requests.size();
 
@@ -113,8 +113,8 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
       for (unsigned int i = 0; i < asked[k].points.size(); ++i) {
         const unsigned int point = asked[k].points[i];
         result.cell_of_point[point] = result.cells.size();
-        std::copy_n(&answered[k].values[i * n_nodes], n_nodes, &result.values[point * n_nodes]);
-        std::copy_n(&answered[k].gradients[i * n_nodes], n_nodes, &result.gradients[point * n_nodes]);
+        std::copy_n(&answered[k].values[i * n_shapes], n_shapes, &result.values[point * n_shapes]);
+        std::copy_n(&answered[k].gradients[i * n_shapes], n_shapes, &result.gradients[point * n_shapes]);
       }
       result.cells.push_back(std::move(answered[k].cell));
     }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/quadrature.h>
 #include <dovetail/run/initial_values.h>
 
 #include <dovetail/solve/convergence.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/fe/fe_values.h>
+#include <deal.II/lac/full_matrix.h>
 
 #include <algorithm>
 #include <array>
@@ -65,7 +67,10 @@ void for_each_vertex(const Domain<dim> &domain, const std::string &field, const 
 template <int dim, typename Visit>
 void for_each_node(const Domain<dim> &domain, const std::string &field, const double t, const Visit &visit)
 {
-  const auto &element = domain.scalar_element();
+  const Field *domain_group = domain.material.find_field(field);
+  if (domain_group == nullptr)
+    return;
+  const auto &element = domain.layout().nodal_element(domain_group->first_component);
   dealii::FEValues<dim> at_nodes(domain.mapping(), element, element.get_unit_support_points(),
                                  dealii::update_quadrature_points);
   for (const auto &condition : domain.conditions())
@@ -73,7 +78,7 @@ void for_each_node(const Domain<dim> &domain, const std::string &field, const do
       for (const auto &[cell, number, id] : domain.boundary_faces())
         if (cell->is_locally_owned() && condition->boundary_ids.count(id) > 0) {
           at_nodes.reinit(cell);
-          for (unsigned int a = 0; a < domain.n_nodes(); ++a)
+          for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
             if (element.has_support_on_face(a, number))
               visit(*condition, at_nodes.quadrature_point(a));
         }
@@ -164,14 +169,51 @@ std::optional<std::array<double, 2>> given_range(const Model<dim> &model, const 
   return std::array<double, 2>{{smallest, largest}};
 }
 
+/// Of a discontinuous field those of the projection, cell by cell.
+template <int dim, typename Value>
+void project(const Domain<dim> &domain, const Field &field, const Value &value, Vector &x)
+{
+  const CellLayout<dim> &layout = domain.layout();
+  const unsigned int n = layout.n_nodes(field.first_component);
+  dealii::FEValues<dim> values(domain.mapping(), layout.element(field.first_component),
+                               gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
+                               dealii::update_values | dealii::update_quadrature_points |
+                                   dealii::update_JxW_values);
+  dealii::FullMatrix<double> mass(n, n);
+  dealii::Vector<double> moments(n), coefficients(n);
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+      domain.cell_dofs(cell, dofs);
+      for (unsigned int c = 0; c < field.n_components; ++c) {
+        mass = 0;
+        moments = 0;
+        for (const unsigned int q : values.quadrature_point_indices())
+          for (unsigned int i = 0; i < n; ++i) {
+            const double phi = values.shape_value(i, q) * values.JxW(q);
+            moments[i] += phi * value(values.quadrature_point(q), c);
+            for (unsigned int j = 0; j < n; ++j)
+              mass(i, j) += phi * values.shape_value(j, q);
+          }
+        mass.gauss_jordan();
+        mass.vmult(coefficients, moments);
+        for (unsigned int i = 0; i < n; ++i)
+          x(dofs[layout.index(field.first_component + c, i)]) = coefficients[i];
+      }
+    }
+}
+
 /// Set the unknowns of a field that this rank owns to value(X, component).
 template <int dim, typename Value>
 void set_nodes(const Model<dim> &model, const Domain<dim> &domain, const Field &field, const Value &value,
                Vector &x)
 {
-  const unsigned int n = domain.n_nodes();
-  dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
-                                 domain.scalar_element().get_unit_support_points(),
+  const CellLayout<dim> &layout = domain.layout();
+  if (!layout.is_continuous(field.first_component))
+    return project(domain, field, value, x);
+  const auto &element = layout.element(field.first_component);
+  dealii::FEValues<dim> at_nodes(domain.mapping(), element, element.get_unit_support_points(),
                                  dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
@@ -179,8 +221,8 @@ void set_nodes(const Model<dim> &model, const Domain<dim> &domain, const Field &
       at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
       domain.cell_dofs(cell, dofs);
       for (unsigned int c = 0; c < field.n_components; ++c)
-        for (unsigned int a = 0; a < n; ++a)
-          if (const auto dof = dofs[(field.first_component + c) * n + a];
+        for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
+          if (const auto dof = dofs[layout.index(field.first_component + c, a)];
               model.numbering->owned.is_element(dof))
             x(dof) = value(at_nodes.quadrature_point(a), c);
     }

@@ -198,7 +198,11 @@ void BlockSystem<dim>::make_constraints(const ConstraintLines &lines)
 template <int dim>
 void BlockSystem<dim>::add_pattern(const Domain<dim> &domain, dealii::DynamicSparsityPattern &pattern) const
 {
-  const unsigned int n = domain.n_nodes();
+  const CellLayout<dim> &layout = domain.layout();
+  const auto begin = [&](const Field &field) { return layout.first(field.first_component); };
+  const auto end = [&](const Field &field) {
+    return layout.first(field.first_component + field.n_components);
+  };
   dealii::Table<2, bool> couples(domain.dofs_per_cell(), domain.dofs_per_cell());
   const auto &fields = domain.fields();
   bool all_couple = true;
@@ -206,9 +210,9 @@ void BlockSystem<dim>::add_pattern(const Domain<dim> &domain, dealii::DynamicSpa
     for (unsigned int g = 0; g < fields.size(); ++g) {
       const bool depends = domain.material.depends(f, g);
       all_couple = all_couple && depends;
-      for (unsigned int i = 0; depends && i < fields[f].n_components * n; ++i)
-        for (unsigned int j = 0; j < fields[g].n_components * n; ++j)
-          couples(fields[f].first_component * n + i, fields[g].first_component * n + j) = true;
+      for (unsigned int i = begin(fields[f]); depends && i < end(fields[f]); ++i)
+        for (unsigned int j = begin(fields[g]); j < end(fields[g]); ++j)
+          couples(i, j) = true;
     }
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
@@ -233,7 +237,8 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
   std::vector<unsigned int> component; // of each local unknown, counted over both sides
   for (const unsigned int side : {source, destination})
     for (unsigned int k = 0; k < interface.components[side].size(); ++k)
-      component.insert(component.end(), interface.sides[side].domain->n_nodes(),
+      component.insert(component.end(),
+                       interface.sides[side].domain->layout().n_nodes(interface.components[side][k]),
                        k + (side == source ? 0 : interface.components[source].size()));
   const unsigned int n = component.size();
   dealii::Table<2, bool> depends(n, n);

@@ -180,7 +180,9 @@ void Model<dim>::check_acts_somewhere(const Domain<dim> &domain, const Condition
     return;
   std::vector<std::string> covering;
   std::map<std::pair<unsigned int, unsigned int>, double> share;
-  std::set<std::array<unsigned int, 3>> nodes;
+  std::set<std::array<unsigned int, 4>> nodes;
+  const unsigned int first = condition.field.first_component, space = domain.layout().space(first);
+  const auto &element = domain.layout().element(first);
   for (const Cover<dim> &cover : domain.covers)
     if (cover.is_permanent && cover.fields.count(condition.field.name) > 0) {
       covering.push_back(cover.interface);
@@ -194,9 +196,9 @@ void Model<dim>::check_acts_somewhere(const Domain<dim> &domain, const Condition
       if (condition.prescribed_components().empty() || condition.is_weak())
         n_open += share[{cell->active_cell_index(), face}] < 1 - 1e-9 ? 1 : 0;
       else
-        for (unsigned int a = 0; a < domain.n_nodes(); ++a)
-          n_open += domain.scalar_element().has_support_on_face(a, face) &&
-                            nodes.count({{cell->active_cell_index(), face, a}}) == 0
+        for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
+          n_open += element.has_support_on_face(a, face) &&
+                            nodes.count({{cell->active_cell_index(), face, space, a}}) == 0
                         ? 1
                         : 0;
     }
@@ -447,13 +449,19 @@ Model<dim>::linear_part(const Block &block) const
 {
   const Domain<dim> &domain = *domains[block.domain_index];
   const Field &field = domain.fields()[block.field_index];
-  const unsigned int n = domain.n_nodes();
-  // the nodes of an element begin with its vertices
+  const CellLayout<dim> &layout = domain.layout();
+  const unsigned int n = layout.n_nodes(field.first_component);
+  // by the first unknowns of a cell: the nodes of an element begin with its vertices; all of a discontinuous
+  // one
   const dealii::ReferenceCell shape = domain.cell_shape();
-  dealii::FullMatrix<double> weight(n, shape.n_vertices());
+  const bool is_continuous = layout.is_continuous(field.first_component);
+  dealii::FullMatrix<double> weight(n, is_continuous ? shape.n_vertices() : n);
   for (unsigned int a = 0; a < n; ++a)
-    for (const unsigned int v : shape.vertex_indices())
-      weight(a, v) = shape.d_linear_shape_function(domain.scalar_element().get_unit_support_points()[a], v);
+    for (unsigned int v = 0; v < weight.n(); ++v)
+      weight(a, v) = is_continuous
+                         ? shape.d_linear_shape_function(
+                               layout.element(field.first_component).get_unit_support_points()[a], v)
+                         : (a == v ? 1. : 0.);
 
   std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>> sums(block.owned.n_elements());
   std::vector<dealii::types::global_dof_index> dofs;
@@ -462,14 +470,14 @@ Model<dim>::linear_part(const Block &block) const
       domain.cell_dofs(cell, dofs);
       for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
         for (unsigned int a = 0; a < n; ++a) {
-          const auto dof = dofs[c * n + a] - block.begin;
+          const auto dof = dofs[layout.index(c, a)] - block.begin;
           if (!block.owned.is_element(dof))
             continue;
           auto &sum = sums[block.owned.index_within_set(dof)];
           if (sum.empty())
-            for (const unsigned int v : shape.vertex_indices())
+            for (unsigned int v = 0; v < weight.n(); ++v)
               if (std::abs(weight(a, v)) > 1e-14)
-                sum.emplace_back(dofs[c * n + v], weight(a, v));
+                sum.emplace_back(dofs[layout.index(c, v)], weight(a, v));
         }
     }
   return sums;

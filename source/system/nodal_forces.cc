@@ -110,11 +110,9 @@ void NodalForces<dim>::add_groups(const Interface<dim> &interface, const Vector 
       for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
         Transmission sum = {f, c, {{0, 0}}};
         for (const unsigned int side : {source, destination}) {
-          const unsigned int n = interface.sides[side].domain->n_nodes();
           const unsigned int component = interface.fields[f].first_component[side] + c;
-          const auto first = group_forces.begin() + (side == source ? 0 : interface.n_local(source)) +
-                             interface.position(side, component) * n;
-          for (unsigned int a = 0; a < n; ++a)
+          const auto first = group_forces.begin() + interface.first_unknown(side, component);
+          for (unsigned int a = 0; a < interface.fields[f].n_nodes[side]; ++a)
             sum.influx[side] -= first[a];
         }
         transmissions[&interface].push_back(sum);
@@ -203,8 +201,8 @@ template <int dim>
 double NodalForces<dim>::rounding_of_cells(const Domain<dim> &domain, const Field &field,
                                            const Vector &solution) const
 {
-  const unsigned int begin = field.first_component * domain.n_nodes(),
-                     end = begin + field.n_components * domain.n_nodes();
+  const unsigned int begin = domain.layout().first(field.first_component),
+                     end = domain.layout().first(field.first_component + field.n_components);
   CellTerms<dim> terms(domain);
   terms.set_rates(&rates);
   dealii::FullMatrix<double> tangent(domain.dofs_per_cell(), domain.dofs_per_cell());

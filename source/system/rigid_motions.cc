@@ -7,19 +7,42 @@
 
 namespace dovetail {
 
+namespace {
+
+/// The function 1 of a scalar, whose unknowns are its values unless it is discontinuous.
+template <int dim>
+std::vector<double> constant(const Domain<dim> &domain, const Block &block, const unsigned int component)
+{
+  const CellLayout<dim> &layout = domain.layout();
+  std::vector<double> mode(block.owned.n_elements(), 1.);
+  if (layout.is_continuous(component))
+    return mode;
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      domain.cell_dofs(cell, dofs);
+      for (unsigned int a = 0; a < layout.n_nodes(component); ++a)
+        mode[block.owned.index_within_set(dofs[layout.index(component, a)] - block.begin)] =
+            layout.unit(component)[a];
+    }
+  return mode;
+}
+
+} // namespace
+
 template <int dim>
 std::vector<std::vector<double>> rigid_motions(const Domain<dim> &domain, const Block &block,
                                                const dealii::Point<dim> &centre, const double length)
 {
   const Field &field = domain.fields()[block.field_index];
-  const unsigned int n_local = block.owned.n_elements(), n = domain.n_nodes();
+  const unsigned int n_local = block.owned.n_elements();
   if (field.n_components == 1)
-    return {std::vector<double>(n_local, 1.)};
+    return {constant(domain, block, field.first_component)};
 
   const unsigned int n_modes = dim == 2 ? 3 : 6;
   std::vector<std::vector<double>> modes(n_modes, std::vector<double>(n_local, 0.));
-  dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
-                                 domain.scalar_element().get_unit_support_points(),
+  const auto &element = domain.layout().element(field.first_component);
+  dealii::FEValues<dim> at_nodes(domain.mapping(), element, element.get_unit_support_points(),
                                  dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<bool> is_done(n_local, false);
@@ -27,9 +50,9 @@ std::vector<std::vector<double>> rigid_motions(const Domain<dim> &domain, const 
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       bool is_mapped = false;
-      for (unsigned int a = 0; a < n; ++a)
+      for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
         for (unsigned int c = 0; c < dim; ++c) {
-          const auto dof = dofs[(field.first_component + c) * n + a] - block.begin;
+          const auto dof = dofs[domain.layout().index(field.first_component + c, a)] - block.begin;
           if (!block.owned.is_element(dof))
             continue;
           const auto i = block.owned.index_within_set(dof);

@@ -142,16 +142,16 @@ std::vector<dealii::types::global_dof_index> Mortar<dim>::owned_nodes(const Inte
   const InterfaceSide<dim> &side = interface.sides[destination];
   const Domain<dim> &domain = *side.domain;
   const dealii::IndexSet &owned = domain.dof_handler().locally_owned_dofs();
+  const auto &element = domain.layout().element(field.first_component[destination]);
   std::set<Index> nodes;
   std::vector<Index> dofs;
   for (const auto &[cell, face, id] : domain.boundary_faces())
     if (side.belongs(cell, id)) {
       domain.cell_dofs(domain.dof_cell(cell), dofs);
       for (unsigned int c = 0; c < field.n_components; ++c)
-        for (unsigned int a = 0; a < domain.n_nodes(); ++a)
-          if (const Index dof = dofs[(field.first_component[destination] + c) * domain.n_nodes() + a];
-              domain.scalar_element().has_support_on_face(a, face) &&
-              owned.is_element(dof - domain.first_dof))
+        for (unsigned int a = 0; a < field.n_nodes[destination]; ++a)
+          if (const Index dof = dofs[domain.layout().index(field.first_component[destination] + c, a)];
+              element.has_support_on_face(a, face) && owned.is_element(dof - domain.first_dof))
             nodes.insert(dof);
     }
   return {nodes.begin(), nodes.end()};
@@ -168,14 +168,16 @@ void Mortar<dim>::add_constraints(const Interface<dim> &interface, TieConstraint
                                   const MPI_Comm &communicator)
 {
   const Domain<dim> &domain = *interface.sides[destination].domain;
-  interface.section.check(!is_dual || dim == 2 || domain.degree == 1 || !domain.has_simplices(),
-                          "Multiplier space",
+  unsigned int degree = 0; // of the tied fields
+  for (const TiedField &field : interface.fields)
+    degree = std::max(degree, domain.layout().element(field.first_component[destination]).degree);
+  interface.section.check(!is_dual || dim == 2 || degree == 1 || !domain.has_simplices(), "Multiplier space",
                           "cannot be dual on tetrahedra of degree 2: the shape functions of the corners have "
                           "the integral zero over a "
                           "face, so no biorthogonal function exists. Set Multiplier space = standard, swap "
                           "Source and Destination, or "
                           "use Type = Nitsche.");
-  loses_order = is_dual && domain.has_simplices() && domain.degree > 2;
+  loses_order = is_dual && domain.has_simplices() && degree > 2;
   ratios = side_ratios(interface, communicator);
   space = std::make_unique<MultiplierSpace<dim>>(interface, is_dual);
   space->make(constraints, communicator);

@@ -72,17 +72,64 @@ std::vector<double> extrapolate(const FullMatrix<double> &Q, const std::vector<d
 
 } // namespace
 
+/// Of the tied fields on the destination.
+template <int dim>
+std::set<unsigned int> MultiplierSpace<dim>::spaces() const
+{
+  std::set<unsigned int> result;
+  for (const TiedField &field : interface.fields)
+    result.insert(interface.sides[destination].domain->layout().space(field.first_component[destination]));
+  return result;
+}
+
+/// Of the face's space among all shape functions at a point.
+template <int dim>
+unsigned int MultiplierSpace<dim>::first_shape(const Face &face) const
+{
+  return interface.fields[face.components[0].field].first_shape[destination];
+}
+
+template <int dim>
+const dealii::FiniteElement<dim> &MultiplierSpace<dim>::element(const Face &face) const
+{
+  return interface.sides[destination].domain->layout().element_of_space(face.space);
+}
+
+template <int dim>
+void MultiplierSpace<dim>::find_nodes(Face &face) const
+{
+  for (unsigned int a = 0; a < element(face).n_dofs_per_cell(); ++a)
+    if (element(face).has_support_on_face(a, face.number))
+      face.nodes.push_back(a);
+}
+
 template <int dim>
 void MultiplierSpace<dim>::find_faces()
 {
-  const Pairing<dim> &pairing = interface.pairing();
-  const InterfaceSide<dim> &side = interface.sides[destination];
-  const Domain<dim> &domain = *side.domain;
-  const auto &element = domain.scalar_element();
-  const SideFaces<dim> side_faces = faces_of(side);
-  hanging = domain.hanging_nodes();
+  hanging = interface.sides[destination].domain->hanging_nodes();
   faces.clear();
-  face_of_point.assign(pairing.n_points(), dealii::numbers::invalid_unsigned_int);
+  face_of_point.clear();
+  for (const unsigned int space : spaces())
+    find_faces(space);
+  const auto is_tiny = [&](const Face &face) {
+    double area = 0;
+    for (unsigned int i = 0; i < face.mass.m(); ++i)
+      for (unsigned int j = 0; j < face.mass.m(); ++j)
+        area += face.mass(i, j);
+    return area < least_cover * interface.pairing().cells[destination][face.cell].face_measure;
+  };
+  for (Face &face : faces)
+    if (is_tiny(face))
+      face.groups.clear();
+}
+
+template <int dim>
+void MultiplierSpace<dim>::find_faces(const unsigned int space)
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const SideFaces<dim> side_faces = faces_of(interface.sides[destination]);
+  std::vector<unsigned int> &of_point = face_of_point[space];
+  of_point.assign(pairing.n_points(), dealii::numbers::invalid_unsigned_int);
   std::map<unsigned int, unsigned int> face_of_cell;
   for (unsigned int g = 0; g < pairing.groups.size(); ++g) {
     const auto &group = pairing.groups[g];
@@ -92,34 +139,22 @@ void MultiplierSpace<dim>::find_faces()
       Face face;
       face.cell = cell;
       face.number = side_faces.faces[pairing.cells[destination][cell].face].face_no;
-      for (unsigned int a = 0; a < domain.n_nodes(); ++a)
-        if (element.has_support_on_face(a, face.number))
-          face.nodes.push_back(a);
+      face.space = space;
+      find_nodes(face);
+      find_components(face, pairing.cells[destination][cell].dofs);
       face.mass.reinit(face.nodes.size(), face.nodes.size());
       faces.push_back(std::move(face));
     }
     Face &face = faces[entry->second];
     face.groups.push_back(g);
     for (unsigned int q = group.begin; q < group.end; ++q) {
-      face_of_point[q] = entry->second;
-      const double *phi = pairing.values(destination, q);
+      of_point[q] = entry->second;
+      const double *phi = pairing.values(destination, q) + first_shape(face);
       for (unsigned int i = 0; i < face.nodes.size(); ++i)
         for (unsigned int j = 0; j < face.nodes.size(); ++j)
           face.mass(i, j) += pairing.weight(q) * phi[face.nodes[i]] * phi[face.nodes[j]];
     }
   }
-  const auto is_tiny = [&](const Face &face) {
-    double area = 0;
-    for (unsigned int i = 0; i < face.mass.m(); ++i)
-      for (unsigned int j = 0; j < face.mass.m(); ++j)
-        area += face.mass(i, j);
-    return area < least_cover * pairing.cells[destination][face.cell].face_measure;
-  };
-  for (unsigned int f = 0; f < faces.size(); ++f)
-    if (is_tiny(faces[f]))
-      faces[f].groups.clear();
-  for (Face &face : faces)
-    find_components(face, pairing.cells[destination][face.cell].dofs);
 }
 
 template <int dim>
@@ -127,13 +162,17 @@ void MultiplierSpace<dim>::find_components(Face &face, const std::vector<Index> 
 {
   const Domain<dim> &domain = *interface.sides[destination].domain;
   const unsigned int n = face.nodes.size();
-  for (const TiedField &field : interface.fields)
-    for (unsigned int c = 0; c < field.n_components; ++c) {
+  for (unsigned int f = 0; f < interface.fields.size(); ++f)
+    for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
+      const unsigned int of_domain = interface.fields[f].first_component[destination] + c;
+      if (domain.layout().space(of_domain) != face.space)
+        continue;
       Component component;
+      component.field = f;
+      component.component = c;
       std::vector<std::map<Index, double>> node_weights(n);
       for (unsigned int a = 0; a < n; ++a) {
-        const Index dof =
-            cell_dofs[(field.first_component[destination] + c) * domain.n_nodes() + face.nodes[a]];
+        const Index dof = cell_dofs[domain.layout().index(of_domain, face.nodes[a])];
         if (hanging.is_constrained(dof - domain.first_dof)) {
           for (const auto &[master, weight] : *hanging.get_constraint_entries(dof - domain.first_dof))
             node_weights[a][domain.first_dof + master] += weight;
@@ -163,26 +202,28 @@ void MultiplierSpace<dim>::add_full_masses(std::map<Index, Shares> &shares) cons
 {
   const InterfaceSide<dim> &side = interface.sides[destination];
   const Domain<dim> &domain = *side.domain;
-  dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
-                                   gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
-                                   dealii::update_values | domain.measure.update_flags());
   std::vector<Index> dofs;
-  for (const auto &side_face : faces_of(side).faces) {
-    values.reinit(side_face.cell, side_face.face_no);
-    domain.cell_dofs(domain.dof_cell(side_face.cell), dofs);
-    Face face;
-    for (unsigned int a = 0; a < domain.n_nodes(); ++a)
-      if (domain.scalar_element().has_support_on_face(a, side_face.face_no))
-        face.nodes.push_back(a);
-    find_components(face, dofs);
-    for (const Component &component : face.components)
-      for (unsigned int i = 0; i < component.dofs.size(); ++i)
-        for (const unsigned int q : values.quadrature_point_indices()) {
-          double phi = 0;
-          for (unsigned int a = 0; a < face.nodes.size(); ++a)
-            phi += component.C(a, i) * values.shape_value(face.nodes[a], q);
-          shares[component.dofs[i]].full += domain.measure(values, q) * phi * phi;
-        }
+  for (const unsigned int space : spaces()) {
+    dealii::FEFaceValues<dim> values(domain.mapping(), domain.layout().element_of_space(space),
+                                     gauss_rule<dim - 1>(domain.face_shape(), domain.degree + 1),
+                                     dealii::update_values | domain.measure.update_flags());
+    for (const auto &side_face : faces_of(side).faces) {
+      values.reinit(side_face.cell, side_face.face_no);
+      domain.cell_dofs(domain.dof_cell(side_face.cell), dofs);
+      Face face;
+      face.number = side_face.face_no;
+      face.space = space;
+      find_nodes(face);
+      find_components(face, dofs);
+      for (const Component &component : face.components)
+        for (unsigned int i = 0; i < component.dofs.size(); ++i)
+          for (const unsigned int q : values.quadrature_point_indices()) {
+            double phi = 0;
+            for (unsigned int a = 0; a < face.nodes.size(); ++a)
+              phi += component.C(a, i) * values.shape_value(face.nodes[a], q);
+            shares[component.dofs[i]].full += domain.measure(values, q) * phi * phi;
+          }
+    }
   }
 }
 
@@ -199,15 +240,17 @@ std::set<Index> MultiplierSpace<dim>::cross_points() const
     const auto others = side.strong_others.find(field.name);
     if (others == side.strong_others.end())
       continue;
+    const unsigned int first = field.first_component[destination];
+    const auto &element = domain.layout().element(first);
     for (const auto &[cell, face, id] : domain.boundary_faces())
       if (!side.belongs(cell, id) &&
           std::any_of(others->second.begin(), others->second.end(),
                       [&cell = cell, id = id](const auto *other) { return other->belongs(cell, id); })) {
         domain.cell_dofs(domain.dof_cell(cell), dofs);
         for (unsigned int c = 0; c < field.n_components; ++c)
-          for (unsigned int a = 0; a < domain.n_nodes(); ++a)
-            if (domain.scalar_element().has_support_on_face(a, face))
-              found.insert(dofs[(field.first_component[destination] + c) * domain.n_nodes() + a]);
+          for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
+            if (element.has_support_on_face(a, face))
+              found.insert(dofs[domain.layout().index(first + c, a)]);
       }
   }
   return found;
@@ -279,8 +322,8 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
 template <int dim>
 FullMatrix<double> MultiplierSpace<dim>::node_coordinates(const Face &face) const
 {
-  const auto &element = interface.sides[destination].domain->scalar_element();
-  const FaceShape<dim> shape(element.reference_cell(), 1);
+  const auto &of_space = element(face);
+  const FaceShape<dim> shape(of_space.reference_cell(), 1);
   const auto origin = shape.position_in_cell(face.number, shape.corner(0));
   std::array<dealii::Tensor<1, dim>, dim - 1> axis;
   for (unsigned int d = 0; d < dim - 1; ++d)
@@ -296,7 +339,7 @@ FullMatrix<double> MultiplierSpace<dim>::node_coordinates(const Face &face) cons
       coordinates(a, d) = -1;
       for (unsigned int e = 0; e < dim - 1; ++e)
         coordinates(a, d) +=
-            2 * metric(d, e) * (axis[e] * (element.unit_support_point(face.nodes[a]) - origin));
+            2 * metric(d, e) * (axis[e] * (of_space.unit_support_point(face.nodes[a]) - origin));
     }
   return coordinates;
 }
@@ -329,8 +372,7 @@ template <int dim>
 FullMatrix<double> MultiplierSpace<dim>::extend(const Face &face, Component &component,
                                                 const std::vector<unsigned int> &kept) const
 {
-  const unsigned int n = face.nodes.size(), m = component.dofs.size(),
-                     p = interface.sides[destination].domain->degree;
+  const unsigned int n = face.nodes.size(), m = component.dofs.size(), p = element(face).degree;
   FullMatrix<double> eta(kept.size(), m);
   for (unsigned int j = 0; j < kept.size(); ++j)
     eta(j, kept[j]) = 1;
@@ -429,20 +471,15 @@ void MultiplierSpace<dim>::add_rows(const Face &face, const double t, std::map<I
         row.diagonal += component.mass(j, j);
       }
 
-  for (const unsigned int g : face.groups) {
-    unsigned int position = 0;
-    for (unsigned int f = 0; f < interface.fields.size(); ++f)
-      for (unsigned int c = 0; c < interface.fields[f].n_components; ++c, ++position) {
-        const Component &component = face.components[position];
-        for (unsigned int j = 0; j < component.dofs.size(); ++j)
-          if (component.has_function[j]) {
-            Row &row = to[component.dofs[j]];
-            row.field = f;
-            row.component = c;
-            add_source(face, pairing.groups[g], component, j, t, row);
-          }
-      }
-  }
+  for (const unsigned int g : face.groups)
+    for (const Component &component : face.components)
+      for (unsigned int j = 0; j < component.dofs.size(); ++j)
+        if (component.has_function[j]) {
+          Row &row = to[component.dofs[j]];
+          row.field = component.field;
+          row.component = component.component;
+          add_source(face, pairing.groups[g], component, j, t, row);
+        }
 }
 
 /// The integrals of a group with function @p j of a component: of the source's trace, and of what the gap
@@ -454,8 +491,9 @@ void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<d
 {
   const Pairing<dim> &pairing = interface.pairing();
   const unsigned int n = face.nodes.size(), f = row.field;
-  const unsigned int n_source = interface.sides[source].domain->n_nodes();
-  const unsigned int n_destination = interface.sides[destination].domain->n_nodes();
+  const TiedField &field = interface.fields[f];
+  const unsigned int n_source = field.n_nodes[source], n_destination = field.n_nodes[destination],
+                     at_source = field.first_shape[source];
   std::vector<double> psi(n, 0.); // at the face's nodes
   for (unsigned int a = 0; a < n; ++a)
     for (unsigned int l = 0; l < component.dofs.size(); ++l)
@@ -465,32 +503,35 @@ void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<d
       destination_weight(n_destination, 0.);
   bool is_bridged = false;
   for (unsigned int q = group.begin; q < group.end; ++q) {
-    const double *at_destination = pairing.values(destination, q);
+    const double *at_destination = pairing.values(destination, q) + field.first_shape[destination];
     double value = 0;
     for (unsigned int a = 0; a < n; ++a)
       value += psi[a] * at_destination[face.nodes[a]];
     value *= pairing.weight(q);
     if (interface.has_prescribed_jump())
       row.constant += value * interface.prescribed_jump(pairing.X(source, q), t, row.component);
-    const double *trial = pairing.trial(source, q, f);
+    const double *trial = pairing.trial(source, q, f) + at_source;
     for (unsigned int k = 0; k < n_source; ++k)
       moment[k] += value * trial[k];
     if (!pairing.own_side_bridges(q, f))
       continue;
     is_bridged = true;
     for (unsigned int k = 0; k < n_destination; ++k)
-      destination_weight[k] += value * (pairing.trial(destination, q, f)[k] - at_destination[k]);
+      destination_weight[k] +=
+          value * (pairing.trial(destination, q, f)[field.first_shape[destination] + k] - at_destination[k]);
     for (unsigned int k = 0; k < n_source; ++k)
-      source_weight[k] += value * (pairing.values(source, q)[k] +
-                                   pairing.gradients(source, q)[k] * pairing.offset(q) - trial[k]);
+      source_weight[k] +=
+          value * (pairing.values(source, q)[at_source + k] +
+                   pairing.gradients(source, q)[at_source + k] * pairing.offset(q) - trial[k]);
   }
   if (is_bridged)
     add_own_gradient(group, f, row.component, destination_weight, source_weight, row);
   const auto &source_dofs = pairing.cells[source][group.cells[source]].dofs;
-  const unsigned int first = interface.fields[f].first_component[source] + row.component;
+  const unsigned int first =
+      interface.sides[source].domain->layout().first(field.first_component[source] + row.component);
   for (unsigned int k = 0; k < n_source; ++k)
     if (moment[k] != 0) {
-      row.weights[source_dofs[first * n_source + k]] -= moment[k];
+      row.weights[source_dofs[first + k]] -= moment[k];
       row.source_weight -= moment[k];
     }
 }
@@ -505,7 +546,7 @@ void MultiplierSpace<dim>::add_own_gradient(const typename Pairing<dim>::Group &
   const auto dof_of = [&](const unsigned int side, const unsigned int node) {
     return interface.pairing()
         .cells[side][group.cells[side]]
-        .dofs[(field.first_component[side] + component) * interface.sides[side].domain->n_nodes() + node];
+        .dofs[interface.sides[side].domain->layout().index(field.first_component[side] + component, node)];
   };
   for (unsigned int k = 0; k < source_weight.size(); ++k)
     if (source_weight[k] != 0)
@@ -574,25 +615,21 @@ std::map<Index, double> MultiplierSpace<dim>::average(const std::vector<std::vec
                                                       const MPI_Comm &communicator) const
 {
   std::map<Index, std::array<double, 2>> sums;
-  for (const Face &face : faces) {
-    unsigned int position = 0;
-    for (unsigned int f = 0; f < interface.fields.size(); ++f)
-      for (unsigned int c = 0; c < interface.fields[f].n_components; ++c, ++position) {
-        const Component &component = face.components[position];
-        for (unsigned int j = 0; j < component.dofs.size(); ++j)
-          if (component.has_function[j])
-            for (const unsigned int g : face.groups)
-              for (unsigned int q = interface.pairing().groups[g].begin;
-                   q < interface.pairing().groups[g].end; ++q) {
-                double phi = 0;
-                for (unsigned int a = 0; a < face.nodes.size(); ++a)
-                  phi += component.C(a, j) * interface.pairing().values(destination, q)[face.nodes[a]];
-                auto &sum = sums[component.dofs[j]];
-                sum[0] += interface.pairing().weight(q) * phi * phi * value[f][q];
-                sum[1] += interface.pairing().weight(q) * phi * phi;
-              }
-      }
-  }
+  for (const Face &face : faces)
+    for (const Component &component : face.components)
+      for (unsigned int j = 0; j < component.dofs.size(); ++j)
+        if (component.has_function[j])
+          for (const unsigned int g : face.groups)
+            for (unsigned int q = interface.pairing().groups[g].begin; q < interface.pairing().groups[g].end;
+                 ++q) {
+              const double *values = interface.pairing().values(destination, q) + first_shape(face);
+              double phi = 0;
+              for (unsigned int a = 0; a < face.nodes.size(); ++a)
+                phi += component.C(a, j) * values[face.nodes[a]];
+              auto &sum = sums[component.dofs[j]];
+              sum[0] += interface.pairing().weight(q) * phi * phi * value[component.field][q];
+              sum[1] += interface.pairing().weight(q) * phi * phi;
+            }
   RankMap<std::map<Index, std::array<double, 2>>> rows_of_owners;
   for (const auto &[dof, sum] : sums)
     rows_of_owners[owner_of.at(dof)][dof] = sum;
@@ -646,14 +683,16 @@ template <int dim>
 double MultiplierSpace<dim>::value(const unsigned int field, const unsigned int component,
                                    const unsigned int q) const
 {
-  unsigned int position = component;
-  for (unsigned int f = 0; f < field; ++f)
-    position += interface.fields[f].n_components;
-  const Face &face = faces[face_of_point[q]];
-  const double *phi = interface.pairing().values(destination, q);
+  const auto &layout = interface.sides[destination].domain->layout();
+  const unsigned int space = layout.space(interface.fields[field].first_component[destination]);
+  const Face &face = faces[face_of_point.at(space)[q]];
+  const double *phi = interface.pairing().values(destination, q) + first_shape(face);
+  const auto of_face = std::find_if(face.components.begin(), face.components.end(), [&](const auto &other) {
+    return other.field == field && other.component == component;
+  });
   double sum = 0;
   for (unsigned int a = 0; a < face.nodes.size(); ++a)
-    sum += face.components[position].nodal[a] * phi[face.nodes[a]];
+    sum += of_face->nodal[a] * phi[face.nodes[a]];
   return sum;
 }
 

@@ -421,15 +421,16 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
   unsigned int i = 0;
   for (const unsigned int side : {source, destination}) {
     const Domain<dim> &domain = *interface.sides[side].domain;
-    const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
+    const unsigned int n = domain.n_components();
     const double factor = (side == source ? 1 : -1) * p.weight[side];
     if (factor == 0) {
       i += interface.n_local(side);
       continue;
     }
-    const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side];
-    const double *values = pairing.values(side, q);
     for (const unsigned int d : interface.components[side]) {
+      const unsigned int n_nodes = domain.layout().n_nodes(d);
+      const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + domain.layout().first_shape(d);
+      const double *values = pairing.values(side, q) + domain.layout().first_shape(d);
       for (unsigned int c = 0; c < n_c; ++c) {
         const unsigned int pair = (field.first_component[side] + c) * n + d;
         const dealii::Tensor<1, dim> by_gradient =
@@ -466,12 +467,12 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
   unsigned int i = 0;
   for (const unsigned int side : {source, destination}) {
     const double sign = side == source ? 1 : -1;
-    const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
-    const double *trial = interface.pairing().trial(side, q, field.index),
-                 *test = interface.pairing().test(side, q, field.index);
+    const auto &layout = interface.sides[side].domain->layout();
+    const double *trial = interface.pairing().trial(side, q, field.index) + field.first_shape[side],
+                 *test = interface.pairing().test(side, q, field.index) + field.first_shape[side];
     for (const unsigned int component : interface.components[side]) {
       const unsigned int c = component - field.first_component[side]; // wraps if not of this field
-      for (unsigned int a = 0; a < n_nodes; ++a, ++i)
+      for (unsigned int a = 0; a < layout.n_nodes(component); ++a, ++i)
         if (c < field.n_components) {
           field_unknowns.push_back(i);
           if (std::abs(trial[a]) > interface.least_in_jump || std::abs(test[a]) > interface.least_in_jump)
@@ -561,13 +562,11 @@ void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const Ti
   const Pairing<dim> &pairing = interface.pairing();
   const double factor = pairing.weight(q) * series.b_by_mean * (p.gamma * jump[0] - mean_flux[0]) / 2;
   const auto add_row = [&](const unsigned int row, const double test) {
-    unsigned int first = 0;
     for (const unsigned int side : {source, destination}) {
-      const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
-      const unsigned int column = first + interface.position(side, field.first_component[side]) * n_nodes;
-      for (unsigned int b = 0; b < n_nodes; ++b)
-        tangent(row, column + b) += factor * test * pairing.values(side, q)[b];
-      first += interface.n_local(side);
+      const unsigned int column = interface.first_unknown(side, field.first_component[side]);
+      const double *values = pairing.values(side, q) + field.first_shape[side];
+      for (unsigned int b = 0; b < field.n_nodes[side]; ++b)
+        tangent(row, column + b) += factor * test * values[b];
     }
   };
   for (const InJump &row : in_jump)
@@ -583,10 +582,10 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
                                  const unsigned int q, dealii::FullMatrix<double> &tangent)
 {
   const Pairing<dim> &pairing = interface.pairing();
-  unsigned int first = 0;
   for (const unsigned int side : {source, destination}) {
     const Domain<dim> &domain = *interface.sides[side].domain;
-    const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
+    const auto &layout = domain.layout();
+    const unsigned int n = domain.n_components();
     const auto &components = interface.components[side];
     if (p.weight[side] != 0 && !domain.material.has_linear_flux(field.field[side])) {
       ++variations.second;
@@ -598,16 +597,19 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
       dealii::FullMatrix<double> &H = second_derivative;
       domain.material.curvature(sides.state[side], contraction, H);
 
-      const double *values = pairing.values(side, q);
-      const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side];
-      for (unsigned int k = 0; k < components.size(); ++k) {
-        // delta{A} varies the tied field only
-        if (components[k] - field.first_component[side] >= field.n_components)
-          continue;
-        const bool varies_by_value = field.varies_by_value(side, components[k]);
-        for (unsigned int l = 0; l < components.size(); ++l)
-          for (unsigned int a = 0; a < n_nodes; ++a) {
-            const unsigned int row = components[k] * (1 + dim), column = components[l] * (1 + dim);
+      // delta{A} varies the tied field only
+      for (unsigned int c = field.first_component[side]; c < field.first_component[side] + field.n_components;
+           ++c) {
+        const double *values = pairing.values(side, q) + field.first_shape[side];
+        const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + field.first_shape[side];
+        const bool varies_by_value = field.varies_by_value(side, c);
+        const unsigned int first_row = interface.first_unknown(side, c);
+        for (const unsigned int d : components) {
+          const double *values_of_d = pairing.values(side, q) + layout.first_shape(d);
+          const dealii::Tensor<1, dim> *gradients_of_d = sides.shape_gradients[side] + layout.first_shape(d);
+          const unsigned int n_columns = layout.n_nodes(d), first_column = interface.first_unknown(side, d);
+          for (unsigned int a = 0; a < field.n_nodes[side]; ++a) {
+            const unsigned int row = c * (1 + dim), column = d * (1 + dim);
             dealii::Tensor<1, dim>
                 g; // grad phi_a (and phi_a) times H, by gradient and by value of the column
             double v = varies_by_value ? values[a] * H(row, column) : 0;
@@ -618,15 +620,15 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
               for (unsigned int L = 0; L < dim; ++L)
                 g[L] += gradients[a][J] * H(row + 1 + J, column + 1 + L);
             }
-            double *entries = &tangent(first + k * n_nodes + a, first + l * n_nodes);
-            for (unsigned int b = 0; b < n_nodes; ++b)
-              entries[b] += g * gradients[b];
-            for (unsigned int b = 0; v != 0 && b < n_nodes; ++b)
-              entries[b] += v * values[b];
+            double *entries = &tangent(first_row + a, first_column);
+            for (unsigned int b = 0; b < n_columns; ++b)
+              entries[b] += g * gradients_of_d[b];
+            for (unsigned int b = 0; v != 0 && b < n_columns; ++b)
+              entries[b] += v * values_of_d[b];
           }
+        }
       }
     }
-    first += interface.n_local(side);
   }
 }
 

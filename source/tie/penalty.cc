@@ -209,7 +209,7 @@ double Penalty<dim>::choose(const Interface<dim> &interface, const unsigned int 
     // V_i / (p_i^2 k_i): for a scalar the inverse of the trace constant is V_i / (p_i^2 k_i G_i)
     const CellBehind<dim> &cell = interface.pairing().cells[side][group.cells[side]];
     const double k = stiffness(interface, field, side, interface.pairing().N(side, q), sides);
-    const double p = interface.sides[side].domain->degree;
+    const double p = interface.sides[side].domain->layout().element(field.first_component[side]).degree;
     compliance[side] = cell.cell_measure / (p * p * k);
     area[side] = cell.face_measure;
   }

@@ -52,15 +52,15 @@ public:
   const std::vector<HeldUnknown> &held() const override { return prescribed; }
 
 private:
-  /// A support point of the destination and its unknowns, one per component of the domain.
+  /// A support point of a space of the destination and the unknowns of the components of that space.
   struct Node
   {
     typename FaceLocator<dim>::Query query;
-    std::vector<dealii::types::global_dof_index> dofs;
+    std::map<unsigned int, dealii::types::global_dof_index> dofs; ///< by component
     /// Cells with faces on the side, and the node's number there.
     std::vector<std::pair<typename dealii::Triangulation<dim>::active_cell_iterator, unsigned int>> cells;
   };
-  static std::vector<Node> nodes_of(const InterfaceSide<dim> &side);
+  static std::vector<Node> nodes_of(const InterfaceSide<dim> &side, unsigned int space);
   static bool crosses_edges(const Pairing<dim> &pairing, const MPI_Comm &communicator);
   /// From the source to a node: the gap, for each field the share of it that the node's side bridges, and the
   /// source's unknowns and shapes there.
@@ -70,8 +70,8 @@ private:
     dealii::Tensor<1, dim> gap;
     std::vector<double> own_share;
     const std::vector<dealii::types::global_dof_index> *masters;
-    unsigned int n_masters; ///< of a component
-    const double *values;
+    const CellLayout<dim> *layout; ///< of the source
+    const double *values;          ///< of all its shape functions
     const dealii::Tensor<1, dim> *gradients;
   };
   static Bridge find_bridge(const Interface<dim> &interface, const Node &node,
@@ -83,6 +83,11 @@ private:
                                const dealii::Tensor<1, dim> &direction,
                                const dealii::AffineConstraints<double> &hanging, ShapeEvaluator<dim> &shapes,
                                std::map<dealii::types::global_dof_index, double> &entries);
+  using Followers = std::map<dealii::types::global_dof_index, GapConstraint>;
+  std::array<unsigned int, 2> add_followers(const Interface<dim> &interface, unsigned int space,
+                                            const FaceLocator<dim> &locator,
+                                            const TieConstraints &constraints, const MPI_Comm &communicator,
+                                            Followers &constrained);
   void hold(dealii::types::global_dof_index dof, unsigned int f, unsigned int c, const TiedField &field,
             const Bridge &bridge, const TieConstraints &constraints);
 
@@ -123,11 +128,16 @@ std::vector<std::string> Pointwise<dim>::notes() const
 
 /// The support points on the side whose unknowns this rank owns.
 template <int dim>
-std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const InterfaceSide<dim> &side)
+std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const InterfaceSide<dim> &side,
+                                                                    const unsigned int space)
 {
   const Domain<dim> &domain = *side.domain;
-  const unsigned int n = domain.n_nodes();
-  const auto &element = domain.scalar_element();
+  const CellLayout<dim> &layout = domain.layout();
+  const auto &element = layout.element_of_space(space);
+  std::vector<unsigned int> components;
+  for (unsigned int c = 0; c < layout.n_components(); ++c)
+    if (layout.space(c) == space)
+      components.push_back(c);
   const dealii::IndexSet &owned = domain.dof_handler().locally_owned_dofs();
   dealii::FEValues<dim> at_nodes(domain.mapping(), element, element.get_unit_support_points(),
                                  dealii::update_quadrature_points);
@@ -140,16 +150,16 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
       at_nodes.reinit(cell);
       at_face.reinit(cell, face);
       domain.cell_dofs(domain.dof_cell(cell), dofs);
-      for (unsigned int a = 0; a < n; ++a)
-        if (element.has_support_on_face(a, face) && owned.is_element(dofs[a] - domain.first_dof)) {
-          Node &node = nodes[dofs[a]];
+      for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
+        if (const auto first = dofs[layout.index(components[0], a)];
+            element.has_support_on_face(a, face) && owned.is_element(first - domain.first_dof)) {
+          Node &node = nodes[first];
           node.query.X = at_nodes.quadrature_point(a) + side.shift;
           node.query.N += at_face.normal_vector(0); // the mean of the faces that meet here
           node.query.face_size = std::max(node.query.face_size, cell->face(face)->diameter());
           node.cells.emplace_back(cell, a);
-          node.dofs.clear();
-          for (unsigned int c = 0; c < domain.n_components(); ++c)
-            node.dofs.push_back(dofs[c * n + a]);
+          for (const unsigned int c : components)
+            node.dofs[c] = dofs[layout.index(c, a)];
         }
     }
   std::vector<Node> list;
@@ -185,19 +195,19 @@ void Pointwise<dim>::add_own_gradient(const Domain<dim> &domain, const Node &nod
                                       ShapeEvaluator<dim> &shapes,
                                       std::map<dealii::types::global_dof_index, double> &entries)
 {
-  const unsigned int n = domain.n_nodes();
-  std::vector<double> values(n);
-  std::vector<dealii::Tensor<1, dim>> gradients(n);
+  const CellLayout<dim> &layout = domain.layout();
+  std::vector<double> values(layout.n_shapes());
+  std::vector<dealii::Tensor<1, dim>> gradients(layout.n_shapes());
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &[cell, own] : node.cells) {
     shapes.reinit(cell);
-    shapes.evaluate(domain.scalar_element().unit_support_point(own), values.data(), gradients.data());
+    shapes.evaluate(layout.element(component).unit_support_point(own), values.data(), gradients.data());
     domain.cell_dofs(domain.dof_cell(cell), dofs);
-    for (unsigned int a = 0; a < n; ++a) {
-      const double weight = gradients[a] * direction / node.cells.size();
+    for (unsigned int a = 0; a < layout.n_nodes(component); ++a) {
+      const double weight = gradients[layout.first_shape(component) + a] * direction / node.cells.size();
       if (std::abs(weight) <= 1e-14)
         continue;
-      const auto dof = dofs[component * n + a];
+      const auto dof = dofs[layout.index(component, a)];
       if (hanging.is_constrained(dof - domain.first_dof))
         for (const auto &[master, master_weight] : *hanging.get_constraint_entries(dof - domain.first_dof))
           entries[domain.first_dof + master] += weight * master_weight;
@@ -223,9 +233,9 @@ typename Pointwise<dim>::Bridge Pointwise<dim>::find_bridge(const Interface<dim>
     bridge.own_share.push_back(bridge.gap.norm() > 1e-13 * node.query.face_size
                                    ? own_share_of_gap(interface, field, destination, X)
                                    : 0);
-  const unsigned int n = interface.sides[source].domain->n_nodes();
+  bridge.layout = &interface.sides[source].domain->layout();
+  const unsigned int n = bridge.layout->n_shapes();
   bridge.masters = &shapes.cells[shapes.cell_of_point[point]].dofs;
-  bridge.n_masters = n;
   bridge.values = &shapes.values[point * n];
   bridge.gradients = &shapes.gradients[point * n];
   return bridge;
@@ -240,9 +250,10 @@ GapConstraint Pointwise<dim>::follow(const Interface<dim> &interface, const Tied
   GapConstraint constraint;
   if (interface.has_prescribed_jump())
     constraint.first.offset = constraint.wanted.offset = -interface.prescribed_jump(bridge.X, t, c);
-  for (unsigned int a = 0; a < bridge.n_masters; ++a) {
-    const auto master = (*bridge.masters)[(field.first_component[source] + c) * bridge.n_masters + a];
-    const double value = bridge.values[a], extension = bridge.gradients[a] * bridge.gap;
+  for (unsigned int a = 0; a < field.n_nodes[source]; ++a) {
+    const auto master = (*bridge.masters)[bridge.layout->index(field.first_component[source] + c, a)];
+    const unsigned int s = field.first_shape[source] + a;
+    const double value = bridge.values[s], extension = bridge.gradients[s] * bridge.gap;
     if (std::abs(value + extension) > 1e-14)
       constraint.first.from_source[master] += value + extension;
     if (std::abs(value + (1 - own_share) * extension) > 1e-14)
@@ -261,45 +272,21 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
   places.clear();
   prescribed.clear();
   transmitted.clear();
-  const InterfaceSide<dim> &from = interface.sides[source], &to = interface.sides[destination];
+  const Domain<dim> &to = *interface.sides[destination].domain;
+  std::set<unsigned int> spaces;
+  for (const TiedField &field : interface.fields)
+    spaces.insert(to.layout().space(field.first_component[destination]));
   const FaceLocator<dim> locator = interface.make_locator(source, communicator);
-  const std::vector<Node> nodes = nodes_of(to);
-  std::vector<typename FaceLocator<dim>::Query> queries;
-  for (const Node &node : nodes)
-    queries.push_back(node.query);
-  const auto matches = locator.locate(queries);
-  const PartnerShapes<dim> shapes = fetch_shapes(*from.domain, locator, matches, communicator);
-  interface.work() += locator.work();
-
-  std::map<dealii::types::global_dof_index, GapConstraint> constrained;
-  const auto hanging = to.domain->hanging_nodes();
-  ShapeEvaluator<dim> own_shapes(*to.domain);
+  Followers constrained;
   unsigned int n_constrained = 0, n_prescribed = 0;
-  for (unsigned int i = 0; i < nodes.size(); ++i) {
-    if (!matches[i].found)
-      continue;
-    const Bridge bridge = find_bridge(interface, nodes[i], matches[i], shapes, i);
-    for (unsigned int f = 0; f < interface.fields.size(); ++f)
-      for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
-        const unsigned int component = interface.fields[f].first_component[destination] + c;
-        const auto dof = nodes[i].dofs[component];
-        ++(constraints.has(dof) ? n_prescribed : n_constrained);
-        if (constraints.has(dof)) {
-          hold(dof, f, c, interface.fields[f], bridge, constraints);
-          continue;
-        }
-        GapConstraint constraint = follow(interface, interface.fields[f], c, bridge, constraints.t);
-        if (constraint.first.from_source.size() == 1 && constraint.first.from_source.count(dof) > 0)
-          continue; // at the tip of a slit
-        if (bridge.own_share[f] > 0)
-          add_own_gradient(*to.domain, nodes[i], component, bridge.own_share[f] * bridge.gap, hanging,
-                           own_shapes, constraint.wanted.from_destination);
-        constrained[dof] = std::move(constraint);
-        places[dof] = {f, c, {{-1., 1.}}};
-      }
+  for (const unsigned int space : spaces) {
+    const auto of_space = add_followers(interface, space, locator, constraints, communicator, constrained);
+    n_constrained += of_space[0];
+    n_prescribed += of_space[1];
   }
+  interface.work() += locator.work();
   for (const auto &[dof, line] :
-       gap_constraints(constrained, *to.domain, constraints, communicator, interface.work())) {
+       gap_constraints(constrained, to, constraints, communicator, interface.work())) {
     places.at(dof).shares = {{-line.source_weight(), 1 - line.destination_weight()}};
     constraints.add(dof, line.as_constraint());
   }
@@ -316,6 +303,53 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
       "Type = Nitsche.");
 }
 
+/// Of the nodes of a space of the destination. @return their numbers: of unknowns that may follow, and of
+/// those that have a line already.
+template <int dim>
+std::array<unsigned int, 2>
+Pointwise<dim>::add_followers(const Interface<dim> &interface, const unsigned int space,
+                              const FaceLocator<dim> &locator, const TieConstraints &constraints,
+                              const MPI_Comm &communicator, Followers &constrained)
+{
+  const InterfaceSide<dim> &to = interface.sides[destination];
+  const std::vector<Node> nodes = nodes_of(to, space);
+  std::vector<typename FaceLocator<dim>::Query> queries;
+  for (const Node &node : nodes)
+    queries.push_back(node.query);
+  const auto matches = locator.locate(queries);
+  const PartnerShapes<dim> shapes =
+      fetch_shapes(*interface.sides[source].domain, locator, matches, communicator);
+  const auto hanging = to.domain->hanging_nodes();
+  ShapeEvaluator<dim> own_shapes(*to.domain);
+  std::array<unsigned int, 2> n = {{0, 0}};
+  for (unsigned int i = 0; i < nodes.size(); ++i) {
+    if (!matches[i].found)
+      continue;
+    const Bridge bridge = find_bridge(interface, nodes[i], matches[i], shapes, i);
+    for (const TiedField &field : interface.fields)
+      for (unsigned int c = 0; c < field.n_components; ++c) {
+        const unsigned int component = field.first_component[destination] + c;
+        if (nodes[i].dofs.count(component) == 0)
+          continue;
+        const auto dof = nodes[i].dofs.at(component);
+        ++n[constraints.has(dof) ? 1 : 0];
+        if (constraints.has(dof)) {
+          hold(dof, field.index, c, field, bridge, constraints);
+          continue;
+        }
+        GapConstraint constraint = follow(interface, field, c, bridge, constraints.t);
+        if (constraint.first.from_source.size() == 1 && constraint.first.from_source.count(dof) > 0)
+          continue; // at the tip of a slit
+        if (bridge.own_share[field.index] > 0)
+          add_own_gradient(*to.domain, nodes[i], component, bridge.own_share[field.index] * bridge.gap,
+                           hanging, own_shapes, constraint.wanted.from_destination);
+        constrained[dof] = std::move(constraint);
+        places[dof] = {field.index, c, {{-1., 1.}}};
+      }
+  }
+  return n;
+}
+
 /// An unknown that has a line already, if it is a prescribed one.
 template <int dim>
 void Pointwise<dim>::hold(const dealii::types::global_dof_index dof, const unsigned int f,
@@ -326,10 +360,10 @@ void Pointwise<dim>::hold(const dealii::types::global_dof_index dof, const unsig
   if (known == constraints.lines.end() || !known->second.entries.empty())
     return;
   HeldUnknown unknown = {dof, f, c, {}};
-  for (unsigned int a = 0; a < bridge.n_masters; ++a)
-    if (std::abs(bridge.values[a]) > 1e-14)
+  for (unsigned int a = 0; a < field.n_nodes[source]; ++a)
+    if (const double value = bridge.values[field.first_shape[source] + a]; std::abs(value) > 1e-14)
       unknown.source.emplace_back(
-          (*bridge.masters)[(field.first_component[source] + c) * bridge.n_masters + a], bridge.values[a]);
+          (*bridge.masters)[bridge.layout->index(field.first_component[source] + c, a)], value);
   prescribed.push_back(std::move(unknown));
 }
 

@@ -49,7 +49,7 @@ void check(const std::string &name, const std::string &solid, const std::string 
 {
   SceneModel<dim> scene_model(scene<dim>(solid, heat, degree, is_curved, geometry));
   const Domain<dim> &domain = *scene_model.model.domains[0];
-  const unsigned int n = domain.dofs_per_cell(), n_nodes = domain.n_nodes();
+  const unsigned int n = domain.dofs_per_cell(), n_nodes = domain.layout().n_nodes(0);
   CellTerms<dim> terms(domain);
   std::vector<double> unknowns(n), residual(n), plus(n), minus(n), sum(dim + 1, 0.);
   dealii::FullMatrix<double> tangent(n, n), difference(n, n);

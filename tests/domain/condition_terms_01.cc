@@ -77,7 +77,7 @@ void check(const std::string &name, const std::string &solid, const unsigned int
   Domain<dim> &domain = *scene_model.model.domains[0];
   freeze_weak_penalties<dim>(domain, 1.,
                              [](const auto &dofs, auto &values) { values.assign(dofs.size(), 0.); });
-  const unsigned int n = domain.dofs_per_cell(), n_nodes = domain.n_nodes();
+  const unsigned int n = domain.dofs_per_cell(), n_nodes = domain.layout().n_nodes(0);
   CellTerms<dim> terms(domain);
   std::vector<double> unknowns(n), residual(n), plus(n), minus(n);
   dealii::FullMatrix<double> tangent(n, n), difference(n, n);

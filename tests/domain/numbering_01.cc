@@ -89,15 +89,15 @@ int main(int argc, char **argv)
         domain.cell_dofs(cell, dofs);
         at_nodes.reinit(dealii::Triangulation<2>::active_cell_iterator(cell));
         for (unsigned int i = 0; i < dofs.size(); ++i) {
-          const unsigned int component = i / domain.n_nodes();
+          const unsigned int component = i / domain.layout().n_nodes(0);
           const Block &block = numbering.blocks()[numbering.block_of(dofs[i])];
           const Field &field = domain.fields()[block.field_index];
           ordered = ordered && block.domain_index == d && component >= field.first_component &&
                     component < field.first_component + field.n_components &&
                     numbering.relevant.is_element(dofs[i]);
           // the same unknown in two cells: the same node and component
-          const dealii::Point<2> X =
-              at_nodes.quadrature_point(i % domain.n_nodes()) + dealii::Point<2>(10. * component, 0);
+          const dealii::Point<2> X = at_nodes.quadrature_point(i % domain.layout().n_nodes(0)) +
+                                     dealii::Point<2>(10. * component, 0);
           far = std::max(far, X.distance(place.emplace(dofs[i], X).first->second));
         }
       }

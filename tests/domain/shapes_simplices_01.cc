@@ -37,8 +37,8 @@ void check(const std::string &degree)
   dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
                                  domain.scalar_element().get_unit_support_points(),
                                  dealii::update_quadrature_points);
-  std::vector<double> shape(domain.n_nodes());
-  std::vector<dealii::Tensor<1, dim>> gradients(domain.n_nodes());
+  std::vector<double> shape(domain.layout().n_nodes(0));
+  std::vector<dealii::Tensor<1, dim>> gradients(domain.layout().n_nodes(0));
   double of_values = 0, of_gradients = 0, of_rule = 0, volume = 0, surface = 0;
   bool nodes_agree = true;
   for (const auto &cell : domain.mesh().active_cell_iterators())
@@ -49,7 +49,7 @@ void check(const std::string &degree)
       for (const unsigned int q : values.quadrature_point_indices()) {
         evaluator.evaluate(rule.point(q), shape.data(), gradients.data());
         of_cell += values.JxW(q);
-        for (unsigned int a = 0; a < domain.n_nodes(); ++a) {
+        for (unsigned int a = 0; a < domain.layout().n_nodes(0); ++a) {
           of_values = std::max(of_values, std::abs(shape[a] - values.shape_value(a, q)));
           of_gradients = std::max(of_gradients, (gradients[a] - values.shape_grad(a, q)).norm());
         }
@@ -62,7 +62,7 @@ void check(const std::string &degree)
           surface += evaluator.face_measure(cell, f);
         // a node is on the face if the volume below it and the face vanishes
         const auto face = cell->face(f);
-        for (unsigned int a = 0; a < domain.n_nodes(); ++a) {
+        for (unsigned int a = 0; a < domain.layout().n_nodes(0); ++a) {
           const dealii::Tensor<1, dim> r = at_nodes.quadrature_point(a) - face->vertex(0);
           double below;
           if constexpr (dim == 2)
@@ -77,7 +77,7 @@ void check(const std::string &degree)
       }
     }
   print(std::to_string(dim) + "D, degree " + degree + ": nodes of a cell, unknowns, volume, surface, length",
-        {double(domain.n_nodes()), double(domain.dof_handler().n_dofs()),
+        {double(domain.layout().n_nodes(0)), double(domain.dof_handler().n_dofs()),
          dealii::Utilities::MPI::sum(volume, MPI_COMM_WORLD),
          dealii::Utilities::MPI::sum(surface, MPI_COMM_WORLD), domain.typical_length()});
   report("  values", of_values, 1e-13);

@@ -88,7 +88,7 @@ void check(const Case &of)
         for (unsigned int c = 0; c < dim; ++c)
           affine =
               std::max({affine, std::abs(state.value[c] - expected[c]), (state.gradient[c] - A[c]).norm()});
-        const unsigned int n = interface.sides[side].domain->n_nodes();
+        const unsigned int n = interface.sides[side].domain->layout().n_nodes(0);
         double values = 0, trial = 0;
         dealii::Tensor<1, dim> gradients;
         for (unsigned int a = 0; a < n; ++a) {

@@ -97,7 +97,7 @@ struct SceneModel
   Model<dim> model;
 };
 
-/// Values of a function of domain, component and position at the owned nodes.
+/// Values of a function of domain, component and position at the owned nodes; none of discontinuous fields.
 template <int dim>
 using NodeFunction =
     std::function<double(unsigned int domain, unsigned int component, const dealii::Point<dim> &X)>;
@@ -107,19 +107,22 @@ void interpolate(const Model<dim> &model, const NodeFunction<dim> &function, Vec
 {
   for (unsigned int d = 0; d < model.domains.size(); ++d) {
     const Domain<dim> &domain = *model.domains[d];
-    const unsigned int n = domain.n_nodes();
-    dealii::FEValues<dim> at_nodes(domain.mapping(), domain.scalar_element(),
-                                   domain.scalar_element().get_unit_support_points(),
-                                   dealii::update_quadrature_points);
     std::vector<dealii::types::global_dof_index> dofs;
-    for (const auto &cell : domain.dof_handler().active_cell_iterators())
-      if (cell->is_locally_owned()) {
-        at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-        domain.cell_dofs(cell, dofs);
-        for (unsigned int i = 0; i < dofs.size(); ++i)
-          if (model.numbering->owned.is_element(dofs[i]))
-            owned(dofs[i]) = function(d, i / n, at_nodes.quadrature_point(i % n));
-      }
+    for (unsigned int c = 0; c < domain.n_components(); ++c) {
+      if (!domain.layout().is_continuous(c))
+        continue;
+      const auto &element = domain.layout().element(c);
+      dealii::FEValues<dim> at_nodes(domain.mapping(), element, element.get_unit_support_points(),
+                                     dealii::update_quadrature_points);
+      for (const auto &cell : domain.dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned()) {
+          at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+          domain.cell_dofs(cell, dofs);
+          for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
+            if (const auto dof = dofs[domain.layout().index(c, a)]; model.numbering->owned.is_element(dof))
+              owned(dof) = function(d, c, at_nodes.quadrature_point(a));
+        }
+    }
   }
   owned.compress(dealii::VectorOperation::insert);
 }

@@ -151,7 +151,8 @@ Errors check(const Laws &laws, const Choice &choice, const unsigned int degree, 
     std::vector<unsigned int> component;
     for (const unsigned int side : {source, destination})
       for (unsigned int k = 0; k < interface.components[side].size(); ++k)
-        component.insert(component.end(), interface.sides[side].domain->n_nodes(),
+        component.insert(component.end(),
+                         interface.sides[side].domain->layout().n_nodes(interface.components[side][k]),
                          k + (side == source ? 0 : interface.components[source].size()));
     // both sides have the same fields here: component k of the source is component k of the destination
     std::vector<double> sums(interface.components[source].size(), 0.);

@@ -13,7 +13,7 @@
 
 namespace dovetail {
 
-/// A point of a face and the shape functions of the cell behind it there.
+/// A point of a face and all shape functions (CellLayout) of the cell behind it there.
 template <int dim>
 struct TracePoint
 {

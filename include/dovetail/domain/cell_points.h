@@ -15,10 +15,10 @@
 
 namespace dovetail {
 
-/// Fill the traces and gradients of a state from a point's shape values (n_nodes) and gradients (n_nodes) and
-/// the local unknowns in the order component, node.
+/// Fill the traces and gradients of a state from a point's shape values and gradients (CellLayout) and the
+/// local unknowns.
 template <int dim>
-void evaluate_state(unsigned int n_components, unsigned int n_nodes, const double *shape_values,
+void evaluate_state(const CellLayout<dim> &layout, const double *shape_values,
                     const dealii::Tensor<1, dim> *shape_gradients, const double *unknowns, State<dim> &state);
 
 /// The state of a domain at one point of a cell after another, and the response of its material. One object
@@ -40,9 +40,11 @@ public:
     if (domain.memory)
       cell = cell_of_points;
   }
-  /// Point @p q of a cell or of its face, with the cell's unknowns in the order component, node.
+  /// Point @p q of a cell or of its face, of the layout's shape_element(), with the cell's unknowns in the
+  /// order component, node.
   void reinit(const dealii::FEValuesBase<dim> &values, unsigned int q, const std::vector<double> &unknowns);
-  /// A point X anywhere in that cell, where the shape functions have these values and gradients.
+  /// A point X anywhere in that cell, where the shape functions of the layout have these values and
+  /// gradients.
   void reinit(const dealii::Point<dim> &X, const double *shape_values,
               const dealii::Tensor<1, dim> *shape_gradients, const std::vector<double> &unknowns);
   /// The response at the state; @return false if a law is not defined there.

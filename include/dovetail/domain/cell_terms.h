@@ -59,7 +59,10 @@ public:
   const std::vector<double> &forces() const { return force_sizes; }
   /// How many roundings stand behind an entry of the residual: the terms of a gradient, of the product with
   /// the flux, of the sum over the points, and of that over the cells at a node.
-  unsigned int longest_sum() const { return n_nodes + dim + cell_values.n_quadrature_points + (1u << dim); }
+  unsigned int longest_sum() const
+  {
+    return layout.n_shapes() + dim + cell_values.n_quadrature_points + (1u << dim);
+  }
 
 private:
   void add(const unsigned int i, const double contribution, std::vector<double> &residual)
@@ -96,7 +99,8 @@ private:
   void load_directions(unsigned int q);
 
   const Domain<dim> &domain;
-  const unsigned int n, n_nodes;
+  const CellLayout<dim> &layout;
+  const unsigned int n; ///< components
   dealii::FEValues<dim> cell_values;
   OpenBoundary<dim> open_boundary;
   CellPoints<dim> point;

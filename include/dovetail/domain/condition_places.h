@@ -19,7 +19,7 @@ namespace dovetail {
 template <int dim>
 class Domain;
 
-/// A node by a cell that has it and its number there.
+/// A node of a field by a cell that has it and its number there.
 template <int dim>
 struct NodeOfCell
 {

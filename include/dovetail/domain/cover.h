@@ -37,9 +37,9 @@ struct Cover
   std::function<bool(double t)> is_active;
   std::set<std::string> fields;
   Faces faces;
-  /// Of owned and ghost cells: cell, face and node of the cell, where the face is covered all around the
-  /// node.
-  std::set<std::array<unsigned int, 3>> nodes;
+  /// Of owned and ghost cells: cell, face, space (CellLayout) and its node of the cell, where the face is
+  /// covered all around the node.
+  std::set<std::array<unsigned int, 4>> nodes;
 };
 
 } // namespace dovetail

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/domain/body_force.h>
+#include <dovetail/domain/cell_layout.h>
 #include <dovetail/domain/cell_memory.h>
 #include <dovetail/domain/condition.h>
 #include <dovetail/domain/condition_places.h>
@@ -17,7 +18,7 @@
 #include <dovetail/material/material.h>
 
 #include <deal.II/dofs/dof_handler.h>
-#include <deal.II/fe/fe_system.h>
+#include <deal.II/fe/fe_values.h>
 #include <deal.II/fe/mapping.h>
 #include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/trilinos_vector.h>
@@ -29,9 +30,8 @@
 
 namespace dovetail {
 
-/// A body Omega with its own mesh and DoFHandler. All fields share one Lagrange element of degree p, so shape
-/// values are those of one scalar element; the local unknowns of a cell are ordered by component, then node:
-/// local index c * n_nodes + a.
+/// A body Omega with its own mesh and DoFHandler. A field has the Lagrange element of degree p unless it asks
+/// for another one; cell_layout.h says how the local unknowns of a cell and shape functions are ordered.
 ///
 /// The unknowns of the domain are numbered field by field; in the vector of all unknowns they follow those of
 /// the domains before it, from first_dof on (set by Numbering).
@@ -55,7 +55,9 @@ public:
   const dealii::Mapping<dim> &mapping() const { return *cell_mapping; }
   unsigned int mapping_degree() const { return degree_of_mapping; }
   const dealii::DoFHandler<dim> &dof_handler() const { return dofs; }
-  const dealii::FiniteElement<dim> &scalar_element() const { return element->base_element(0); }
+  const CellLayout<dim> &layout() const { return *cell_layout; }
+  /// The Lagrange element of the domain's degree.
+  const dealii::FiniteElement<dim> &scalar_element() const { return cell_layout->element_of_space(0); }
 
   /// All cells have one shape, and so have their faces.
   dealii::ReferenceCell cell_shape() const { return scalar_element().reference_cell(); }
@@ -64,10 +66,9 @@ public:
 
   const std::vector<Field> &fields() const { return material.fields(); }
   unsigned int n_components() const { return material.n_components(); }
-  unsigned int n_nodes() const { return scalar_element().n_dofs_per_cell(); } ///< of one cell
   /// The rule of all integrals over cells in the balance: degree + 1 points per direction.
   dealii::Quadrature<dim> cell_quadrature() const;
-  unsigned int dofs_per_cell() const { return n_components() * n_nodes(); }
+  unsigned int dofs_per_cell() const { return cell_layout->size(); }
 
   /// Global unknowns of a cell in the order component, node. @p indices is resized.
   void cell_dofs(const cell_iterator &cell, std::vector<dealii::types::global_dof_index> &indices) const;
@@ -160,9 +161,10 @@ private:
   void add_values(double t, ConstraintLines &lines) const;
   void add_planes(double t, ConstraintLines &lines) const;
   void add_axis(ConstraintLines &lines) const;
+  std::unique_ptr<dealii::FEValues<dim>> nodes_of(unsigned int component) const;
   bool touches_axis(const BoundaryFace &face) const; ///< with a vertex
   void collect_boundary_faces(const MPI_Comm &communicator);
-  void choose_element();
+  void choose_elements();
   void measure_box(const MPI_Comm &communicator);
   void distribute_dofs();
   void make_memory();
@@ -171,9 +173,8 @@ private:
   std::unique_ptr<Mesh<dim>> triangulation;
   std::unique_ptr<dealii::Mapping<dim>> cell_mapping;
   unsigned int degree_of_mapping = 1;
-  std::unique_ptr<dealii::FESystem<dim>> element;
+  std::unique_ptr<CellLayout<dim>> cell_layout;
   dealii::DoFHandler<dim> dofs;
-  std::vector<unsigned int> by_component; ///< position in deal.II's cell order of local index c * n_nodes + a
   std::vector<std::unique_ptr<Condition<dim>>> all_conditions;
   std::vector<BoundaryFace> faces;
   PlaneNormals<dim> normals;

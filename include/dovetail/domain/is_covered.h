@@ -11,15 +11,16 @@
 
 namespace dovetail {
 
-/// Whether interfaces that are active cover a node's surroundings on a face, so that conditions on a field do
-/// not act on it.
+/// Whether interfaces that are active cover the surroundings on a face of a node of a field, so that
+/// conditions on the field do not act on it.
 template <int dim>
-bool is_covered(const Domain<dim> &domain, const std::string &field,
-                const typename Domain<dim>::BoundaryFace &face, const unsigned int node, const double t)
+bool is_covered(const Domain<dim> &domain, const Field &field, const typename Domain<dim>::BoundaryFace &face,
+                const unsigned int node, const double t)
 {
   return std::any_of(domain.covers.begin(), domain.covers.end(), [&](const Cover<dim> &cover) {
-    return cover.nodes.count({{face.cell->active_cell_index(), face.number, node}}) > 0 &&
-           cover.fields.count(field) > 0 && cover.is_active(t);
+    return cover.nodes.count({{face.cell->active_cell_index(), face.number,
+                               domain.layout().space(field.first_component), node}}) > 0 &&
+           cover.fields.count(field.name) > 0 && cover.is_active(t);
   });
 }
 

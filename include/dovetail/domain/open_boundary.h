@@ -30,7 +30,7 @@ public:
   {
     State<dim> state;         ///< of the domain; the gradients only if some condition sees them, else zero
     dealii::Tensor<1, dim> N; ///< outward, of the undeformed boundary
-    std::vector<double> shape_values;                    ///< of the scalar element
+    std::vector<double> shape_values;                    ///< of the layout
     std::vector<dealii::Tensor<1, dim>> shape_gradients; ///< as the gradients
     double JxW;
   };

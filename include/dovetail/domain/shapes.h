@@ -27,8 +27,8 @@ jacobian_of_simplex(const typename dealii::Triangulation<dim>::active_cell_itera
   return jacobian;
 }
 
-/// Values and gradients (by X) of the scalar element's shape functions at reference points of a cell, as
-/// FEValues would give them, but without its set-up for every new set of points.
+/// Values and gradients (by X) of all shape functions (CellLayout) at reference points of a cell, as FEValues
+/// would give them, but without its set-up for every new set of points.
 template <int dim>
 class ShapeEvaluator
 {
@@ -38,7 +38,7 @@ public:
   explicit ShapeEvaluator(const Domain<dim> &domain);
 
   void reinit(const cell_iterator &cell);
-  /// Write n_nodes() values and gradients at @p unit_point of the current cell.
+  /// Write n_shapes() values and gradients at @p unit_point of the current cell.
   void evaluate(const dealii::Point<dim> &unit_point, double *values, dealii::Tensor<1, dim> *gradients);
 
   double cell_measure(const cell_iterator &cell);                    ///< volume
@@ -50,6 +50,9 @@ private:
   const Domain<dim> &domain;
   void evaluate_simplex(const dealii::Point<dim> &unit_point, double *values,
                         dealii::Tensor<1, dim> *gradients);
+  void evaluate_spaces(unsigned int first, const dealii::Point<dim> &unit_point,
+                       const dealii::Tensor<2, dim> &inverse, double *values,
+                       dealii::Tensor<1, dim> *gradients) const;
 
   const LagrangeBasis<dim> geometry, element;  ///< of hypercubes
   const SimplexBasis<dim> geometry_of_simplex; ///< of curved triangles or tetrahedra

@@ -56,11 +56,10 @@ public:
   bool has_conditions(unsigned int side) const;
   bool is_active(const double t) const { return toggles->is_active(toggle, t); }
 
-  /// Number of local unknowns of one side of a group: components[side] times nodes.
-  unsigned int n_local(const unsigned int side) const
-  {
-    return components[side].size() * sides[side].domain->n_nodes();
-  }
+  /// Number of local unknowns of one side of a group: those of components[side].
+  unsigned int n_local(const unsigned int side) const { return n_unknowns[side]; }
+  /// The first unknown of a component of a side among those of a group.
+  unsigned int first_unknown(unsigned int side, unsigned int component) const;
   /// Global unknowns of a group: source then destination, each in the order component, node.
   void group_dofs(const typename Pairing<dim>::Group &group,
                   std::vector<dealii::types::global_dof_index> &dofs) const;
@@ -104,7 +103,8 @@ private:
   void report_uncovered(const MPI_Comm &communicator) const;
 
   typename Pairing<dim>::Options options;
-  std::string uncovered; ///< error, warn or allow
+  std::string uncovered;                             ///< error, warn or allow
+  std::array<unsigned int, 2> n_unknowns = {{0, 0}}; ///< of a group, by side
   bool has_jump = false;
   Expression given_jump;
   const Toggles *toggles;

@@ -33,6 +33,8 @@ struct TiedField
   unsigned int n_components;
   std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
   std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
+  std::array<unsigned int, 2> n_nodes;         ///< of a component, in a cell of each side
+  std::array<unsigned int, 2> first_shape;     ///< of its shape functions among all at a point (CellLayout)
   bool has_curvature = true; ///< the laws of both sides know the second derivatives of its flux
   /// Multipliers of this rank, if the tie has any, and the global index of the first; set by the numbering.
   unsigned int n_multipliers = 0;

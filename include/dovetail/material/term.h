@@ -26,6 +26,8 @@ struct Field
   std::string law;              ///< what gives a material this field: "solid" for the displacement
   std::string symbol;           ///< of a scalar in formulas: T for the temperature; "" if it has none
   std::string rate = "";        ///< what its rate is called, if a scene may give it: velocity
+  int relative_degree = 0;      ///< of its elements against the Degree of the domain: 0 or -1
+  bool is_continuous = true;    ///< across faces; if not, its terms have no flux, and it has no trace
 };
 
 /// What a law sees at a point: position, time, for each component c the trace B_c and its gradient, and what

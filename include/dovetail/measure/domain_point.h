@@ -30,7 +30,8 @@ public:
     return dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points;
   }
 
-  /// Take the points of an owned cell, or of its @p face: those of @p values, which must stay as they are.
+  /// Take the points of an owned cell, or of its @p face: those of @p values of the layout's shape_element(),
+  /// which must stay as they are.
   void enter(const dealii::FEValuesBase<dim> &values, const BoundaryFace *face = nullptr);
   void move_to(unsigned int q); ///< one of them
 
@@ -49,7 +50,7 @@ public:
 
   /// Of the cell, in the order component, node (Domain::cell_dofs).
   const std::vector<dealii::types::global_dof_index> &dofs() const { return cell_dofs; }
-  const std::vector<double> &shape_values() const { return point.shape_values(); } ///< by node
+  const std::vector<double> &shape_values() const { return point.shape_values(); } ///< of all spaces
 
 private:
   const Vector &solution;

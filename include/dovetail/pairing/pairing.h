@@ -147,19 +147,20 @@ public:
   {
     return normals[side][q];
   }
+  /// Shape functions of all spaces of a side (CellLayout).
   const double *values(const unsigned int side, const unsigned int q) const
   {
-    return &shape_values[side][q * n_nodes[side]];
+    return &shape_values[side][q * n_shapes[side]];
   }
   const dealii::Tensor<1, dim> *gradients(const unsigned int side, const unsigned int q) const
   {
-    return &shape_gradients[side][q * n_nodes[side]];
+    return &shape_gradients[side][q * n_shapes[side]];
   }
-  /// Values with which solution and test functions of a tied field enter the jump.
+  /// Values with which solution and test functions of a tied field enter the jump; of all spaces, too.
   const double *trial(const unsigned int side, const unsigned int q, const unsigned int field) const
   {
     return extended_values.empty() ? values(side, q)
-                                   : &extended_values[extension_of_field[field]][side][q * n_nodes[side]];
+                                   : &extended_values[extension_of_field[field]][side][q * n_shapes[side]];
   }
   /// Whether the field of the side on whose face the point lies bridges a share of the gap.
   bool own_side_bridges(const unsigned int q, const unsigned int field) const
@@ -192,8 +193,8 @@ private:
              const MPI_Comm &communicator);
 
   GapExtension extension;
-  dealii::Tensor<1, dim> shift; ///< of the source against the destination
-  std::array<unsigned int, 2> n_nodes;
+  dealii::Tensor<1, dim> shift;         ///< of the source against the destination
+  std::array<unsigned int, 2> n_shapes; ///< at a point
   std::vector<double> weights;
   std::array<std::vector<dealii::Point<dim>>, 2> points;
   std::array<std::vector<dealii::Tensor<1, dim>>, 2> normals;

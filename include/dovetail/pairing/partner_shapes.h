@@ -20,7 +20,7 @@ struct CellBehind
   std::vector<dealii::types::global_dof_index> dofs;
   double cell_measure = 0;                                   ///< Omega
   double face_measure = 0;                                   ///< Gamma
-  std::vector<dealii::Tensor<1, dim>> central_gradients;     ///< of each node
+  std::vector<dealii::Tensor<1, dim>> central_gradients;     ///< of each one
   unsigned int rank = dealii::numbers::invalid_unsigned_int; ///< that owns the cell
   unsigned int face = dealii::numbers::invalid_unsigned_int; ///< of the side, as in SideFaces::faces there
 
@@ -32,7 +32,7 @@ struct CellBehind
 };
 
 /// For each match the cell behind it and the shape functions there, flat: point i has its values and
-/// gradients at i * n_nodes.
+/// gradients at i * n_shapes of the layout.
 template <int dim>
 struct PartnerShapes
 {

@@ -87,6 +87,7 @@ private:
   /// One component of a field on one face: the conforming functions sum_a C_ai phi_a, their coefficients.
   struct Component
   {
+    unsigned int field, component; ///< of Interface::fields
     std::vector<Index> dofs;
     dealii::FullMatrix<double> C;
     std::vector<bool> has_function;
@@ -96,14 +97,15 @@ private:
     std::vector<std::tuple<unsigned int, unsigned int, double>> extrapolation;
     std::vector<double> nodal; ///< multiplier at the face's nodes
   };
+  /// With the tied fields of one space of the destination.
   struct Face
   {
     unsigned int cell; ///< in Pairing::cells[destination]
-    unsigned int number;
+    unsigned int number, space;
     std::vector<unsigned int> groups;
     std::vector<unsigned int> nodes;   ///< of the cell
     dealii::FullMatrix<double> mass;   ///< over the covered part
-    std::vector<Component> components; ///< of all tied fields
+    std::vector<Component> components; ///< of all these fields
   };
   struct Shares
   {
@@ -116,7 +118,12 @@ private:
     }
   };
 
+  std::set<unsigned int> spaces() const;
+  unsigned int first_shape(const Face &face) const;
+  const dealii::FiniteElement<dim> &element(const Face &face) const;
+  void find_nodes(Face &face) const;
   void find_faces();
+  void find_faces(unsigned int space);
   void find_components(Face &face, const std::vector<Index> &cell_dofs) const;
   std::map<Index, bool> decide(const TieConstraints &constraints, const MPI_Comm &communicator);
   void add_full_masses(std::map<Index, Shares> &shares) const;
@@ -137,8 +144,8 @@ private:
   const bool is_dual;
   dealii::AffineConstraints<double> hanging; ///< of the destination's own numbering
   std::vector<Face> faces;
-  std::vector<unsigned int> face_of_point;
-  std::map<Index, unsigned int> owner_of; ///< of unknowns on this rank's faces
+  std::map<unsigned int, std::vector<unsigned int>> face_of_point; ///< by space
+  std::map<Index, unsigned int> owner_of;                          ///< of unknowns on this rank's faces
   bool are_set = false;
 };
 

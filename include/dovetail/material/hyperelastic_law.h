@@ -20,7 +20,7 @@ struct Deformation
   dealii::Tensor<2, 3> F;
   double J_minus_1; ///< of J = det F: the sum of the three invariants of H
   double J;
-  const SolidLaw::Place place; ///< without memory
+  const SolidLaw::Place place; ///< for formulas
 };
 
 /// A solid with the energy @f[ W(F, e) = s^3 W_e(F/s), \quad s = 1 + e, @f] per volume at the reference

@@ -33,7 +33,7 @@ Tensor<2, 3> elastic_part(const Tensor<2, 3> &H, const double e)
 }
 } // namespace
 
-Deformation::Deformation(const Tensor<2, 3> &H) : H(H), F(H)
+Deformation::Deformation(const Tensor<2, 3> &H, const SolidLaw::Place &place) : H(H), F(H), place(place)
 {
   for (unsigned int i = 0; i < 3; ++i)
     F[i][i] += 1;
@@ -59,13 +59,15 @@ bool HyperelasticLaw::evaluate(const Tensor<2, 3> &H, double e, bool with_deriva
                                Response &response) const
 {
   const double s = 1 + e;
-  const Deformation elastic(elastic_part(H, e));
+  const Deformation elastic(elastic_part(H, e), response);
   if (!(s > 0))
     return undefined("the free thermal strain is " + in_words(e) + ", but must be greater than -1");
   if (!(elastic.J > 0 && std::isfinite(elastic.J)))
     return undefined("the change of volume J = det F is " + in_words(elastic.J * s * s * s) +
                      ", but must be positive");
 
+  if (!is_defined(elastic))
+    return false;
   elastic_response(elastic, response.P, with_derivatives ? &response.dP_dF : nullptr);
   if (with_derivatives) {
     response.dP_de = s * (2. * response.P - contract(response.dP_dF, elastic.F));
@@ -79,9 +81,10 @@ bool HyperelasticLaw::evaluate(const Tensor<2, 3> &H, double e, bool with_deriva
 
 // With T = d²(w:P_e)/dF_e²:
 //   FF = T,  Fe = w:D - T:F_e,  ee = 2 w:P_e - 2 w:D:F_e + F_e:T:F_e.
-SolidLaw::Curvature HyperelasticLaw::curvature(const Tensor<2, 3> &H, double e, const Tensor<2, 3> &w) const
+SolidLaw::Curvature HyperelasticLaw::curvature(const Tensor<2, 3> &H, double e, const Tensor<2, 3> &w,
+                                               const Place &place) const
 {
-  const Deformation elastic(elastic_part(H, e));
+  const Deformation elastic(elastic_part(H, e), place);
   const Tensor<2, 3> &F_e = elastic.F;
   Assert(elastic.J > 0, dealii::ExcMessage("The curvature exists only where evaluate() succeeds."));
 

@@ -15,13 +15,13 @@ namespace {
 
 bool needs_second(const IsochoricEnergy &W)
 {
-  return W.W_2 != 0 || W.W_12 != 0 || W.W_22 != 0;
+  return W.W_2 != 0 || W.W_12 != 0 || W.W_22 != 0 || W.mixed;
 }
 
 /// Whether dW/dI_k change with the invariants.
 bool varies(const IsochoricEnergy &W)
 {
-  return W.W_11 != 0 || W.W_12 != 0 || W.W_22 != 0;
+  return W.W_11 != 0 || W.W_12 != 0 || W.W_22 != 0 || W.mixed;
 }
 
 /// One of the invariants I_k and its isochoric version J^-beta I_k.
@@ -170,30 +170,83 @@ Tensor<4, 3> derivative_of_G(const InvariantKinematics &kinematics, const unsign
   return result;
 }
 
-/// Of d²(w:P)/dF² what changes W_k brings: g_k (W_klm G_l (x) G_m + W_kl dG_l/dF) + W_kl G_l v h_k.
-void add_change_of_energy(const IsochoricEnergy &W, const InvariantKinematics &kinematics,
-                          const Tensor<2, 3> &w, const std::vector<Tensor<2, 3>> &h, Tensor<4, 3> &result)
+/// Of d²(w:P)/dF² what changes W_k brings: g_k (W_klm G_l (x) G_m + W_kl dG_l/dF) + W_kl G_l v h_k. In an
+/// energy that does not split J is the third of the variables, with G = J Q; what J alone brings is left out.
+void add_change_of_energy(const IsochoricEnergy &W, const InvariantKinematics &kinematics, const double J,
+                          const Tensor<2, 3> &w, std::vector<Tensor<2, 3>> h, Tensor<4, 3> &result)
 {
-  const std::array<double, 3> W_kl = {{W.W_11, W.W_12, W.W_22}}; // at k + l, counted from 0
-  const std::array<double, 4> W_klm = {{W.W_111, W.W_112, W.W_122, W.W_222}};
-  const auto &invariants = kinematics.invariants;
-  for (unsigned int k = 0; k < invariants.size(); ++k) {
-    const double g = scalar_product(w, invariants[k].G);
-    for (unsigned int l = 0; l < invariants.size(); ++l) {
-      result += g * W_kl[k + l] * derivative_of_G(kinematics, l);
-      add_symmetric_product(W_kl[k + l] * invariants[l].G, h[k], result);
-      for (unsigned int m = 0; m < invariants.size(); ++m)
-        add_product(g * W_klm[k + l + m] * invariants[l].G, invariants[m].G, result);
+  const IsochoricEnergy::Mixed mixed = W.mixed.value_or(IsochoricEnergy::Mixed());
+  const double W_kl[3][3] = {
+      {W.W_11, W.W_12, mixed.W_1J}, {W.W_12, W.W_22, mixed.W_2J}, {mixed.W_1J, mixed.W_2J, 0}};
+  // at the number of derivatives by J, then at the number of those by I_2
+  const double W_klm[4][4] = {{W.W_111, W.W_112, W.W_122, W.W_222},
+                              {mixed.W_11J, mixed.W_12J, mixed.W_22J, 0},
+                              {mixed.W_1JJ, mixed.W_2JJ, 0, 0},
+                              {0, 0, 0, 0}};
+  const Tensor<2, 3> &Q = kinematics.Q;
+  std::vector<Tensor<2, 3>> G;
+  std::vector<Tensor<4, 3>> by_F;
+  for (unsigned int k = 0; k < kinematics.invariants.size(); ++k) {
+    G.push_back(kinematics.invariants[k].G);
+    by_F.push_back(derivative_of_G(kinematics, k));
+  }
+  if (W.mixed) {
+    G.push_back(J * Q);
+    h.push_back(J * (scalar_product(w, Q) * Q - Q * transpose(w) * Q));
+    by_F.emplace_back();
+    set_products_with_Q(Q, J * Q, Tensor<2, 3>(), -J * Q, Tensor<2, 3>(), by_F.back());
+  }
+  for (unsigned int k = 0; k < G.size(); ++k) {
+    const double g = scalar_product(w, G[k]);
+    for (unsigned int l = 0; l < G.size(); ++l) {
+      result += g * W_kl[k][l] * by_F[l];
+      add_symmetric_product(W_kl[k][l] * G[l], h[k], result);
+      for (unsigned int m = 0; m < G.size(); ++m)
+        add_product(g * W_klm[k / 2 + l / 2 + m / 2][k % 2 + l % 2 + m % 2] * G[l], G[m], result);
     }
   }
 }
 
 } // namespace
 
-VolumetricEnergy simo_taylor(const double kappa, const double J_minus_1)
+Volumetric::Volumetric(const Section &section, const double kappa)
+    : kappa(kappa),
+      choice(section.choose(
+          "Volumetric", {"Simo-Taylor", "quadratic", "logarithmic", "Miehe", "Liu", "Ogden"}, 0,
+          "U(J)/kappa: (J^2 - 1 - 2 ln J)/4, (J - 1)^2/2, (ln J)^2/2, J - ln J - 1, J ln J - J + 1 or, with "
+          "the Volumetric exponent b, (J^-b - 1 + b ln J)/b^2 [-]"))
 {
-  const double J = 1 + J_minus_1;
-  return {kappa / 2 * J_minus_1 * (J + 1) / J, kappa / 2 * (1 + 1 / (J * J)), -kappa / (J * J * J)};
+  if (choice == 5 || section.documenting())
+    exponent =
+        section.read<double>("Volumetric exponent", 9, "b in Ogden's U(J) [-]", Patterns::Double(1e-300));
+}
+
+VolumetricEnergy Volumetric::at(const double J_minus_1) const
+{
+  const double J = 1 + J_minus_1, log_J = std::log1p(J_minus_1), power = std::exp(-exponent * log_J);
+  switch (choice) {
+  case 0:
+    return {kappa / 2 * J_minus_1 * (J + 1) / J, kappa / 2 * (1 + 1 / (J * J)), -kappa / (J * J * J)};
+  case 1:
+    return {kappa * J_minus_1, kappa, 0};
+  case 2:
+    return {kappa * log_J / J, kappa * (1 - log_J) / (J * J), kappa * (2 * log_J - 3) / (J * J * J)};
+  case 3:
+    return {kappa * J_minus_1 / J, kappa / (J * J), -2 * kappa / (J * J * J)};
+  case 4:
+    return {kappa * log_J, kappa / J, -kappa / (J * J)};
+  default:
+    return {-kappa / (exponent * J) * std::expm1(-exponent * log_J),
+            kappa / (exponent * J * J) * ((exponent + 1) * power - 1),
+            kappa / (exponent * J * J * J) * (2 - (exponent + 1) * (exponent + 2) * power)};
+  }
+}
+
+double require_bulk_modulus(const Section &section)
+{
+  const double kappa = section.require<double>("Bulk modulus", "kappa (three-dimensional) [Pa]");
+  section.check(kappa > 0, "Bulk modulus", "must be positive.");
+  return kappa;
 }
 
 double IsochoricInvariants::first_minus_3() const
@@ -215,7 +268,7 @@ double IsochoricInvariants::second_minus_3() const
 void InvariantLaw::elastic_response(const Deformation &deformation, Tensor<2, 3> &P, Tensor<4, 3> *D) const
 {
   const IsochoricEnergy W = isochoric({deformation});
-  const VolumetricByLogarithm U(volumetric(deformation.J_minus_1), deformation.J);
+  const VolumetricByLogarithm U(volumetric({deformation}), deformation.J);
   const InvariantKinematics kinematics(deformation, needs_second(W));
   const auto &invariants = kinematics.invariants;
   const std::array<double, 2> W_k = {{W.W_1, W.W_2}};
@@ -242,6 +295,9 @@ void InvariantLaw::elastic_response(const Deformation &deformation, Tensor<2, 3>
     add_symmetric_product(W.W_12 * invariants[0].G, invariants[1].G, *D);
     add_product(W.W_22 * invariants[1].G, invariants[1].G, *D);
   }
+  if (W.mixed)
+    add_symmetric_product(deformation.J * (W.mixed->W_1J * invariants[0].G + W.mixed->W_2J * invariants[1].G),
+                          Q, *D);
 }
 
 // With g_k = w:G_k, h_k = dg_k/dF, q = w:Q, Y = -dq/dF, s_k = w:N_k - beta I_k q and A v B = A (x) B + B (x)
@@ -251,8 +307,8 @@ void InvariantLaw::elastic_response(const Deformation &deformation, Tensor<2, 3>
 // and of the volumetric part a_3 q Q (x) Q - a_2 (q Q_iN Q_mL + Q v Y) + a_1 (Q_iN Y_mL + Y_iN Q_mL).
 Tensor<4, 3> InvariantLaw::elastic_curvature(const Deformation &deformation, const Tensor<2, 3> &w) const
 {
-  const IsochoricEnergy W = isochoric({deformation});
-  const VolumetricByLogarithm U(volumetric(deformation.J_minus_1), deformation.J);
+  const IsochoricEnergy W = isochoric({deformation, true});
+  const VolumetricByLogarithm U(volumetric({deformation, true}), deformation.J);
   const InvariantKinematics kinematics(deformation, needs_second(W));
   const auto &invariants = kinematics.invariants;
   const std::array<double, 2> W_k = {{W.W_1, W.W_2}};
@@ -280,7 +336,7 @@ Tensor<4, 3> InvariantLaw::elastic_curvature(const Deformation &deformation, con
       kinematics.add_second_derivative_of_N(W_k[k] * factor, w, result);
   }
   if (varies(W))
-    add_change_of_energy(W, kinematics, w, h, result);
+    add_change_of_energy(W, kinematics, deformation.J, w, h, result);
   return result;
 }
 

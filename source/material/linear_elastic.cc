@@ -51,7 +51,10 @@ public:
     return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
   }
 
-  Curvature curvature(const Tensor<2, 3> &, double, const Tensor<2, 3> &) const override { return {}; }
+  Curvature curvature(const Tensor<2, 3> &, double, const Tensor<2, 3> &, const Place &) const override
+  {
+    return {};
+  }
 
   bool is_linear() const override { return true; }
 

@@ -227,10 +227,7 @@ bool Material<dim>::has_load(const unsigned int field) const
 template <int dim>
 bool Material<dim>::has_large_strain() const
 {
-  for (unsigned int f = 0; f < all_fields.size(); ++f)
-    if (all_fields[f].n_components > 1 && !is_linear(f))
-      return true;
-  return false;
+  return std::any_of(terms.begin(), terms.end(), [](const auto &term) { return term->has_large_strain(); });
 }
 
 template <int dim>

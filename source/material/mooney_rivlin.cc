@@ -28,11 +28,10 @@ public:
   explicit MooneyRivlin(const Section &section)
       : C10(section.require<double>("C10", "Coefficient of the first invariant minus 3 [Pa]")),
         C01(section.require<double>("C01", "Coefficient of the second invariant minus 3 [Pa]")),
-        kappa(section.require<double>("Bulk modulus", "kappa (three-dimensional) [Pa]"))
+        U(section, require_bulk_modulus(section))
   {
     section.check(C10 >= 0 && C01 >= 0 && C10 + C01 > 0, "C10",
                   "and C01 must not be negative, and their sum must be positive.");
-    section.check(kappa > 0, "Bulk modulus", "must be positive.");
   }
 
 protected:
@@ -43,10 +42,14 @@ protected:
     W.W_2 = C01;
     return W;
   }
-  VolumetricEnergy volumetric(const double J_minus_1) const override { return simo_taylor(kappa, J_minus_1); }
+  VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
+  {
+    return U.at(invariants);
+  }
 
 private:
-  const double C10, C01, kappa;
+  const double C10, C01;
+  const Volumetric U;
 };
 
 namespace {

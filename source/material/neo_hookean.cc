@@ -22,7 +22,7 @@ namespace dovetail {
 class NeoHookean : public InvariantLaw
 {
 public:
-  explicit NeoHookean(const Section &section) : moduli(section) {}
+  explicit NeoHookean(const Section &section) : moduli(section), U(section, moduli.bulk) {}
 
 protected:
   IsochoricEnergy isochoric(const IsochoricInvariants &) const override
@@ -31,13 +31,14 @@ protected:
     W.W_1 = moduli.shear / 2;
     return W;
   }
-  VolumetricEnergy volumetric(const double J_minus_1) const override
+  VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
   {
-    return simo_taylor(moduli.bulk, J_minus_1);
+    return U.at(invariants);
   }
 
 private:
   const IsotropicModuli moduli;
+  const Volumetric U;
 };
 
 namespace {

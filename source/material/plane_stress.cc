@@ -11,7 +11,9 @@ namespace dovetail {
 
 using dealii::Tensor;
 
-/// Newton's method, halved where the law is not defined. It ends with a whole update that changes nothing any
+/// Newton's method, halved where the law is not defined and where the stress across does not become smaller
+/// (the stress of a law that yields grows less and less on both sides, so that whole steps may go to and fro
+/// for ever). It ends with a whole update that changes nothing any
 /// more, or that rounding alone keeps alive.
 bool PlaneStress::find_thickness(Tensor<2, 3> &H, const double e, Response &response) const
 {
@@ -23,12 +25,14 @@ bool PlaneStress::find_thickness(Tensor<2, 3> &H, const double e, Response &resp
   double last_size = std::numeric_limits<double>::infinity();
   for (unsigned int iteration = 0; iteration < most_iterations; ++iteration) {
     double update = -response.P[2][2] / response.dP_dF[2][2][2][2];
-    const double z = H[2][2];
+    const double z = H[2][2], last_stress = std::abs(response.P[2][2]);
     unsigned int n_halvings = 0;
-    for (bool is_defined = false; !is_defined; ++n_halvings, update /= 2) {
+    for (bool is_good = false; !is_good; ++n_halvings, update /= 2) {
       H[2][2] = z + update;
-      is_defined =
-          (law->is_linear() || 1 + H[2][2] > smallest_stretch) && law->evaluate(H, e, true, response);
+      is_good =
+          (!law->has_large_strain() || 1 + H[2][2] > smallest_stretch) && law->evaluate(H, e, true, response);
+      if (is_good && std::abs(update) > last_digits * (std::abs(H[2][2]) + H.norm()))
+        is_good = !(std::abs(response.P[2][2]) > last_stress);
       if (n_halvings == most_halvings)
         return undefined(
             "no thickness was found at which the stress across the plane vanishes (plane stress)");
@@ -63,10 +67,12 @@ bool PlaneStress::evaluate(const Tensor<2, 3> &H, const double e, const bool wit
   return true;
 }
 
-SolidLaw::Curvature PlaneStress::curvature(const Tensor<2, 3> &H, const double e, const Tensor<2, 3> &w) const
+SolidLaw::Curvature PlaneStress::curvature(const Tensor<2, 3> &H, const double e, const Tensor<2, 3> &w,
+                                           const Place &place) const
 {
   Tensor<2, 3> full = H;
   Response response;
+  static_cast<Place &>(response) = place;
   const bool is_defined = find_thickness(full, e, response);
   (void)is_defined;
   Assert(is_defined, dealii::ExcMessage("The curvature exists only where evaluate() succeeds."));
@@ -77,7 +83,7 @@ SolidLaw::Curvature PlaneStress::curvature(const Tensor<2, 3> &H, const double e
   const Tensor<2, 3> z_F = -1. / D_33[2][2] * D_33;      // dz/dF
   const double z_e = -response.dP_de[2][2] / D_33[2][2]; // dz/de
 
-  const Curvature K = law->curvature(full, e, w_full);
+  const Curvature K = law->curvature(full, e, w_full, place);
   const Tensor<2, 3> K_33 = K.FF[2][2];
   Curvature result = K;
   for (unsigned int i = 0; i < 3; ++i)
@@ -89,11 +95,11 @@ SolidLaw::Curvature PlaneStress::curvature(const Tensor<2, 3> &H, const double e
 }
 
 std::optional<Tensor<2, 3>> PlaneStress::full_gradient(const Tensor<2, 3> &H, const double e,
-                                                       const Memory &memory) const
+                                                       const Place &place) const
 {
   Tensor<2, 3> full = H;
   Response response;
-  response.memory = memory;
+  static_cast<Place &>(response) = place;
   return find_thickness(full, e, response) ? std::optional(full) : std::nullopt;
 }
 

@@ -53,9 +53,9 @@ Coupling SolidTerm<dim>::coupling(const unsigned int c, const unsigned int d) co
 }
 
 template <int dim>
-Memory SolidTerm<dim>::memory(const State<dim> &state) const
+SolidLaw::Place SolidTerm<dim>::place(const State<dim> &state) const
 {
-  return state.memory.slice(this->first_internal_variable, n_internal_variables);
+  return {state.memory.slice(this->first_internal_variable, n_internal_variables), embed(state.X), state.t};
 }
 
 /// H = grad u, and u_r/r around an axis.
@@ -77,7 +77,7 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
 {
   const unsigned int n = state.value.size(), first = this->field.first_component;
   SolidLaw::Response local;
-  local.memory = memory(state);
+  static_cast<SolidLaw::Place &>(local) = place(state);
   if (!law->evaluate(displacement_gradient(state), thermal_strain(state), with_derivatives, local)) {
     std::string &reason = last_undefined().reason;
     reason = "material " + name_of_material + ", " + name_of_law + ": " + reason;
@@ -136,7 +136,8 @@ void SolidTerm<dim>::add_curvature(const State<dim> &state, const std::vector<Te
   Tensor<2, 3> w_3d;
   for (unsigned int i = 0; i < dim; ++i)
     w_3d[i] = embed(w[first + i]);
-  const SolidLaw::Curvature local = law->curvature(displacement_gradient(state), thermal_strain(state), w_3d);
+  const SolidLaw::Curvature local =
+      law->curvature(displacement_gradient(state), thermal_strain(state), w_3d, place(state));
   struct Dependence // of H_iJ, its derivative by a row
   {
     unsigned int i, J, row;
@@ -172,19 +173,19 @@ template <int dim>
 Tensor<2, 3> SolidTerm<dim>::cauchy_stress(const State<dim> &state) const
 {
   const Tensor<2, 3> H = displacement_gradient(state);
-  const auto full = law->full_gradient(H, thermal_strain(state), memory(state));
+  const auto full = law->full_gradient(H, thermal_strain(state), place(state));
   SolidLaw::Response local;
-  local.memory = memory(state);
+  static_cast<SolidLaw::Place &>(local) = place(state);
   if (!full || !law->evaluate(H, thermal_strain(state), false, local))
     return std::numeric_limits<double>::quiet_NaN() * dealii::unit_symmetric_tensor<3>();
   const Deformation deformation(*full);
-  return law->is_linear() ? local.P : local.P * transpose(deformation.F) / deformation.J;
+  return law->has_large_strain() ? local.P * transpose(deformation.F) / deformation.J : local.P;
 }
 
 template <int dim>
 Tensor<2, 3> SolidTerm<dim>::full_displacement_gradient(const State<dim> &state) const
 {
-  const auto full = law->full_gradient(displacement_gradient(state), thermal_strain(state), memory(state));
+  const auto full = law->full_gradient(displacement_gradient(state), thermal_strain(state), place(state));
   return full ? *full : std::numeric_limits<double>::quiet_NaN() * dealii::unit_symmetric_tensor<3>();
 }
 

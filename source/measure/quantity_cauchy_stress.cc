@@ -30,8 +30,9 @@ public:
   }
 };
 
-const bool registered = add_quantity<CauchyStress>(
-    "Cauchy stress", "displacement", "sigma = P F^T/J, 3 x 3 also in 2D; P for a linear law [Pa]");
+const bool registered =
+    add_quantity<CauchyStress>("Cauchy stress", "displacement",
+                               "sigma = P F^T/J, 3 x 3 also in 2D; P for a law of small displacements [Pa]");
 
 } // namespace
 

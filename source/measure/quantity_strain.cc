@@ -5,7 +5,7 @@
 //
 //     E = (F^T F - I)/2 = (H + H^T + H^T H)/2
 //
-// for a nonlinear law, the small strain (H + H^T)/2 for a linear one, which knows no other. Nine components
+// for a law of large strain, the small strain (H + H^T)/2 for another, which knows no other. Nine components
 // row by row, three-dimensional also in plane strain.
 //
 //     set Quantity = strain
@@ -36,9 +36,9 @@ public:
   }
 };
 
-const bool registered =
-    add_quantity<Strain>("strain", "displacement",
-                         "E = (F^T F - I)/2, for a linear law (grad u + grad u^T)/2, 3 x 3 also in 2D [-]");
+const bool registered = add_quantity<Strain>(
+    "strain", "displacement",
+    "E = (F^T F - I)/2, for a law of small displacements (grad u + grad u^T)/2, 3 x 3 also in 2D [-]");
 
 } // namespace
 

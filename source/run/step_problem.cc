@@ -262,12 +262,8 @@ bool StepProblem<dim>::adapt(const Vector &x)
 template <int dim>
 bool StepProblem<dim>::has_large_strain() const
 {
-  const auto &blocks = model.numbering->blocks();
-  for (unsigned int b = 0; b < blocks.size(); ++b)
-    if (!blocks[b].is_of_multipliers && !is_scalar(b) &&
-        !model.domains[blocks[b].domain_index]->material.is_linear(blocks[b].field_index))
-      return true;
-  return false;
+  return std::any_of(model.domains.begin(), model.domains.end(),
+                     [](const auto &domain) { return domain->material.has_large_strain(); });
 }
 
 /// @return false if the laws are not defined at rest.

@@ -353,6 +353,18 @@ double Expression::second_derivative(const Point<dim> &X, const double t, const 
 }
 
 template <int dim>
+double Expression::derivative(const Point<dim> &X, const double t, const unsigned int component,
+                              const Scalars scalars, const std::vector<unsigned int> &by_scalars) const
+{
+  implementation->set_point(X, t, scalars);
+  Tape &tape = implementation->tape;
+  unsigned int formula = implementation->components[component].number;
+  for (const unsigned int scalar : by_scalars)
+    formula = tape.differentiate(formula, Implementation::variable(scalar));
+  return *tape.values(formula, implementation->for_tape, 1);
+}
+
+template <int dim>
 void Expression::Implementation::set_points(const std::vector<Point<dim>> &X, const double t)
 {
   const unsigned int n = X.size();
@@ -450,5 +462,9 @@ template double Expression::second_derivative(const Point<2> &, double, unsigned
                                               unsigned int) const;
 template double Expression::second_derivative(const Point<3> &, double, unsigned int, Scalars, unsigned int,
                                               unsigned int) const;
+template double Expression::derivative(const Point<2> &, double, unsigned int, Scalars,
+                                       const std::vector<unsigned int> &) const;
+template double Expression::derivative(const Point<3> &, double, unsigned int, Scalars,
+                                       const std::vector<unsigned int> &) const;
 
 } // namespace dovetail

@@ -12,10 +12,8 @@ namespace dovetail {
 template <int dim>
 bool has_large_strain(const Interface<dim> &interface, const TiedField &field)
 {
-  bool is_linear = true;
-  for (const unsigned int side : {source, destination})
-    is_linear = is_linear && interface.sides[side].domain->material.has_linear_flux(field.field[side]);
-  return field.n_components > 1 && !is_linear;
+  return field.n_components > 1 && (interface.sides[source].domain->material.has_large_strain() ||
+                                    interface.sides[destination].domain->material.has_large_strain());
 }
 
 template <int dim>

@@ -16,9 +16,7 @@ namespace {
 class Polynomial : public InvariantLaw
 {
 public:
-  explicit Polynomial(const Section &section) : kappa(section.require<double>("Bulk modulus", "kappa [Pa]"))
-  {
-  }
+  explicit Polynomial(const Section &section) : U(section, require_bulk_modulus(section)) {}
 
 protected:
   IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
@@ -34,10 +32,13 @@ protected:
             0.2,
             0.6};
   }
-  VolumetricEnergy volumetric(const double J_minus_1) const override { return simo_taylor(kappa, J_minus_1); }
+  VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
+  {
+    return U.at(invariants);
+  }
 
 private:
-  const double kappa;
+  const Volumetric U;
 };
 
 struct PolynomialEnergy

@@ -12,7 +12,7 @@ namespace dovetail {
 /// What a purely elastic law sees: F = I + H, and what is small where H is, each to its own last digit.
 struct Deformation
 {
-  explicit Deformation(const dealii::Tensor<2, 3> &H);
+  explicit Deformation(const dealii::Tensor<2, 3> &H, const SolidLaw::Place &place = {});
   dealii::Tensor<2, 3> green_strain() const; ///< E = (H + H^T + H^T H)/2
   double trace_of_green_strain() const;
 
@@ -20,6 +20,7 @@ struct Deformation
   dealii::Tensor<2, 3> F;
   double J_minus_1; ///< of J = det F: the sum of the three invariants of H
   double J;
+  const SolidLaw::Place place; ///< for formulas
 };
 
 /// A solid with the energy @f[ W(F, e) = s^3 W_e(F/s), \quad s = 1 + e, @f] per volume at the reference
@@ -31,9 +32,12 @@ class HyperelasticLaw : public SolidLaw
 public:
   bool evaluate(const dealii::Tensor<2, 3> &H, double e, bool with_derivatives,
                 Response &response) const final;
-  Curvature curvature(const dealii::Tensor<2, 3> &H, double e, const dealii::Tensor<2, 3> &w) const final;
+  Curvature curvature(const dealii::Tensor<2, 3> &H, double e, const dealii::Tensor<2, 3> &w,
+                      const Place &place) const final;
 
 protected:
+  /// Whether the energy is finite; else the reason is left.
+  virtual bool is_defined(const Deformation & /*deformation*/) const { return true; }
   /// P = dW_e/dF and, unless @p D is nullptr, D = d²W_e/dF² (every entry of it). P must vanish with H, and so
   /// must its rounding. @pre J = det F > 0.
   virtual void elastic_response(const Deformation &deformation, dealii::Tensor<2, 3> &P,

@@ -7,6 +7,8 @@
 
 #include <dovetail/material/hyperelastic_law.h>
 
+#include <optional>
+
 namespace dovetail {
 
 /// The two invariants without change of volume minus 3, exact where they are small; computed when asked for.
@@ -14,8 +16,11 @@ struct IsochoricInvariants
 {
   double first_minus_3() const;
   double second_minus_3() const;
+  double J() const { return deformation.J; }
+  const SolidLaw::Place &place() const { return deformation.place; } ///< for formulas
 
   const Deformation &deformation;
+  const bool with_third = false; ///< whether third derivatives are asked for
 };
 
 /// The isochoric part of an energy by the two invariants without change of volume,
@@ -26,6 +31,13 @@ struct IsochoricEnergy
   double W_1 = 0, W_2 = 0;                           ///< dW/dI_1, dW/dI_2 [Pa]
   double W_11 = 0, W_12 = 0, W_22 = 0;               ///< second derivatives
   double W_111 = 0, W_112 = 0, W_122 = 0, W_222 = 0; ///< third derivatives
+
+  /// Of an energy that does not split: its derivatives by J and an invariant. Those by J alone stand in U.
+  struct Mixed
+  {
+    double W_1J = 0, W_2J = 0, W_11J = 0, W_12J = 0, W_22J = 0, W_1JJ = 0, W_2JJ = 0;
+  };
+  std::optional<Mixed> mixed = std::nullopt;
 };
 
 /// The volumetric part U(J).
@@ -43,8 +55,7 @@ class InvariantLaw : public HyperelasticLaw
 {
 protected:
   virtual IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const = 0;
-  /// @p J_minus_1 is exact where it is small.
-  virtual VolumetricEnergy volumetric(double J_minus_1) const = 0;
+  virtual VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const = 0;
 
   void elastic_response(const Deformation &deformation, dealii::Tensor<2, 3> &P,
                         dealii::Tensor<4, 3> *D) const final;
@@ -52,7 +63,35 @@ protected:
                                          const dealii::Tensor<2, 3> &w) const final;
 };
 
-/// kappa/4 (J^2 - 1 - 2 ln J), the volumetric energy of Simo and Taylor (1982).
-VolumetricEnergy simo_taylor(double kappa, double J_minus_1);
+/// kappa times one of the published functions of J, which the entry `Volumetric` selects: U'(1) = 0, U''(1) =
+/// kappa.
+///
+/// | `Volumetric` | U/kappa | source |
+/// |---|---|---|
+/// | Simo-Taylor | (J^2 - 1 - 2 ln J)/4 | Simo & Taylor (1982) |
+/// | quadratic | (J - 1)^2/2 | Simo, Taylor & Pister (1985) |
+/// | logarithmic | (ln J)^2/2 | Hencky (1933) |
+/// | Miehe | J - ln J - 1 | Miehe (1994) |
+/// | Liu | J ln J - J + 1 | Liu, Hofstetter & Mang (1994) |
+/// | Ogden | (J^-b - 1 + b ln J)/b^2, b the Volumetric exponent | Ogden (1972) |
+class Volumetric
+{
+public:
+  /// Reads `Volumetric`, and `Volumetric exponent`. @param kappa [Pa]
+  Volumetric(const Section &section, double kappa);
+  VolumetricEnergy at(double J_minus_1) const;
+  VolumetricEnergy at(const IsochoricInvariants &invariants) const
+  {
+    return at(invariants.deformation.J_minus_1);
+  }
+
+private:
+  const double kappa;
+  const unsigned int choice;
+  double exponent = 0;
+};
+
+/// The entry `Bulk modulus` of laws without a Poisson ratio.
+double require_bulk_modulus(const Section &section);
 
 } // namespace dovetail

@@ -68,7 +68,7 @@ public:
   unsigned int order_in_time() const { return largest_order_in_time; } ///< of all fields
   bool is_linear(unsigned int field) const;       ///< affine in all fields, so constant derivatives
   bool has_linear_flux(unsigned int field) const; ///< the same of the flux alone
-  bool has_large_strain() const;                  ///< of a vector field whose law is nonlinear
+  bool has_large_strain() const;                  ///< a law knows the deformed body
   bool is_symmetric(unsigned int field) const;    ///< own block of the tangent is symmetric, and not negative
   bool depends_on_time() const;
   /// Whether all nonlinear fluxes of a field have second derivatives.

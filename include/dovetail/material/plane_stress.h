@@ -24,13 +24,16 @@ public:
 
   bool evaluate(const dealii::Tensor<2, 3> &H, double e, bool with_derivatives,
                 Response &response) const override;
-  Curvature curvature(const dealii::Tensor<2, 3> &H, double e, const dealii::Tensor<2, 3> &w) const override;
+  Curvature curvature(const dealii::Tensor<2, 3> &H, double e, const dealii::Tensor<2, 3> &w,
+                      const Place &place) const override;
   bool is_linear() const override { return law->is_linear(); }
   std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double e,
-                                                    const Memory &memory) const override;
+                                                    const Place &place) const override;
   std::vector<InternalVariable> internal_variables() const override { return law->internal_variables(); }
   bool has_curvature() const override { return law->has_curvature(); }
   bool is_symmetric() const override { return law->is_symmetric(); }
+  bool has_large_strain() const override { return law->has_large_strain(); }
+  bool depends_on_time() const override { return law->depends_on_time(); }
 
 private:
   /// @p H with the strain across, and the response of the law there with derivatives.

@@ -8,6 +8,7 @@
 #include <dovetail/material/memory.h>
 #include <dovetail/scene/section.h>
 
+#include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
 #include <optional>
@@ -23,10 +24,17 @@ class SolidLaw
 public:
   virtual ~SolidLaw() = default;
 
-  struct Response
+  /// What is given at the point besides H and e.
+  struct Place
   {
-    /// Given: what the law remembers at the point. It reads the accepted variables and writes the trial ones.
+    /// What the law remembers there. It reads the accepted variables and writes the trial ones.
     Memory memory;
+    dealii::Point<3> X; ///< in material coordinates, for formulas
+    double t = 0;
+  };
+
+  struct Response : Place
+  {
     dealii::Tensor<2, 3> P;     ///< first Piola-Kirchhoff stress [Pa]
     dealii::Tensor<4, 3> dP_dF; ///< [i][J][k][L] = dP_iJ/dF_kL, filled only if derivatives are asked for
     dealii::Tensor<2, 3> dP_de; ///< derivative by the thermal strain, likewise
@@ -47,7 +55,7 @@ public:
                         Response &response) const = 0;
   /// @pre has_curvature()
   virtual Curvature curvature(const dealii::Tensor<2, 3> & /*H*/, double /*e*/,
-                              const dealii::Tensor<2, 3> & /*w*/) const
+                              const dealii::Tensor<2, 3> & /*w*/, const Place & /*place*/) const
   {
     AssertThrow(false, dealii::ExcNotImplemented());
     return {};
@@ -55,7 +63,7 @@ public:
 
   /// All of grad u where the law itself finds a part of it (plane stress); nothing if it is not defined.
   virtual std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double /*e*/,
-                                                            const Memory & /*memory*/) const
+                                                            const Place & /*place*/) const
   {
     return H;
   }
@@ -69,6 +77,10 @@ public:
 
   /// P is affine in (F, e): one solve, no curvature.
   virtual bool is_linear() const { return false; }
+  /// It knows the deformed body: P is force per undeformed area, a pressure follows the boundary. Else (small
+  /// displacements) P is the Cauchy stress itself.
+  virtual bool has_large_strain() const { return !is_linear(); }
+  virtual bool depends_on_time() const { return false; } ///< through t itself
 };
 
 /// Isotropic moduli: either Young modulus and Poisson ratio or Shear modulus and Bulk modulus, never a

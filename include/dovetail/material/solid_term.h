@@ -42,7 +42,8 @@ public:
   Coupling coupling(unsigned int c, unsigned int d) const override;
   bool is_linear() const override { return law->is_linear(); }
   bool is_symmetric() const override { return law->is_symmetric(); }
-  bool depends_on_time() const override { return false; }
+  bool has_large_strain() const override { return law->has_large_strain(); }
+  bool depends_on_time() const override { return law->depends_on_time(); }
   std::string description() const override { return name_of_law; }
   std::vector<InternalVariable> internal_variables() const override { return law->internal_variables(); }
   bool has_curvature() const override { return law->has_curvature(); }
@@ -51,8 +52,8 @@ public:
   void add_curvature(const State<dim> &state, const std::vector<dealii::Tensor<1, dim>> &w,
                      dealii::FullMatrix<double> &result) const override;
 
-  /// sigma = P F^T / J, the force per deformed area (P itself for a linear law, which knows no deformed
-  /// area); three-dimensional also in plane strain. NaN where the law is not defined.
+  /// sigma = P F^T / J, the force per deformed area (P itself for a law of small displacements, which knows
+  /// no deformed area); three-dimensional also in plane strain. NaN where the law is not defined.
   dealii::Tensor<2, 3> cauchy_stress(const State<dim> &state) const;
   /// grad u, with the part that the law itself finds (plane stress); NaN where it is not defined.
   dealii::Tensor<2, 3> full_displacement_gradient(const State<dim> &state) const;
@@ -68,7 +69,7 @@ private:
                 Response<dim> &response) const;
 
   dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;
-  Memory memory(const State<dim> &state) const; ///< of the law
+  SolidLaw::Place place(const State<dim> &state) const;
   double thermal_strain(const State<dim> &state) const
   {
     return expansion ? expansion->coefficient * (state.value[expansion->temperature] - expansion->reference)

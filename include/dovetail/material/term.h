@@ -111,6 +111,7 @@ public:
   virtual bool is_linear() const = 0;       ///< affine in all fields, so its derivatives are constant
   virtual bool is_symmetric() const = 0;    ///< its derivatives by its own field are, and not negative
   virtual bool depends_on_time() const = 0; ///< through t itself
+  virtual bool has_large_strain() const { return false; } ///< it knows the deformed body
   virtual std::string description() const = 0;
   /// What it remembers at a point, in the order of its part of the state's memory.
   virtual std::vector<InternalVariable> internal_variables() const { return {}; }

@@ -75,13 +75,17 @@ public:
   void gradients(const std::vector<dealii::Point<dim>> &X, double t, unsigned int component, double length,
                  std::vector<dealii::Tensor<1, dim>> &result) const;
 
-  /// By one of the scalars, and by two.
+  /// By one of the scalars, and by two, which may be the same.
   template <int dim>
   double derivative(const dealii::Point<dim> &X, double t, unsigned int component, Scalars scalars,
                     unsigned int scalar) const;
   template <int dim>
   double second_derivative(const dealii::Point<dim> &X, double t, unsigned int component, Scalars scalars,
                            unsigned int first, unsigned int second) const;
+  /// By the scalars of these numbers, one after the other: of any order.
+  template <int dim>
+  double derivative(const dealii::Point<dim> &X, double t, unsigned int component, Scalars scalars,
+                    const std::vector<unsigned int> &by_scalars) const;
 
 private:
   struct Implementation;

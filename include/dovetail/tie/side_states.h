@@ -60,7 +60,7 @@ private:
   std::vector<std::array<Choice, 2>> choices; ///< by point and side
 };
 
-/// Whether the field is a vector and a law of one of the sides is nonlinear: large strain.
+/// Whether the field is a vector and a law of one of the sides knows large strain.
 template <int dim>
 bool has_large_strain(const Interface<dim> &interface, const TiedField &field);
 /// Whether any tied field is.

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Metal that yields, for small displacements: von Mises' yield condition with the associated flow rule. With
+// eps = sym(H), the plastic strain eps_p (without change of volume), the free thermal strain e, the
+// equivalent plastic strain a and the back stress beta,
+//
+//     P   = kappa (tr eps - 3 e) I + 2 mu (dev eps - eps_p)
+//     f   = |xi| - (2/3)^1/2 Y(a) <= 0,      xi = dev P - beta
+//     Y   = Y_0 + K a + (Y_inf - Y_0) (1 - exp(-r a))
+//     d eps_p = d gamma n,  n = xi/|xi|,     d a = (2/3)^1/2 d gamma,     d beta = 2/3 K_b d eps_p
+//
+// One backward Euler step from the last good state: the radial return, of which d gamma is the root of a
+// convex function of one variable, and its exact ("consistent") tangent
+//
+//     D = kappa I x I + 2 mu c dev - 2 mu (c - 1 + 1/(1 + (Y' + K_b)/(3 mu))) n x n,   c = 1 - 2 mu d
+//     gamma/|xi_trial|
+//
+// In uniaxial tension the stress grows with the plastic strain by Y' + K_b. Without K, K_b and Y_inf the
+// plasticity is perfect: then no state exists beyond the limit load of the body.
+//
+// Reference: Wilkins (1964); Simo & Taylor, Comput. Methods Appl. Mech. Engrg. 48 (1985) 101-118; Voce
+// (1955); Prager (1956); Simo & Hughes, Computational Inelasticity (1998), section 3.3.
+//
+//     subsection Solid
+//       set Type                        = J2 plasticity
+//       set Young modulus               = 210e9    # Pa
+//       set Poisson ratio               = 0.3
+//       set Yield stress                = 250e6    # Pa
+//       set Isotropic hardening modulus = 1e9      # Pa
+//     end
+
+#include <dovetail/material/solid_law.h>
+#include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/undefined.h>
+
+#include <cmath>
+#include <limits>
+
+namespace dovetail {
+
+using dealii::Tensor;
+
+class J2Plasticity : public SolidLaw
+{
+public:
+  explicit J2Plasticity(const Section &section)
+      : moduli(section),
+        yield_stress(section.require<double>("Yield stress",
+                                             "Y_0 at the first yielding, in uniaxial tension "
+                                             "[Pa]",
+                                             Patterns::Double(1e-300))),
+        linear(section.read<double>("Isotropic hardening modulus", 0,
+                                    "K in Y = Y_0 + K a + ..., a the equivalent plastic strain [Pa]",
+                                    Patterns::Double(0))),
+        saturation(section.read<double>("Saturation stress", 0,
+                                        "Y_inf, to which Voce's part of the yield stress grows; 0: no such "
+                                        "part [Pa]",
+                                        Patterns::Double(0))),
+        rate(section.read<double>("Saturation exponent", 0, "r in 1 - exp(-r a) of Voce's part [-]",
+                                  Patterns::Double(0))),
+        kinematic(section.read<double>("Kinematic hardening modulus", 0,
+                                       "K_b, by which the back stress grows in uniaxial tension [Pa]",
+                                       Patterns::Double(0)))
+  {
+    section.check(saturation == 0 || saturation >= yield_stress, "Saturation stress",
+                  "must not be less than the Yield stress: a material that softens has no unique state.");
+    section.check((saturation == 0) == (rate == 0),
+                  saturation == 0 ? "Saturation exponent" : "Saturation stress",
+                  "needs Saturation " + std::string(saturation == 0 ? "stress" : "exponent") + " as well.");
+    const auto I = dealii::unit_symmetric_tensor<3>();
+    elastic = moduli.lame() * outer_product(I, I) + 2 * moduli.shear * dealii::identity_tensor<3>();
+    thermal = -3 * moduli.bulk * I;
+  }
+
+  std::vector<InternalVariable> internal_variables() const override
+  {
+    std::vector<InternalVariable> result = {{"plastic strain", 9}, {"equivalent plastic strain"}};
+    if (kinematic > 0)
+      result.push_back({"back stress", 9});
+    return result;
+  }
+
+  bool evaluate(const Tensor<2, 3> &H, double e, bool with_derivatives, Response &response) const override
+  {
+    const double mu = moduli.shear, pressure = moduli.bulk * (trace(H) - 3 * e);
+    const double *const h = response.memory.accepted.data();
+    Tensor<2, 3> stress, xi; // the deviator, and what yields of it
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j) {
+        stress[i][j] = mu * (H[i][j] + H[j][i] - (i == j ? 2. / 3. * trace(H) : 0.) - 2 * h[3 * i + j]);
+        xi[i][j] = stress[i][j] - (kinematic > 0 ? h[10 + 3 * i + j] : 0.);
+      }
+    if (with_derivatives) {
+      response.dP_dF = elastic;
+      response.dP_de = thermal;
+    }
+    const double norm = xi.norm(), trial = norm - two_thirds * strength(h[9]);
+    // an accepted state is on the yield surface up to rounding, and must stay as it is
+    if (trial > rounding * (norm + 2 * mu * H.norm()))
+      yield(xi, norm, trial, with_derivatives, stress, response);
+    response.P = stress;
+    for (unsigned int i = 0; i < 3; ++i)
+      response.P[i][i] += pressure;
+    return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
+  }
+
+  bool has_large_strain() const override { return false; }
+
+private:
+  static constexpr double rounding = 1e-13;
+  static constexpr double two_thirds = 0.81649658092772603; ///< (2/3)^1/2
+
+  double voce() const { return saturation > 0 ? saturation - yield_stress : 0; }
+  double strength(const double a) const { return yield_stress + linear * a - voce() * std::expm1(-rate * a); }
+  double hardening(const double a) const { return linear + voce() * rate * std::exp(-rate * a); }
+
+  /// The root d gamma of the convex, falling function trial - (2 mu + 2/3 K_b) d gamma - (2/3)^1/2 (Y(a) -
+  /// Y(a_n)), by Newton's method from 0, whose values grow until rounding ends that.
+  double find_flow(const double trial, const double a) const
+  {
+    const double slope = 2 * moduli.shear + 2. / 3. * kinematic;
+    double flow = 0;
+    for (unsigned int i = 0; i < 100; ++i) {
+      const double now = a + two_thirds * flow;
+      const double rest = trial - slope * flow - two_thirds * (strength(now) - strength(a));
+      const double next = flow + rest / (slope + 2. / 3. * hardening(now));
+      if (!(next > flow * (1 + std::numeric_limits<double>::epsilon())))
+        break;
+      flow = next;
+    }
+    return flow;
+  }
+
+  /// Return the trial state to the yield surface. @param xi, norm, trial of the trial state
+  void yield(const Tensor<2, 3> &xi, const double norm, const double trial, const bool with_derivatives,
+             Tensor<2, 3> &stress, Response &response) const
+  {
+    const double *const h = response.memory.accepted.data();
+    double *const now = response.memory.trial.data();
+    const double mu = moduli.shear, flow = find_flow(trial, h[9]);
+    const Tensor<2, 3> n = xi / norm;
+    now[9] = h[9] + two_thirds * flow;
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j) {
+        now[3 * i + j] = h[3 * i + j] + flow * n[i][j];
+        if (kinematic > 0)
+          now[10 + 3 * i + j] = h[10 + 3 * i + j] + 2. / 3. * kinematic * flow * n[i][j];
+      }
+    stress -= 2 * mu * flow * n;
+    if (!with_derivatives)
+      return;
+    const double lost = 2 * mu * flow / norm; // 1 - c
+    const double along = 1 / (1 + (hardening(now[9]) + kinematic) / (3 * mu)) - lost;
+    Tensor<4, 3> &D = response.dP_dF;
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j) {
+        for (unsigned int k = 0; k < 3; ++k)
+          for (unsigned int l = 0; l < 3; ++l)
+            D[i][j][k][l] -= 2 * mu * along * n[i][j] * n[k][l];
+        D[i][j][i][j] -= mu * lost;
+        D[i][j][j][i] -= mu * lost;
+        D[i][i][j][j] += 2. / 3. * mu * lost;
+      }
+  }
+
+  const IsotropicModuli moduli;
+  const double yield_stress, linear, saturation, rate, kinematic;
+  Tensor<4, 3> elastic;
+  Tensor<2, 3> thermal;
+};
+
+namespace {
+[[maybe_unused]] const bool registered = Catalogue<SolidLaw>::add<J2Plasticity>(
+    "J2 plasticity", "Metal that yields by von Mises' condition, for small displacements, with isotropic and "
+                     "kinematic hardening.");
+}
+
+} // namespace dovetail

@@ -21,9 +21,9 @@ void TimeScheme::accept_step(const StepTime &step, const Vector &x)
 {
   const unsigned int n = n_known(step);
   if (!remembered.rates.empty()) {
-    const Rates of_step = rates(step);
-    Vector rate = of_step.rest;
-    rate.add(of_step.by_value, x);
+    const Rates step_rates = rates(step);
+    Vector rate = step_rates.rest;
+    rate.add(step_rates.by_value, x);
     remembered.rates.resize(n);
     remember(rate, remembered.rates);
   }

@@ -63,10 +63,10 @@ dealii::Quadrature<dim> points_of_initial(const Domain<dim> &domain)
   std::vector<dealii::Point<dim>> points;
   for (unsigned int s = 0; s < domain.layout().n_spaces(); ++s) {
     const auto &element = domain.layout().element_of_space(s);
-    const auto of_space = domain.layout().is_continuous_space(s)
-                              ? element.get_unit_support_points()
-                              : gauss_rule<dim>(domain.cell_shape(), domain.degree + 1).get_points();
-    points.insert(points.end(), of_space.begin(), of_space.end());
+    const auto space_points = domain.layout().is_continuous_space(s)
+                                  ? element.get_unit_support_points()
+                                  : gauss_rule<dim>(domain.cell_shape(), domain.degree + 1).get_points();
+    points.insert(points.end(), space_points.begin(), space_points.end());
   }
   return dealii::Quadrature<dim>(points);
 }

@@ -225,7 +225,7 @@ void measure_extremes(const Domain<dim> &domain, const Vector &solution, ordered
   const unsigned int n_fields = domain.fields().size();
   std::vector<double> largest(n_fields, -std::numeric_limits<double>::max()), minus_smallest = largest;
   std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns, of_component, squares;
+  std::vector<double> unknowns, component_values, squares;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
@@ -234,13 +234,13 @@ void measure_extremes(const Domain<dim> &domain, const Vector &solution, ordered
         const Field &field = domain.fields()[f];
         squares.clear();
         for (unsigned int c = 0; c < field.n_components; ++c) {
-          domain.layout().nodal_values(field.first_component + c, unknowns, of_component);
-          squares.resize(of_component.size(), 0.);
+          domain.layout().nodal_values(field.first_component + c, unknowns, component_values);
+          squares.resize(component_values.size(), 0.);
           for (unsigned int a = 0; a < squares.size(); ++a)
-            squares[a] += of_component[a] * of_component[a];
+            squares[a] += component_values[a] * component_values[a];
         }
         for (unsigned int a = 0; a < squares.size(); ++a) {
-          const double value = field.n_components == 1 ? of_component[a] : std::sqrt(squares[a]);
+          const double value = field.n_components == 1 ? component_values[a] : std::sqrt(squares[a]);
           largest[f] = std::max(largest[f], value);
           minus_smallest[f] = std::max(minus_smallest[f], -value);
         }

@@ -126,16 +126,16 @@ void for_each_unknown(const Region<dim> &region, const Field &field, const Vecto
   const Domain<dim> &domain = *region.domain;
   const auto &element = domain.layout().nodal_element(field.first_component);
   std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns, of_component;
+  std::vector<double> unknowns, component_values;
   const auto visit_cell = [&](const auto &cell, const auto &belongs) {
     domain.cell_dofs(domain.dof_cell(cell), dofs);
     unknowns.resize(dofs.size());
     solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
     for (unsigned int c = 0; c < field.n_components; ++c) {
-      domain.layout().nodal_values(field.first_component + c, unknowns, of_component);
-      for (unsigned int a = 0; a < of_component.size(); ++a)
+      domain.layout().nodal_values(field.first_component + c, unknowns, component_values);
+      for (unsigned int a = 0; a < component_values.size(); ++a)
         if (belongs(a))
-          visit(c, of_component[a]);
+          visit(c, component_values[a]);
     }
   };
   if (region.boundary_ids.empty()) {

@@ -128,8 +128,8 @@ void MultiplierSpace<dim>::find_faces(const unsigned int space)
 {
   const Pairing<dim> &pairing = interface.pairing();
   const SideFaces<dim> side_faces = faces_of(interface.sides[destination]);
-  std::vector<unsigned int> &of_point = face_of_point[space];
-  of_point.assign(pairing.n_points(), dealii::numbers::invalid_unsigned_int);
+  std::vector<unsigned int> &faces_of_points = face_of_point[space];
+  faces_of_points.assign(pairing.n_points(), dealii::numbers::invalid_unsigned_int);
   std::map<unsigned int, unsigned int> face_of_cell;
   for (unsigned int g = 0; g < pairing.groups.size(); ++g) {
     const auto &group = pairing.groups[g];
@@ -148,7 +148,7 @@ void MultiplierSpace<dim>::find_faces(const unsigned int space)
     Face &face = faces[entry->second];
     face.groups.push_back(g);
     for (unsigned int q = group.begin; q < group.end; ++q) {
-      of_point[q] = entry->second;
+      faces_of_points[q] = entry->second;
       const double *phi = pairing.values(destination, q) + first_shape(face);
       for (unsigned int i = 0; i < face.nodes.size(); ++i)
         for (unsigned int j = 0; j < face.nodes.size(); ++j)
@@ -164,15 +164,15 @@ void MultiplierSpace<dim>::find_components(Face &face, const std::vector<Index> 
   const unsigned int n = face.nodes.size();
   for (unsigned int f = 0; f < interface.fields.size(); ++f)
     for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
-      const unsigned int of_domain = interface.fields[f].first_component[destination] + c;
-      if (domain.layout().space(of_domain) != face.space)
+      const unsigned int domain_component = interface.fields[f].first_component[destination] + c;
+      if (domain.layout().space(domain_component) != face.space)
         continue;
       Component component;
       component.field = f;
       component.component = c;
       std::vector<std::map<Index, double>> node_weights(n);
       for (unsigned int a = 0; a < n; ++a) {
-        const Index dof = cell_dofs[domain.layout().index(of_domain, face.nodes[a])];
+        const Index dof = cell_dofs[domain.layout().index(domain_component, face.nodes[a])];
         if (hanging.is_constrained(dof - domain.first_dof)) {
           for (const auto &[master, weight] : *hanging.get_constraint_entries(dof - domain.first_dof))
             node_weights[a][domain.first_dof + master] += weight;
@@ -322,8 +322,8 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
 template <int dim>
 FullMatrix<double> MultiplierSpace<dim>::node_coordinates(const Face &face) const
 {
-  const auto &of_space = element(face);
-  const FaceShape<dim> shape(of_space.reference_cell(), 1);
+  const auto &face_element = element(face);
+  const FaceShape<dim> shape(face_element.reference_cell(), 1);
   const auto origin = shape.position_in_cell(face.number, shape.corner(0));
   std::array<dealii::Tensor<1, dim>, dim - 1> axis;
   for (unsigned int d = 0; d < dim - 1; ++d)
@@ -339,7 +339,7 @@ FullMatrix<double> MultiplierSpace<dim>::node_coordinates(const Face &face) cons
       coordinates(a, d) = -1;
       for (unsigned int e = 0; e < dim - 1; ++e)
         coordinates(a, d) +=
-            2 * metric(d, e) * (axis[e] * (of_space.unit_support_point(face.nodes[a]) - origin));
+            2 * metric(d, e) * (axis[e] * (face_element.unit_support_point(face.nodes[a]) - origin));
     }
   return coordinates;
 }
@@ -687,12 +687,12 @@ double MultiplierSpace<dim>::value(const unsigned int field, const unsigned int 
   const unsigned int space = layout.space(interface.fields[field].first_component[destination]);
   const Face &face = faces[face_of_point.at(space)[q]];
   const double *phi = interface.pairing().values(destination, q) + first_shape(face);
-  const auto of_face = std::find_if(face.components.begin(), face.components.end(), [&](const auto &other) {
-    return other.field == field && other.component == component;
-  });
+  const auto face_component =
+      std::find_if(face.components.begin(), face.components.end(),
+                   [&](const auto &other) { return other.field == field && other.component == component; });
   double sum = 0;
   for (unsigned int a = 0; a < face.nodes.size(); ++a)
-    sum += of_face->nodal[a] * phi[face.nodes[a]];
+    sum += face_component->nodal[a] * phi[face.nodes[a]];
   return sum;
 }
 

@@ -280,9 +280,9 @@ void Pointwise<dim>::add_constraints(const Interface<dim> &interface, TieConstra
   Followers constrained;
   unsigned int n_constrained = 0, n_prescribed = 0;
   for (const unsigned int space : spaces) {
-    const auto of_space = add_followers(interface, space, locator, constraints, communicator, constrained);
-    n_constrained += of_space[0];
-    n_prescribed += of_space[1];
+    const auto counts = add_followers(interface, space, locator, constraints, communicator, constrained);
+    n_constrained += counts[0];
+    n_prescribed += counts[1];
   }
   interface.work() += locator.work();
   for (const auto &[dof, line] :

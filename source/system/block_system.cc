@@ -725,8 +725,7 @@ NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x) const
   ConstraintLines lines = lines_at(time);
   for (const auto dof : freed)
     lines.erase(dof);
-  ghosted_scratch = x;
-  return NodalForces<dim>(model, lines, constraints, ghosted_scratch, time, step_rates);
+  return NodalForces<dim>(model, lines, constraints, ghosted(x), time, step_rates);
 }
 
 template <int dim>
@@ -863,7 +862,7 @@ std::optional<FreeMotion<dim>> BlockSystem<dim>::find_free_motion(const bool in_
 
 /// x_i = sum w x_j + b_i
 template <int dim>
-void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vector &x) const
+void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vector &x)
 {
   ghosted_scratch = x;
   for (const auto &line : lines.get_lines())
@@ -877,13 +876,13 @@ void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vec
 }
 
 template <int dim>
-void BlockSystem<dim>::distribute(Vector &dx) const
+void BlockSystem<dim>::distribute(Vector &dx)
 {
   apply(update_constraints, dx);
 }
 
 template <int dim>
-void BlockSystem<dim>::constrain(Vector &x) const
+void BlockSystem<dim>::constrain(Vector &x)
 {
   apply(constraints, x);
 }

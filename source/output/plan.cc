@@ -71,8 +71,9 @@ void plan_fields(const Model<dim> &model, Plan &plan)
   for (const auto &group : model.field_groups())
     for (const std::string &name : group)
       for (const auto &domain : model.domains)
-        if (const Field *field = domain->material.find_field(name))
-          laws.add(name, domain->material.description(field - domain->fields().data()), domain->name);
+        for (unsigned int f = 0; f < domain->fields().size(); ++f)
+          if (domain->fields()[f].name == name)
+            laws.add(name, domain->material.description(f), domain->name);
   for (const auto &[field, law] : {std::pair("displacement", "solid"), std::pair("temperature", "heat")})
     for (const auto &domain : model.domains)
       if (domain->material.find_field(field) == nullptr)

@@ -232,7 +232,7 @@ Region<2> CurvedWindow::surroundings() const
   return result;
 }
 
-CurvedRegion CurvedWindow::clip(const CurvedRegion &region) const
+CurvedRegion CurvedWindow::clip(const CurvedRegion &region)
 {
   CurvedRegion result = region;
   for (unsigned int i = 0; i < polygon.size() && !result.empty(); ++i)
@@ -302,7 +302,7 @@ double CurvedWindow::parameter_of_rim(const unsigned int rim, const Point<2> &xi
   return rim == 0 ? xi[0] : rim == 1 ? xi[1] : rim == 2 ? 1 - xi[0] : 1 - xi[1];
 }
 
-Point<2> CurvedWindow::xi_of(const Arc &arc, const double v) const
+Point<2> CurvedWindow::xi_of(const Arc &arc, const double v)
 {
   if (arc.rim == Arc::no_rim)
     return xi_of(arc.at(v));
@@ -311,7 +311,7 @@ Point<2> CurvedWindow::xi_of(const Arc &arc, const double v) const
 }
 
 /// Newton's method for project(X(xi)) = s, from the plane face.
-Point<2> CurvedWindow::xi_of(const Point<2> &s) const
+Point<2> CurvedWindow::xi_of(const Point<2> &s)
 {
   if (chart.is_affine)
     return chart.xi_of(s);
@@ -333,7 +333,7 @@ Point<2> CurvedWindow::xi_of(const Point<2> &s) const
   return xi;
 }
 
-CurvedWindow::CurvePoint CurvedWindow::evaluate(const Arc &arc, const double v) const
+CurvedWindow::CurvePoint CurvedWindow::evaluate(const Arc &arc, const double v)
 {
   if (chart.is_flat)
     return {arc.at(v), arc.derivative(v)};
@@ -343,7 +343,7 @@ CurvedWindow::CurvePoint CurvedWindow::evaluate(const Arc &arc, const double v) 
   return {xi, invert(chart.derivative(chart.shape.evaluate(chart.nodes, xi))) * arc.derivative(v)};
 }
 
-bool CurvedWindow::is_straight(const Arc &arc) const
+bool CurvedWindow::is_straight(const Arc &arc)
 {
   if (chart.is_flat)
     return arc.degree == 1;
@@ -358,7 +358,7 @@ bool CurvedWindow::is_straight(const Arc &arc) const
   return true;
 }
 
-double CurvedWindow::measure(const CurvedRegion &region) const
+double CurvedWindow::measure(const CurvedRegion &region)
 {
   double twice = 0;
   const Point<2> origin = evaluate(region[0], region[0].begin).s;
@@ -371,7 +371,7 @@ double CurvedWindow::measure(const CurvedRegion &region) const
   return twice / 2;
 }
 
-Point<2> CurvedWindow::centroid(const CurvedRegion &region) const
+Point<2> CurvedWindow::centroid(const CurvedRegion &region)
 {
   double twice = 0;
   Tensor<1, 2> sum;
@@ -388,12 +388,12 @@ Point<2> CurvedWindow::centroid(const CurvedRegion &region) const
   return origin + sum / twice;
 }
 
-Point<2> CurvedWindow::reference_point(const Point<2> &s) const
+Point<2> CurvedWindow::reference_point(const Point<2> &s)
 {
   return chart.is_flat ? xi_of(s) : s;
 }
 
-std::vector<Point<2>> CurvedWindow::reference_points(const Arc &arc) const
+std::vector<Point<2>> CurvedWindow::reference_points(const Arc &arc)
 {
   const bool stays_straight = arc.rim != Arc::no_rim || (arc.degree == 1 && chart.is_affine);
   const unsigned int n = stays_straight ? 1 : 8;

@@ -70,17 +70,37 @@ private:
   Tensor<1, dim> a, b, c, d;
 };
 
-/// A face of any degree, as seen from a point.
+/// Memory of an evaluation, by support point.
+template <int dim>
+struct Scratch
+{
+  std::vector<Tensor<1, dim>> offsets;
+  std::vector<double> values;
+  std::vector<Tensor<1, dim - 1>> gradients;
+  std::vector<Tensor<2, dim - 1>> hessians;
+};
+
+/// Each thread has its own, since an allocation would take longer than an evaluation.
+template <int dim>
+Scratch<dim> &scratch(const unsigned int n_nodes)
+{
+  static thread_local Scratch<dim> of_thread;
+  of_thread.offsets.resize(n_nodes);
+  of_thread.values.resize(n_nodes);
+  of_thread.gradients.resize(n_nodes);
+  of_thread.hessians.resize(n_nodes);
+  return of_thread;
+}
+
+/// A face of any degree, as seen from a point. Only one at a time in a thread.
 template <int dim, typename Basis>
 class PolynomialSurface
 {
 public:
-  /// The arrays are memory for the evaluation.
-  PolynomialSurface(const Basis &basis, const Point<dim> *nodes, const Point<dim> &Y,
-                    std::vector<Tensor<1, dim>> &offsets, std::vector<double> &values,
-                    std::vector<Tensor<1, dim - 1>> &gradients, std::vector<Tensor<2, dim - 1>> &hessians)
-      : basis(basis), offsets(offsets), values(values), gradients(gradients), hessians(hessians)
+  PolynomialSurface(const Basis &basis, const Point<dim> *nodes, const Point<dim> &Y)
+      : basis(basis), memory(scratch<dim>(basis.size()))
   {
+    auto &offsets = memory.offsets;
     for (unsigned int i = 0; i < basis.size(); ++i)
       offsets[i] = nodes[i] - Y;
   }
@@ -88,6 +108,7 @@ public:
   /// The closest support point: a strongly curved face may have several local minima.
   Point<dim - 1> start() const
   {
+    const auto &offsets = memory.offsets;
     const auto closest =
         std::min_element(offsets.begin(), offsets.end(), [](const auto &one, const auto &other) {
           return one.norm_square() < other.norm_square();
@@ -97,25 +118,22 @@ public:
 
   void evaluate(const Point<dim - 1> &xi, Jet<dim> &jet) const
   {
-    basis.evaluate(xi, values, gradients, hessians);
+    basis.evaluate(xi, memory.values, memory.gradients, memory.hessians);
     jet = Jet<dim>();
     for (unsigned int i = 0; i < basis.size(); ++i) {
-      const Tensor<1, dim> &offset = offsets[i];
-      jet.r += values[i] * offset;
+      const Tensor<1, dim> &offset = memory.offsets[i];
+      jet.r += memory.values[i] * offset;
       for (unsigned int k = 0, kl = 0; k < dim - 1; ++k) {
-        jet.tangent[k] += gradients[i][k] * offset;
+        jet.tangent[k] += memory.gradients[i][k] * offset;
         for (unsigned int l = k; l < dim - 1; ++l, ++kl)
-          jet.second[kl] += hessians[i][k][l] * offset;
+          jet.second[kl] += memory.hessians[i][k][l] * offset;
       }
     }
   }
 
 private:
   const Basis &basis;
-  std::vector<Tensor<1, dim>> &offsets;
-  std::vector<double> &values;
-  std::vector<Tensor<1, dim - 1>> &gradients;
-  std::vector<Tensor<2, dim - 1>> &hessians;
+  Scratch<dim> &memory;
 };
 
 /// The quadratic model g.d + 1/2 d.H.d of the squared distance; H has the entries (0,0), (0,1), (1,1).
@@ -335,8 +353,7 @@ Point<2> closest_of_triangle(const Tensor<1, 3> &a, const Tensor<1, 3> &b, const
 template <int dim>
 FaceShape<dim>::FaceShape(const ReferenceCell &cell, const unsigned int mapping_degree)
     : reference_cell(cell), mapping_degree(mapping_degree), triangle(cell == ReferenceCells::Tetrahedron),
-      basis(mapping_degree), simplex_basis(triangle ? mapping_degree : 1), offsets(n_nodes()),
-      values(n_nodes()), gradients(n_nodes()), hessians(n_nodes())
+      basis(mapping_degree), simplex_basis(triangle ? mapping_degree : 1)
 {
   AssertThrow(cell.is_hyper_cube() || cell.is_simplex(), ExcNotImplemented());
   if (dim == 3)
@@ -499,6 +516,8 @@ SurfacePoint<dim> FaceShape<dim>::evaluate(const Point<dim> *nodes, const Point<
     point.tangent = jet.tangent;
     return point;
   }
+  auto &[offsets, values, gradients, hessians] = scratch<dim>(n_nodes());
+  std::vector<Tensor<2, dim - 1>> no_hessians;
   if (triangle)
     simplex_basis.evaluate(xi, values, gradients, no_hessians);
   else
@@ -533,16 +552,13 @@ SurfacePoint<dim> FaceShape<dim>::closest(const Point<dim> *nodes, const Point<d
   SurfacePoint<dim> point;
   if (triangle) {
     if constexpr (dim == 3)
-      point.xi =
-          closest_point<dim, UnitTriangle>(PolynomialSurface<dim, SimplexBasis<2>>(
-                                               simplex_basis, nodes, Y, offsets, values, gradients, hessians),
-                                           jet);
+      point.xi = closest_point<dim, UnitTriangle>(
+          PolynomialSurface<dim, SimplexBasis<2>>(simplex_basis, nodes, Y), jet);
   } else if (mapping_degree == 1)
     point.xi = closest_point<dim, UnitBox<dim>>(LinearSurface<dim>(nodes, Y), jet);
   else
     point.xi = closest_point<dim, UnitBox<dim>>(
-        PolynomialSurface<dim, LagrangeBasis<dim - 1>>(basis, nodes, Y, offsets, values, gradients, hessians),
-        jet);
+        PolynomialSurface<dim, LagrangeBasis<dim - 1>>(basis, nodes, Y), jet);
   point.X = Y + jet.r;
   point.tangent = jet.tangent;
   return point;

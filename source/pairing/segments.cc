@@ -119,12 +119,12 @@ private:
   bool has_curves(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
                   const std::vector<Segment> &segments) const;
   bool add_curved_face(const Chart<dim> &chart, const std::vector<unsigned int> &nearby);
-  void add_curved_rest(const CurvedWindow &window, const std::vector<CurvedSegment> &segments, double area,
+  void add_curved_rest(CurvedWindow &window, const std::vector<CurvedSegment> &segments, double area,
                        const FaceBoxes &face_boxes);
   void add_reference_region(const Region<dim - 1> &region, const FaceBoxes &face_boxes);
   FaceBoxes boxes_of(const std::vector<unsigned int> &nearby) const;
   double area_of_current_face() const;
-  void integrate(const Chart<dim> &chart, const CurvedWindow &window, const CurvedSegment &segment);
+  void integrate(const Chart<dim> &chart, CurvedWindow &window, const CurvedSegment &segment);
   void keep_nearest(const Chart<dim> &chart, std::vector<Segment> &segments) const;
   void add_rest(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
                 std::vector<Segment> &segments);
@@ -542,7 +542,7 @@ template <int dim>
 bool Segmentation<dim>::add_curved_face(const Chart<dim> &chart, const std::vector<unsigned int> &nearby)
 {
   if constexpr (dim == 3) {
-    const CurvedWindow window(chart);
+    CurvedWindow window(chart);
     std::vector<CurvedSegment> segments;
     double covered = 0;
     for (const unsigned int i : nearby) {
@@ -578,8 +578,7 @@ bool Segmentation<dim>::add_curved_face(const Chart<dim> &chart, const std::vect
 /// A fan about the centroid, X = C + u (c(v) - C) with an arc c(v): Gauss points for u and v, or those of a
 /// triangle where the arc is straight.
 template <int dim>
-void Segmentation<dim>::integrate(const Chart<dim> &chart, const CurvedWindow &window,
-                                  const CurvedSegment &segment)
+void Segmentation<dim>::integrate(const Chart<dim> &chart, CurvedWindow &window, const CurvedSegment &segment)
 {
   if constexpr (dim == 3) {
     ++points.n_segments;
@@ -613,9 +612,8 @@ void Segmentation<dim>::integrate(const Chart<dim> &chart, const CurvedWindow &w
 /// polygons in reference coordinates, with points on the curves as corners, and their weights are scaled so
 /// that their sum is exact.
 template <int dim>
-void Segmentation<dim>::add_curved_rest(const CurvedWindow &window,
-                                        const std::vector<CurvedSegment> &segments, const double area,
-                                        const FaceBoxes &face_boxes)
+void Segmentation<dim>::add_curved_rest(CurvedWindow &window, const std::vector<CurvedSegment> &segments,
+                                        const double area, const FaceBoxes &face_boxes)
 {
   if constexpr (dim == 3) {
     std::vector<Segment> triangles;

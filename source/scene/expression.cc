@@ -192,8 +192,9 @@ void Expression::Implementation::define_names(mu::Parser &parser)
 
 void Expression::Implementation::note_used_variables(const mu::Parser &parser)
 {
+  const std::vector<std::string> all = names(known);
   for (const auto &[name, address] : parser.GetUsedVar()) {
-    const unsigned int number = address - for_tape.data();
+    const unsigned int number = std::find(all.begin(), all.end(), name) - all.begin();
     uses_position = uses_position || number < time;
     uses_time = uses_time || number == time;
     if (number >= first_scalar)

@@ -47,8 +47,7 @@ bool on_any_rank(const Epetra_Comm &communicator, const bool here)
 
 DegreeCoarsening::DegreeCoarsening(const Epetra_CrsMatrix &matrix, const Sums &sums,
                                    const Epetra_MultiVector &modes, Teuchos::ParameterList parameters)
-    : matrix(matrix), inverse_diagonal(matrix.RowMap()), residual(matrix.RowMap()),
-      direction(matrix.RowMap()), correction(matrix.RowMap())
+    : matrix(matrix), inverse_diagonal(matrix.RowMap())
 {
   make_prolongation(sums);
   Epetra_CrsMatrix *product = nullptr;
@@ -184,9 +183,11 @@ void DegreeCoarsening::estimate_spectrum()
   largest_eigenvalue *= 1.1; // approached from below
 }
 
-/// Chebyshev iteration for diag(A)^-1 A on the upper part of its spectrum.
-void DegreeCoarsening::smooth(Epetra_Vector &x, const Epetra_Vector &b, const bool starts_from_zero) const
+/// Chebyshev iteration for diag(A)^-1 A on the upper part of its spectrum. @p residual is memory.
+void DegreeCoarsening::smooth(Epetra_Vector &x, const Epetra_Vector &b, Epetra_Vector &residual,
+                              const bool starts_from_zero) const
 {
+  Epetra_Vector direction(matrix.RowMap(), false);
   const unsigned int degree = 3;
   const double ratio = 15; // of the largest to the smallest eigenvalue that is smoothed
   const double middle = largest_eigenvalue * (1 + 1 / ratio) / 2,
@@ -220,7 +221,8 @@ void DegreeCoarsening::vmult(dealii::TrilinosWrappers::MPI::Vector &destination,
 {
   const Epetra_Vector b(View, source.trilinos_vector(), 0);
   Epetra_Vector x(View, destination.trilinos_vector(), 0);
-  smooth(x, b, true);
+  Epetra_Vector residual(matrix.RowMap(), false), correction(matrix.RowMap(), false);
+  smooth(x, b, residual, true);
 
   matrix.Multiply(false, x, residual);
   residual.Update(1., b, -1.);
@@ -230,7 +232,7 @@ void DegreeCoarsening::vmult(dealii::TrilinosWrappers::MPI::Vector &destination,
   prolongation->Multiply(false, coarse_x, correction);
   x.Update(1., correction, 1.);
 
-  smooth(x, b, false);
+  smooth(x, b, residual, false);
 }
 
 } // namespace dovetail

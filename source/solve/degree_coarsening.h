@@ -44,7 +44,7 @@ private:
   std::unique_ptr<Epetra_CrsMatrix> follow(const Sums &sums);
   void make_prolongation(const Sums &sums);
   void estimate_spectrum();
-  void smooth(Epetra_Vector &x, const Epetra_Vector &b, bool starts_from_zero) const;
+  void smooth(Epetra_Vector &x, const Epetra_Vector &b, Epetra_Vector &residual, bool starts_from_zero) const;
 
   const Epetra_CrsMatrix &matrix;
   std::unique_ptr<Epetra_CrsMatrix> prolongation, coarse_matrix;
@@ -52,7 +52,6 @@ private:
   dealii::TrilinosWrappers::PreconditionAMG coarse_multigrid;
   Epetra_Vector inverse_diagonal;
   double largest_eigenvalue = 0; ///< of diag(A)^-1 A
-  mutable Epetra_Vector residual, direction, correction;
 };
 
 } // namespace dovetail

@@ -730,8 +730,7 @@ NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x) const
   ConstraintLines lines = lines_at(time);
   for (const auto dof : unconstrained)
     lines.erase(dof);
-  ghosted_scratch = x;
-  return NodalForces<dim>(model, lines, constraints, ghosted_scratch, time, step_rates);
+  return NodalForces<dim>(model, lines, constraints, ghosted(x), time, step_rates);
 }
 
 template <int dim>
@@ -869,7 +868,7 @@ std::optional<UnrestrainedMode<dim>> BlockSystem<dim>::find_unrestrained_mode(co
 
 /// x_i = sum w x_j + b_i
 template <int dim>
-void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vector &x) const
+void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vector &x)
 {
   ghosted_scratch = x;
   for (const auto &line : lines.get_lines())
@@ -883,13 +882,13 @@ void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vec
 }
 
 template <int dim>
-void BlockSystem<dim>::distribute(Vector &dx) const
+void BlockSystem<dim>::distribute(Vector &dx)
 {
   apply(update_constraints, dx);
 }
 
 template <int dim>
-void BlockSystem<dim>::constrain(Vector &x) const
+void BlockSystem<dim>::constrain(Vector &x)
 {
   apply(constraints, x);
 }

@@ -70,7 +70,7 @@ public:
   CurvedRegion project(const FaceShape<3> &shape, const dealii::Point<3> *nodes,
                        const Interpolation &interpolation) const;
   /// What of it is inside.
-  CurvedRegion clip(const CurvedRegion &region) const;
+  CurvedRegion clip(const CurvedRegion &region);
 
   /// A point of an arc and its derivative by the arc's parameter, in coordinates of the integration.
   struct CurvePoint
@@ -78,25 +78,25 @@ public:
     dealii::Point<2> s;
     dealii::Tensor<1, 2> derivative;
   };
-  CurvePoint evaluate(const Arc &arc, double v) const;
+  CurvePoint evaluate(const Arc &arc, double v);
   /// Whether an arc is straight in coordinates of the integration.
-  bool is_straight(const Arc &arc) const;
+  bool is_straight(const Arc &arc);
   /// In coordinates of the integration.
-  double measure(const CurvedRegion &region) const;
-  dealii::Point<2> centroid(const CurvedRegion &region) const;
+  double measure(const CurvedRegion &region);
+  dealii::Point<2> centroid(const CurvedRegion &region);
   double measure() const { return whole; } ///< of the face
   /// Reference coordinates: of a point of the integration, of the ends of an arc and, unless it is straight
   /// there, of points between them, and of the corners of the face.
-  dealii::Point<2> reference_point(const dealii::Point<2> &s) const;
-  std::vector<dealii::Point<2>> reference_points(const Arc &arc) const;
+  dealii::Point<2> reference_point(const dealii::Point<2> &s);
+  std::vector<dealii::Point<2>> reference_points(const Arc &arc);
   Region<2> reference_corners() const;
 
   /// Whether somewhere no reference coordinates were found, since the face is too strongly curved.
   bool has_failed() const { return failed; }
 
 private:
-  dealii::Point<2> xi_of(const Arc &arc, double v) const;
-  dealii::Point<2> xi_of(const dealii::Point<2> &s) const;
+  dealii::Point<2> xi_of(const Arc &arc, double v);
+  dealii::Point<2> xi_of(const dealii::Point<2> &s);
   CurvedRegion without_detours(const CurvedRegion &region) const;
   double distance_from_rim(unsigned int rim, const dealii::Point<2> &xi) const;
   double parameter_of_rim(unsigned int rim, const dealii::Point<2> &xi) const;
@@ -106,7 +106,7 @@ private:
   std::vector<Arc> rims;
   Region<2> polygon; ///< around the face, or the face if it is flat
   double whole;
-  mutable bool failed = false;
+  bool failed = false;
 };
 
 } // namespace dovetail

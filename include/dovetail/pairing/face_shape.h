@@ -87,10 +87,6 @@ private:
   std::vector<std::vector<unsigned int>> nodes_of_edge; ///< in 3D, from one corner to the next
   std::vector<dealii::Point<1>> points_of_edge;         ///< Gauss-Lobatto
   std::vector<Frame> frames;
-  mutable std::vector<dealii::Tensor<1, dim>> offsets; // scratch
-  mutable std::vector<double> values;
-  mutable std::vector<dealii::Tensor<1, dim - 1>> gradients;
-  mutable std::vector<dealii::Tensor<2, dim - 1>> hessians, no_hessians;
 };
 
 } // namespace dovetail

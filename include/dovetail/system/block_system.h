@@ -78,7 +78,7 @@ public:
            step_rates.second_by_value == rates_of_tangent[1];
   }
   /// Make @p x satisfy the constraints of the current time, by moving the constrained unknowns alone.
-  void constrain(Vector &x) const;
+  void constrain(Vector &x);
 
   /// How often assemble() has been called with and without the tangent.
   struct Assemblies
@@ -122,7 +122,7 @@ public:
   /// off, or has dropped it.
   bool is_dropped(dealii::types::global_dof_index multiplier) const { return dropped.count(multiplier) > 0; }
   /// Complete @p dx by the constrained unknowns.
-  void distribute(Vector &dx) const;
+  void distribute(Vector &dx);
 
   /// What holds the constrained unknowns at a solution of the current time. Collective; refers to
   /// constraints of this system.
@@ -160,7 +160,7 @@ private:
   void assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
   template <typename Visit>
   void for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const;
-  void apply(const dealii::AffineConstraints<double> &lines, Vector &x) const;
+  void apply(const dealii::AffineConstraints<double> &lines, Vector &x);
   void add_sizes(const std::vector<dealii::types::global_dof_index> &dofs, const std::vector<double> &forces,
                  const std::vector<double> &unknowns, unsigned int longest_sum, bool with_tangent);
   void scatter(const std::vector<double> &residual, const std::vector<dealii::types::global_dof_index> &dofs,
@@ -191,7 +191,7 @@ private:
   Undefined problem, problem_here;          ///< over all ranks; on this one, in the present assembly
   Assemblies n_assemblies;
   Vector right_hand_side;
-  mutable Vector ghosted_scratch;
+  Vector ghosted_scratch;
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
   dealii::FullMatrix<double> local_matrix;
   dealii::Vector<double> local_rhs;

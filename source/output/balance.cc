@@ -7,7 +7,9 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <sstream>
 
@@ -103,6 +105,40 @@ std::vector<FlowsOfField> find_flows(const Model<dim> &model, const Domain<dim> 
   return flows;
 }
 
+/// The smallest and the largest value of a field in a domain.
+template <int dim>
+std::array<double, 2> range_of(const Model<dim> &model, const Domain<dim> &domain, const Field &field,
+                               const Vector &solution)
+{
+  std::array<double, 2> range = {{std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()}};
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns(domain.dofs_per_cell());
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      domain.cell_dofs(cell, dofs);
+      solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+      const auto first = unknowns.begin() + field.first_component * domain.n_nodes(),
+                 last = first + field.n_components * domain.n_nodes();
+      range[0] = std::min(range[0], *std::min_element(first, last));
+      range[1] = std::max(range[1], *std::max_element(first, last));
+    }
+  return {{dealii::Utilities::MPI::min(range[0], model.communicator),
+           dealii::Utilities::MPI::max(range[1], model.communicator)}};
+}
+
+const double smallest_difference = 1e-10; ///< of the values of a field, in the largest one
+
+/// Whether nothing flows but rounding: a field that is constant, or one whose differences alone would
+/// leave as much.
+template <int dim>
+bool is_at_rest(const Model<dim> &model, const Domain<dim> &domain, const Field &field,
+                const Vector &solution, const double rounding, const double throughput)
+{
+  const auto range = range_of(model, domain, field, solution);
+  const double difference = range[1] - range[0], level = std::max(std::abs(range[0]), std::abs(range[1]));
+  return difference <= smallest_difference * level || throughput * level <= rounding * difference;
+}
+
 ordered_json value(const std::vector<double> &components)
 {
   return components.size() == 1 ? ordered_json(components[0]) : ordered_json(components);
@@ -126,6 +162,34 @@ struct Imbalance
   std::vector<double> stored, by_component;
   double largest = 0, throughput = 0;
 };
+
+template <int dim>
+std::string explain_loss(const Domain<dim> &domain, const Field &field, const Imbalance &imbalance)
+{
+  std::ostringstream sentence;
+  sentence.precision(2);
+  sentence << "the " << field.name << " of " << domain.name << " is not in balance: of "
+           << imbalance.throughput << " that is put in, taken out or stored, " << imbalance.largest
+           << " is missing. The equations have not been solved exactly enough: lower the Relative "
+              "tolerance of Newton and of the "
+              "Linear solver";
+  return sentence.str();
+}
+
+template <int dim>
+std::string explain_rounding(const Domain<dim> &domain, const Field &field, const Imbalance &imbalance,
+                             const double rounding)
+{
+  std::ostringstream sentence;
+  sentence.precision(2);
+  sentence << "whether the " << field.name << " of " << domain.name << " is in balance cannot be told: of "
+           << imbalance.throughput << " that is put in, taken out or stored, rounding can hide " << rounding
+           << ", because the values are large beside their differences. Measure them from another zero";
+  return sentence.str();
+}
+
+/// Of what flows: more can hide a loss.
+const double largest_rounding = 1e-6;
 
 } // namespace
 
@@ -152,19 +216,18 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
       }
       const double rounding = reactions.forces().rounding(*domain, field, solution);
       result["rounding"] = rounding;
-      if (imbalance.largest <= rounding)
+      if (imbalance.largest <= rounding &&
+          (rounding <= largest_rounding * imbalance.throughput ||
+           is_at_rest(model, *domain, field, solution, rounding, imbalance.throughput))) {
+        if (rounding <= largest_rounding * imbalance.throughput)
+          balance.worst = std::max(balance.worst, imbalance.largest / imbalance.throughput);
         continue;
+      }
       const double relative = imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 1.;
       if (!(relative <= balance.worst))
         balance.worst = relative;
-      std::ostringstream sentence;
-      sentence.precision(2);
-      sentence << "the " << field.name << " of " << domain->name << " is not in balance: of "
-               << imbalance.throughput << " that is put in, taken out or stored, " << imbalance.largest
-               << " is missing. The equations have not been solved exactly enough: lower the Relative "
-                  "tolerance of Newton and of the "
-                  "Linear solver";
-      notes.push_back(sentence.str());
+      notes.push_back(imbalance.largest <= rounding ? explain_rounding(*domain, field, imbalance, rounding)
+                                                    : explain_loss(*domain, field, imbalance));
     }
   }
   return balance;

@@ -13,6 +13,15 @@ namespace dovetail {
 
 namespace {
 
+/// The scalars at the time 0.
+template <int dim>
+void set_scalars(const Domain<dim> &domain, State<dim> &state)
+{
+  for (const Field &field : domain.fields())
+    if (const Expression *initial = domain.initial().find(field.name); initial && field.n_components == 1)
+      state.value[field.first_component] = initial->value(state.X, 0., 0);
+}
+
 /// Of the solid at rest in the first cell of this rank; 0 if there is none, or no law that is defined.
 template <int dim>
 double poisson_ratio(const Domain<dim> &domain, const Field &displacement)
@@ -22,6 +31,7 @@ double poisson_ratio(const Domain<dim> &domain, const Field &displacement)
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       point.state.X = cell->center();
+      set_scalars(domain, point.state);
       if (!point.evaluate(true))
         return 0;
       const double along = point.response.by_gradient[u * n + u][0][0],

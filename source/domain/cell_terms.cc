@@ -12,13 +12,31 @@
 namespace dovetail {
 
 template <int dim>
+std::vector<unsigned int> lumped_components(const Domain<dim> &domain)
+{
+  std::vector<unsigned int> lumped;
+  if (domain.section.top().peek("Steps", "Lumped capacity") != "true")
+    return lumped;
+  for (unsigned int c = 0; c < domain.n_components(); ++c)
+    if (domain.material.order_in_time(c) == 1)
+      lumped.push_back(c);
+  domain.section.check(
+      lumped.empty() || domain.degree == 1, "Degree",
+      "is " + std::to_string(domain.degree) +
+          ", but Lumped capacity = true in the subsection Steps is for the degree 1 only. Set "
+          "Degree = 1, or Lumped capacity = false.");
+  return lumped;
+}
+
+template <int dim>
 CellTerms<dim>::CellTerms(const Domain<dim> &domain)
     : domain(domain), n(domain.n_components()), n_nodes(domain.n_nodes()),
       cell_values(domain.mapping(), domain.scalar_element(), domain.cell_quadrature(),
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
-      uniform_response(n), shape(n_nodes), gradient(n_nodes), source_of_component(n)
+      uniform_response(n), lumped(lumped_components(domain)), lumped_response(n), shape(n_nodes),
+      gradient(n_nodes), source_of_component(n)
 {
   const auto &fields = domain.fields();
   for (unsigned int c = 0; c < n; ++c)
@@ -48,6 +66,49 @@ void CellTerms<dim>::find_rates(const typename Domain<dim>::cell_iterator &cell)
   if (rates != nullptr)
     domain.cell_dofs(cell, dofs);
   point.set_rates(rates, dofs);
+  if (lumped.empty() || point.state.rate.empty())
+    return;
+  lumped_rest.resize(dofs.size());
+  rates->rest.extract_subvector_to(dofs.begin(), dofs.end(), lumped_rest.begin());
+}
+
+template <int dim>
+void CellTerms<dim>::hide_lumped_rates()
+{
+  if (lumped.empty() || point.state.rate.empty())
+    return;
+  point.state.rate_by_value = 0;
+  for (const unsigned int c : lumped)
+    point.state.rate[c] = 0;
+}
+
+template <int dim>
+bool CellTerms<dim>::add_lumped_storage(const double JxW, const std::vector<double> &unknowns,
+                                        std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
+{
+  if (lumped.empty() || point.state.rate.empty())
+    return true;
+  for (const unsigned int c : lumped)
+    point.state.rate[c] = 1; // what is stored is linear in it
+  const bool is_defined = domain.material.evaluate_storage(point.state, lumped_response);
+  point.state.rate_by_value = rates->by_value; // for the next point
+  if (!is_defined)
+    return false;
+  for (const unsigned int c : lumped)
+    for (unsigned int a = 0; a < n_nodes; ++a) {
+      const unsigned int i = c * n_nodes + a;
+      const double rate = rates->by_value * unknowns[i] + lumped_rest[i],
+                   weight = point.shape_values()[a] * JxW;
+      add(i, lumped_response.source[c] * rate * weight, residual);
+      if (tangent == nullptr)
+        continue;
+      (*tangent)(i, i) += lumped_response.source[c] * rates->by_value * weight;
+      for (unsigned int d = 0; d < n; ++d)
+        if (const double slope = lumped_response.source_by_value[c * n + d]; slope != 0)
+          for (unsigned int b = 0; b < n_nodes; ++b)
+            (*tangent)(i, d * n_nodes + b) += slope * rate * weight * point.shape_values()[b];
+    }
+  return true;
 }
 
 template <int dim>
@@ -59,22 +120,29 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   force_sizes.assign(n * n_nodes, 0.);
   if (tangent)
     *tangent = 0;
+  if (tangent && !lumped.empty())
+    lumped_tangent.reinit(residual.size(), residual.size());
   point.state.t = t;
   find_rates(cell);
   cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     point.reinit(cell_values, q, unknowns);
-    if (!point.evaluate(tangent != nullptr)) {
+    hide_lumped_rates();
+    const double JxW = domain.measure(cell_values, q);
+    if (!point.evaluate(tangent != nullptr) ||
+        !add_lumped_storage(JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr)) {
       has_uniform_tangent = false; // what comes next is compared with this cell
       return false;
     }
-    add_flux(domain.measure(cell_values, q), residual);
-    add_source_of_laws(domain.measure(cell_values, q), residual);
+    add_flux(JxW, residual);
+    add_source_of_laws(JxW, residual);
     if (tangent)
       responses[q] = point.response;
   }
   if (tangent)
     add_tangent(*tangent);
+  if (tangent && !lumped.empty())
+    tangent->add(1, lumped_tangent);
   add_source(t, residual);
   if (domain.body_force().is_given())
     add_body_force(t, unknowns, residual, tangent);
@@ -166,9 +234,10 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
   enter_without_tangent(cell, t);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     point.reinit(cell_values, q, unknowns);
-    add_source_of_laws(point.evaluate_storage() ? domain.measure(cell_values, q)
-                                                : std::numeric_limits<double>::quiet_NaN(),
-                       residual);
+    hide_lumped_rates();
+    const double JxW = domain.measure(cell_values, q);
+    const bool is_defined = point.evaluate_storage() && add_lumped_storage(JxW, unknowns, residual, nullptr);
+    add_source_of_laws(is_defined ? JxW : std::numeric_limits<double>::quiet_NaN(), residual);
   }
   return true;
 }
@@ -366,6 +435,8 @@ void CellTerms<dim>::add_influx(const Condition<dim> &condition, const typename 
     }
 }
 
+template std::vector<unsigned int> lumped_components(const Domain<2> &);
+template std::vector<unsigned int> lumped_components(const Domain<3> &);
 template class CellTerms<2>;
 template class CellTerms<3>;
 

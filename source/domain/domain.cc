@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_examination.h>
+#include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/domain.h>
 #include <dovetail/domain/is_covered.h>
 #include <dovetail/domain/mesh_size.h>
@@ -90,6 +91,7 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
 {
   read_given(section);
   read_conditions(section, toggles);
+  lumped_components(*this); // must be right in every run
   if (section.documenting())
     return;
 

@@ -124,8 +124,10 @@ bool Material<dim>::evaluate_storage(const State<dim> &state, Response<dim> &res
 {
   std::copy(state.memory.accepted.begin(), state.memory.accepted.end(), state.memory.trial.begin());
   std::fill(response.source.begin(), response.source.end(), 0.);
+  for (const unsigned int pair : source_pairs)
+    response.source_by_value[pair] = 0;
   return std::all_of(terms.begin(), terms.end(), [&](const auto &term) {
-    return term->order_in_time() == 0 || term->add(state, false, response);
+    return term->order_in_time() == 0 || term->add(state, true, response);
   });
 }
 

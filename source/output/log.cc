@@ -204,11 +204,11 @@ void Log::plan(const Plan &plan)
 void Log::step_begins(const unsigned int step, const unsigned int n_steps, const double time,
                       const double end_time)
 {
-  has_bar = has_terminal && n_steps > 1;
+  has_bar = has_terminal && n_steps != 1;
   this->end_time = end_time;
   time_of_step = time;
   line();
-  if (n_steps > 1)
+  if (n_steps != 1)
     line("Step " + std::to_string(step) + (step > n_steps ? "" : " of " + std::to_string(n_steps)) +
          ", t = " + to_text(time, "%.6g"));
 }

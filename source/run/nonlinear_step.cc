@@ -3,6 +3,7 @@
 
 #include <dovetail/run/nonlinear_step.h>
 
+#include <dovetail/domain/cell_terms.h>
 #include <dovetail/run/initial_values.h>
 #include <dovetail/system/place.h>
 #include <dovetail/system/solve_groups.h>
@@ -10,8 +11,26 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 namespace dovetail {
+
+namespace {
+
+/// Of all conditions and interfaces, in order.
+template <int dim>
+std::vector<bool> active_toggles(const Model<dim> &model, const double t)
+{
+  std::vector<bool> active;
+  for (const auto &domain : model.domains)
+    for (const auto &condition : domain->conditions())
+      active.push_back(condition->is_active(t));
+  for (const auto &interface : model.interfaces)
+    active.push_back(interface->is_active(t));
+  return active;
+}
+
+} // namespace
 
 template <int dim>
 NonlinearStep<dim>::NonlinearStep(const Section &scene, Model<dim> &model, Phases &phases, Notes &notes,
@@ -44,6 +63,8 @@ void NonlinearStep<dim>::make_system(const double t)
   present_system = std::make_unique<BlockSystem<dim>>(model);
   set_up(t);
   problem = std::make_unique<StepProblem<dim>>(model, *present_system, newton, linear_solver, phases, log);
+  given = std::make_unique<GivenValues<dim>>(model);
+  range_watch = std::make_unique<RangeWatch<dim>>(model, *given);
 }
 
 template <int dim>
@@ -59,16 +80,60 @@ void NonlinearStep<dim>::release_system()
 template <int dim>
 void NonlinearStep<dim>::start(const Vector &x)
 {
-  if (scheme && model.order_in_time() > 1)
+  if (!scheme)
+    return;
+  if (model.order_in_time() > 1)
     scheme->start(x, initial_rates(model, x));
-  else if (scheme)
+  else
     scheme->start(x);
+  range_watch->start(x);
+  widen_ranges(x);
+}
+
+template <int dim>
+StepTime NonlinearStep<dim>::step_to(const double t) const
+{
+  const StepTime &last = scheme->memory().last;
+  if (examined.begin != last.end || examined.end != t || examined.size == 0) {
+    const bool looks_back = last.size > 0 && scheme->order() > 1;
+    examined = scheme->step_to(t, looks_back && starts_anew(last.end, t));
+  }
+  return examined;
+}
+
+/// Toggles are asked just before and just after a step begins, too, which it may do where one switches.
+template <int dim>
+bool NonlinearStep<dim>::starts_anew(const double begin, const double t) const
+{
+  return active_toggles(model, begin) != active_toggles(model, t) || given->jump_between(begin, t);
+}
+
+template <int dim>
+double NonlinearStep<dim>::end_before_switch(const double begin, const double end) const
+{
+  if (!scheme)
+    return end;
+  const double least = 1e-9 * (end - begin); // what is nearer counts as the beginning
+  const auto at_begin = active_toggles(model, begin + least);
+  const unsigned int n_looks = 8;
+  double before = begin + least, after = end;
+  bool is_found = false;
+  for (unsigned int i = 1; i <= n_looks && !is_found; ++i) {
+    const double look = i == n_looks ? end : begin + i * (end - begin) / n_looks;
+    is_found = active_toggles(model, look) != at_begin;
+    (is_found ? after : before) = look;
+  }
+  if (!is_found)
+    return end;
+  for (double middle = (before + after) / 2; before < middle && middle < after; middle = (before + after) / 2)
+    (active_toggles(model, middle) == at_begin ? before : after) = middle;
+  return before > begin + 2 * least ? before : end;
 }
 
 template <int dim>
 Rates NonlinearStep<dim>::rates_to(const double t) const
 {
-  return scheme ? scheme->rates(scheme->step_to(t)) : Rates();
+  return scheme ? scheme->rates(step_to(t)) : Rates();
 }
 
 template <int dim>
@@ -76,8 +141,39 @@ void NonlinearStep<dim>::accept_step(const double t, const Vector &x)
 {
   if (!scheme)
     return;
-  rates_of_last_good = rates_to(t);
-  scheme->accept_step(scheme->step_to(t), x);
+  const StepTime of_step = step_to(t);
+  rates_of_last_good = scheme->rates(of_step);
+  scheme->accept_step(of_step, x);
+  range_watch->add(t, of_step.size, x);
+  widen_ranges(x);
+}
+
+template <int dim>
+bool NonlinearStep<dim>::must_start_anew(const double t, const Vector &x) const
+{
+  const bool looks_back = scheme && scheme->order() > 1 && scheme->memory().states.size() > 1;
+  return looks_back && !step_to(t).starts_anew &&
+         std::any_of(model.domains.begin(), model.domains.end(),
+                     [](const auto &domain) { return !lumped_components(*domain).empty(); }) &&
+         range_watch->leaves(t, x);
+}
+
+template <int dim>
+void NonlinearStep<dim>::estimate_errors()
+{
+  if (scheme)
+    scheme->estimate_errors();
+}
+
+template <int dim>
+void NonlinearStep<dim>::widen_ranges(const Vector &x)
+{
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int b = 0; b < blocks.size(); ++b) {
+    const double smallest = x.block(b).min(), largest = x.block(b).max();
+    ValueRange &range = ranges.try_emplace(blocks[b].field, ValueRange{{smallest, largest}}).first->second;
+    range = {{std::min(range[0], smallest), std::max(range[1], largest)}};
+  }
 }
 
 template <int dim>
@@ -127,9 +223,11 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x)
 }
 
 template <int dim>
-void NonlinearStep<dim>::begin_last_good(const double t, const Vector &x)
+bool NonlinearStep<dim>::begin_last_good(const double t, const Vector &x)
 {
+  const bool is_the_same = !present_system->is_outdated(t);
   begin(t, x, rates_of_last_good);
+  return is_the_same;
 }
 
 template <int dim>
@@ -248,7 +346,80 @@ void NonlinearStep<dim>::explain_solution(const double t, const Vector &x)
              "through. What comes after depends on the path; compare with smaller steps and a finer mesh";
     notes.add(words.str());
   }
-  notes.add(explain_range(model, x, t));
+  if (!scheme)
+    notes.add(range_watch->explain(t, x));
+}
+
+template <int dim>
+void NonlinearStep<dim>::explain_steps()
+{
+  if (scheme)
+    notes.add(range_watch->explain_history());
+}
+
+/// After the first step only how far it has led is known, d: of what decays like exp(-t) it leaves the error
+/// d^2/2. Prescribed values may jump at the beginning, and give the range. A field that has none then, and
+/// one that moves by its inertia, are not judged before the second step.
+template <int dim>
+typename NonlinearStep<dim>::Error NonlinearStep<dim>::error(const double t, const Vector &x) const
+{
+  StepError of_step = scheme->local_error(step_to(t), x);
+  const bool is_first = of_step.order == 0;
+  for (const auto dof : model.numbering->owned)
+    if (present_system->is_constrained(dof))
+      of_step.of_states(dof) = 0;
+  of_step.of_states.compress(dealii::VectorOperation::insert);
+  Error result = {0, std::max(1u, of_step.order), is_first};
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int b = 0; b < blocks.size(); ++b) {
+    if (blocks[b].is_of_multipliers)
+      continue;
+    const auto &domain = *model.domains[blocks[b].domain_index];
+    const unsigned int order_in_time =
+        domain.material.order_in_time(domain.fields()[blocks[b].field_index].first_component);
+    if (order_in_time == 0 || (is_first && order_in_time > 1))
+      continue;
+    const ValueRange range = range_for_error(blocks[b].field, x, is_first);
+    const double width = range[1] - range[0],
+                 rounding = 1e-12 * std::max(std::abs(range[0]), std::abs(range[1]));
+    if (!(width > rounding))
+      continue;
+    const double relative = of_step.of_states.block(b).linfty_norm() / width;
+    result.relative = std::max(result.relative, is_first ? relative * relative / 2 : relative);
+  }
+  return result;
+}
+
+template <int dim>
+void NonlinearStep<dim>::note_smallest_step(const double t, const double relative_error)
+{
+  if (std::exchange(has_noted_smallest_step, true))
+    return;
+  std::ostringstream words;
+  words.precision(3);
+  words << "the step to t = " << t << " has the error " << relative_error
+        << " of the range of its field, more than the Tolerance, but the Smallest step allows no smaller one";
+  notes.add(words.str());
+}
+
+/// Of the values so far and, in the first step, what is prescribed in it; later, those of the step, too.
+template <int dim>
+ValueRange NonlinearStep<dim>::range_for_error(const std::string &field, const Vector &x,
+                                               const bool is_first) const
+{
+  ValueRange range = ranges.at(field);
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int b = 0; b < blocks.size(); ++b)
+    if (blocks[b].field == field && !blocks[b].is_of_multipliers) {
+      Vector::BlockType values = x.block(b);
+      if (is_first)
+        for (const auto i : values.locally_owned_elements())
+          if (!present_system->is_constrained(x.get_block_indices().local_to_global(b, i)))
+            values(i) = scheme->memory().states[0].block(b)(i);
+      values.compress(dealii::VectorOperation::insert);
+      range = {{std::min(range[0], values.min()), std::max(range[1], values.max())}};
+    }
+  return range;
 }
 
 /// Before anything else is assembled.

@@ -39,12 +39,13 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
 
 template <int dim>
 Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Comm &communicator)
-    : text(text), scene(SceneText::root(text)), log(communicator), notes(log), model([&]() -> Model<dim> {
+    : text(text), scene(SceneText::root(text)), log(communicator), notes(log),
+      steps(scene.subsection("Steps")), model([&]() -> Model<dim> {
         read_dimension(scene);
         const Phases::Scope scope(phases, "mesh");
         return Model<dim>(scene, communicator);
       }()),
-      probes(scene, model), steps(scene.subsection("Steps")), step(scene, model, phases, notes, log),
+      probes(scene, model), step(scene, model, phases, notes, log),
       results(*text, scene.subsection("Output"), model, probes, phases, notes, log),
       step_control(steps, step, results, log), adaptive_cycles(scene, model, step, results, phases, log)
 {
@@ -109,6 +110,7 @@ bool Simulation<dim>::run()
   step.start(x);
 
   bool is_converged = step_control.run(x);
+  step.explain_steps();
   const double t = step_control.time();
   const bool has_results = step_control.n_done() > 0; // else nothing could be taken for a result
   if (has_results) {

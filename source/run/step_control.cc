@@ -4,12 +4,19 @@
 #include <dovetail/run/step_control.h>
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
 namespace dovetail {
 
 namespace {
 
 const double smallest_size = 1. / 1024; ///< of a step or of a share of the load, relative
+// of steps by their error
+const double smallest_of_run = 1e-9;                ///< of the end time
+const double safety = 0.9;                          ///< of the size that the estimate allows
+const double largest_growth = 2, largest_cut = 0.2; ///< from one size to the next
+const double smallest_change = 0.2;                 ///< less is not worth a new matrix
 
 } // namespace
 
@@ -23,30 +30,61 @@ Steps::Steps(const Section &section)
       n_steps(section.read<unsigned int>("Number of steps", 1, "Equal steps up to the end time [-]",
                                          Patterns::Integer(1))),
       is_adaptive(section.read<bool>("Adaptive", true,
-                                     "Halve a step that does not converge, down to 1/1024 of its size [-]"))
+                                     "Halve a step that does not converge, down to the Smallest step [-]")),
+      tolerance(section.read<double>(
+          "Tolerance", 0,
+          "Of the error that one step adds, relative to the range of each field in all bodies: sizes of the "
+          "steps follow from it, the first one from the Number of steps; 0: steps are equal [-]",
+          Patterns::Double(0, 0.5))),
+      smallest(
+          section.read<double>("Smallest step", 0,
+                               "Of the steps that are tried; 0: 1/1024 of the first one, with a Tolerance "
+                               "1e-9 of the End time [s]",
+                               Patterns::Double(0))),
+      largest(section.read<double>("Largest step", 0, "With a Tolerance; 0: the End time [s]",
+                                   Patterns::Double(0)))
 {
   const bool has_inertia =
       section.read<bool>("Inertia", false, "Solids have inertia, by their Density, in transient scenes [-]");
   section.check(!has_inertia || is_transient, "Inertia",
                 "needs Kind = transient: a static scene has no accelerations.");
+  const bool is_lumped = section.read<bool>("Lumped capacity", false,
+                                            "What heat and species store is summed at the nodes, so that no "
+                                            "value leaves the range of what is given, "
+                                            "however short the steps are; Degree = 1 only [-]");
+  section.check(!is_lumped || is_transient, "Lumped capacity",
+                "needs Kind = transient: a static scene stores nothing.");
+  section.check(tolerance == 0 || is_transient, "Tolerance",
+                "needs Kind = transient: a static step has no error in time.");
+  section.check(largest == 0 || controls_errors(), "Largest step",
+                "needs a Tolerance; without one the Number of steps gives the size.");
+  if (smallest == 0)
+    smallest = controls_errors() ? smallest_of_run * end_time : smallest_size * size();
+  if (largest == 0)
+    largest = controls_errors() ? end_time : size();
+  section.check(smallest <= std::min(size(), largest), "Smallest step",
+                "is larger than the first step, End time / Number of steps, or than the Largest step.");
 }
 
 template <int dim>
 StepControl<dim>::StepControl(const Steps &steps, NonlinearStep<dim> &step, Results<dim> &results, Log &log)
-    : steps(steps), step(step), results(results), log(log), size(steps.size())
+    : steps(steps), step(step), results(results), log(log), size(std::min(steps.size(), steps.largest))
 {
+  if (steps.controls_errors())
+    step.estimate_errors();
 }
 
 template <int dim>
 bool StepControl<dim>::run(Vector &x)
 {
-  const double almost_end = steps.end_time - 1e-6 * steps.size(); // sizes do not add up exactly
-  while (t < almost_end) {
-    const double next = t + size < almost_end ? t + size : steps.end_time;
-    log.step_begins(n_good + 1, steps.n_steps, next, steps.end_time);
-    step.allow_jumps(next - t < 0.75 * steps.size()); // it has been halved
+  double next = 0;
+  Outcome outcome = Outcome::converged;
+  while (t < almost_end()) {
+    next = outcome == Outcome::out_of_range ? next : end_of_next();
+    log.step_begins(n_good + 1, steps.controls_errors() ? 0 : steps.n_steps, next, steps.end_time);
+    step.allow_jumps(!steps.controls_errors() && next - t < 0.75 * steps.size()); // it has been halved
     Vector trial = x;
-    Outcome outcome = Outcome::failed_at_any_size;
+    outcome = Outcome::failed_at_any_size;
     try {
       outcome = try_step(next, x, trial);
     } catch (const UserError &) { // toggles, or formulas in t: the steps before it are kept
@@ -57,11 +95,64 @@ bool StepControl<dim>::run(Vector &x)
     if (outcome == Outcome::converged) {
       x = trial;
       accept_step(next, x);
-    } else if (!retry_smaller(outcome, next)) {
+    } else if (outcome == Outcome::out_of_range)
+      log.step_ends("a value leaves the range of what is given; backward Euler is tried");
+    else if (outcome == Outcome::inexact)
+      log.step_ends("the error of the step is too large; a smaller one is tried");
+    else if (!retry_smaller(outcome, next)) {
       end_at_last_good(next, x);
       return false;
     }
   }
+  return true;
+}
+
+/// Of the steps; sizes do not add up exactly.
+template <int dim>
+double StepControl<dim>::almost_end() const
+{
+  return steps.end_time - 1e-6 * std::min(size, steps.size());
+}
+
+/// A step that a toggle cuts short is followed by one that ends where that would have ended: steps stay
+/// equal.
+template <int dim>
+double StepControl<dim>::end_of_next()
+{
+  double next = t + size < almost_end() ? t + size : steps.end_time;
+  if (cut_short > t)
+    next = std::min(next, cut_short);
+  const double end = step.end_before_switch(t, next);
+  cut_short = end < next ? next : 0;
+  return end;
+}
+
+/// Whether the error of the step to time @p next allows to go on from @p trial; the size of the next one,
+/// or of this one tried again.
+template <int dim>
+bool StepControl<dim>::is_exact_enough(const double next, const Vector &trial)
+{
+  if (!steps.controls_errors() || !step.has_rates())
+    return true;
+  const auto error = step.error(next, trial);
+  results.report()["steps"].back()["error"] = error.relative;
+  const double h = next - t, ratio = steps.tolerance / std::max(error.relative, 1e-300);
+  const double factor =
+      std::min(largest_growth, std::max(largest_cut, safety * std::pow(ratio, 1. / (error.order + 1))));
+  // after a jump the first cells may not follow however small the step is: then its error grows again
+  const bool is_of_mesh = error.is_first && rejected_error > 0 && error.relative > rejected_error;
+  if (ratio < 1 && !is_of_mesh && h > 1.000001 * steps.smallest) {
+    rejected_error = error.is_first ? error.relative : 0;
+    size = std::max(steps.smallest, h * factor);
+    return false;
+  }
+  rejected_error = 0;
+  if (ratio < 1 && !is_of_mesh)
+    step.note_smallest_step(next, error.relative);
+  size_by_error = std::max(factor * h, factor < 1 ? 0 : size); // h may have been cut short
+  if (std::abs(size_by_error - size) < smallest_change * size)
+    size_by_error = size;
+  size_by_error = std::min(steps.largest, std::max(steps.smallest, size_by_error));
   return true;
 }
 
@@ -95,6 +186,12 @@ typename StepControl<dim>::Outcome StepControl<dim>::try_step(const double next,
   }
   results.report().add_step(next, result.residuals, result.linear_iterations);
   step.add_notes();
+  if (result.is_converged && step.must_start_anew(next, trial)) {
+    step.start_anew(next);
+    return Outcome::out_of_range;
+  }
+  if (result.is_converged && !is_exact_enough(next, trial))
+    return Outcome::inexact;
   if (!result.is_converged || !step.remember(next, trial))
     return outcome;
   step.explain_solution(next, trial);
@@ -138,7 +235,7 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   t = next;
   ++n_good;
   step.accept_step(next, x);
-  size = std::min(steps.size(), 2 * size);
+  size = steps.controls_errors() ? size_by_error : std::min(steps.size(), 2 * size);
   log.step_ends();
   results.forget_solution();
   if (!results.is_due(n_good) && t != steps.end_time)
@@ -152,7 +249,7 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
 template <int dim>
 bool StepControl<dim>::retry_smaller(const Outcome outcome, const double next)
 {
-  if (outcome != Outcome::failed || size <= steps.size() * smallest_size)
+  if (outcome != Outcome::failed || size <= steps.smallest)
     return false;
   size = (next - t) / 2; // the last step may have been shorter than size
   log.step_ends("did not converge; half of the step is tried");
@@ -166,8 +263,8 @@ void StepControl<dim>::end_at_last_good(const double failed, const Vector &x)
   log.step_ends(problem_of_step ? "cannot be done" : "did not converge");
   if (!problem_of_step)
     step.explain_failure(failed, x);
-  step.begin_last_good(t, x);
-  results.forget_solution(); // the ties may have been set up anew
+  if (!step.begin_last_good(t, x) || !step.has_rates())
+    results.forget_solution();
   if (n_good > 0 && !results.is_due(n_good))
     results.write_pictures({step.system(), x, t, false});
 }

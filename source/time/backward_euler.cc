@@ -25,6 +25,7 @@ public:
   explicit BackwardEuler(const Section & /*steps*/) {}
 
   std::string description() const override { return "backward Euler, of order 1"; }
+  unsigned int order() const override { return 1; }
 
   Rates rates(const StepTime &step) const override
   {

@@ -9,30 +9,63 @@ namespace dovetail {
 
 void TimeScheme::start(const Vector &x)
 {
-  remembered = {StepTime(), {x}, {}};
+  remembered = {StepTime(), {}, {x}, {}};
 }
 
 void TimeScheme::start(const Vector &x, const Vector &rate)
 {
-  remembered = {StepTime(), {x}, {rate}};
+  remembered = {StepTime(), {}, {x}, {rate}};
 }
 
 void TimeScheme::accept_step(const StepTime &step, const Vector &x)
 {
+  const unsigned int n = n_known(step);
   if (!remembered.rates.empty()) {
     const Rates of_step = rates(step);
     Vector rate = of_step.rest;
     rate.add(of_step.by_value, x);
+    remembered.rates.resize(n);
     remember(rate, remembered.rates);
   }
+  remembered.states.resize(n);
+  remembered.sizes.resize(n - 1);
   remember(x, remembered.states);
+  remembered.sizes.insert(remembered.sizes.begin(), step.size);
+  remembered.sizes.resize(remembered.states.size() - 1);
   remembered.last = step;
+}
+
+StepError TimeScheme::local_error(const StepTime &step, const Vector &x) const
+{
+  const std::vector<Vector> &states = remembered.states;
+  const unsigned int k = std::min(n_known(step) - 1, order());
+  StepError error = {x, k};
+  if (k == 0) {
+    error.of_states -= states[0];
+    return error;
+  }
+  std::vector<double> before = {0, step.size}; // t_(n+1) - t_(n+1-j)
+  for (unsigned int j = 0; j < k; ++j)
+    before.push_back(before.back() + remembered.sizes[j]);
+  double product = 1 / rates(step).by_value;
+  for (unsigned int j = 1; j <= k; ++j)
+    product *= before[j];
+  const auto weight = [&](const unsigned int i) { // of x_(n+1-i) in the divided difference
+    double divisor = 1;
+    for (unsigned int j = 0; j < before.size(); ++j)
+      divisor *= j == i ? 1 : before[j] - before[i];
+    return product / divisor;
+  };
+  error.of_states *= weight(0);
+  for (unsigned int i = 1; i < before.size(); ++i)
+    error.of_states.add(weight(i), states[i - 1]);
+  return error;
 }
 
 /// The oldest one makes room.
 void TimeScheme::remember(const Vector &newest, std::vector<Vector> &all) const
 {
-  if (all.size() < n_states())
+  if (all.size() < n_remembered())
     all.insert(all.begin(), newest);
   else {
     std::rotate(all.begin(), all.end() - 1, all.end());
@@ -43,8 +76,7 @@ void TimeScheme::remember(const Vector &newest, std::vector<Vector> &all) const
 std::unique_ptr<TimeScheme> make_time_scheme(const Section &steps)
 {
   return TimeSchemeCatalogue::create_by(
-      "Scheme", steps, "backward Euler",
-      "How rates follow from the states of the steps in transient scenes [-]");
+      "Scheme", steps, "BDF2", "How rates follow from the states of the steps in transient scenes [-]");
 }
 
 } // namespace dovetail

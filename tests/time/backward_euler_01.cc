@@ -72,7 +72,8 @@ double error(const TimeScheme &scheme, const double t, const bool is_first_step)
 int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const Section scene = SceneText::root(SceneText::from_prm(""));
+  const Section scene =
+      SceneText::root(SceneText::from_prm("subsection Steps\nset Scheme = backward Euler\nend\n"));
   const auto scheme = make_time_scheme(scene.subsection("Steps"));
   report(scheme->description(), true);
 

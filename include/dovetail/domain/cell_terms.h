@@ -18,6 +18,12 @@
 
 namespace dovetail {
 
+/// Those of the scalars whose capacity is lumped: all that store, if the scene asks for `Lumped capacity`.
+/// @throw UserError if the degree is not 1: row sums of higher shape functions are negative or zero
+/// somewhere.
+template <int dim>
+std::vector<unsigned int> lumped_components(const Domain<dim> &domain);
+
 /// Residual and tangent of
 /// @f[ R(\delta) = \int_K A\cdot\nabla\delta B + S\cdot\delta B - f\cdot\delta B \,dV
 ///                 - \int_{\partial K} h(B)\cdot\delta B \,dA @f]
@@ -76,6 +82,12 @@ private:
   void add_flux(double JxW, std::vector<double> &residual);
   void add_source_of_laws(double JxW, std::vector<double> &residual);
   void find_rates(const typename Domain<dim>::cell_iterator &cell);
+  /// Where capacity is lumped the laws see no rates of scalars: see add_lumped_storage().
+  void hide_lumped_rates();
+  /// S_(c,a) = m_a dB_(c,a)/dt with the row sums m_a = int C_c phi_a dV of the capacity C_c, the part of the
+  /// current point of them. @return false if a capacity is not defined there.
+  bool add_lumped_storage(double JxW, const std::vector<double> &unknowns, std::vector<double> &residual,
+                          dealii::FullMatrix<double> *tangent);
   /// The terms of the fluxes' derivatives, or those of the cell before if nothing can have changed.
   void add_tangent(dealii::FullMatrix<double> &tangent);
   void add_tangent_at_point(const Response<dim> &response, double JxW,
@@ -114,6 +126,10 @@ private:
   std::vector<unsigned int> with_source; ///< components for which the laws have one
   bool has_loads = false;                ///< some of them is not storage alone
   const Rates *rates = nullptr;
+  const std::vector<unsigned int> lumped; ///< components whose capacity is
+  Response<dim> lumped_response;
+  std::vector<double> lumped_rest;                   ///< of the rates of the cell's unknowns
+  dealii::FullMatrix<double> lumped_tangent;         ///< of a cell
   std::vector<dealii::types::global_dof_index> dofs; ///< scratch
   std::vector<double> shape;                         ///< at the current point, as the next two
   std::vector<dealii::Tensor<1, dim>> gradient;

@@ -37,8 +37,8 @@ public:
   /// NaN gives NaN and remembers what it has: an interface does not know the fields that it does not tie.
   /// Derivatives that vanish identically are not touched; coupling() tells them.
   bool evaluate(const State<dim> &state, bool with_derivatives, Response<dim> &response) const;
-  /// Likewise, but of the sources only what is stored: that of the terms that ask for rates. The fluxes are
-  /// not touched. @pre The rates are known.
+  /// Likewise, but of the sources only what is stored, with derivatives: that of the terms that ask for
+  /// rates. The fluxes are not touched. @pre The rates are known.
   bool evaluate_storage(const State<dim> &state, Response<dim> &response) const;
 
   /// Second derivatives of sum_c w_c . A_c by all of S = (B_0, grad B_0, B_1, grad B_1, …): a symmetric

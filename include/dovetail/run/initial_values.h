@@ -14,10 +14,9 @@
 namespace dovetail {
 
 /// Set the fields of @p x that have an `Initial` to it, and other scalar fields of nonlinear scenes without
-/// rates in each
-/// body to the mean of those values at the beginning, over all that is tied to it and active at time @p t.
-/// The `Initial` of the field @p without_initial, if one is named, does not count. A linear scene needs no
-/// guess, and an update from one far from the solution has the rounding of the guess. Collective.
+/// rates in each body to the mean of those values at the beginning, over all that is tied to it and active at
+/// time @p t. The `Initial` of the field @p without_initial, if one is named, does not count. A linear scene
+/// needs no guess, and an update from one far from the solution has the rounding of the guess. Collective.
 template <int dim>
 void set_initial_values(const Model<dim> &model, double t, Vector &x,
                         const std::string &without_initial = "");
@@ -26,11 +25,5 @@ void set_initial_values(const Model<dim> &model, double t, Vector &x,
 /// get. Collective.
 template <int dim>
 Vector initial_rates(const Model<dim> &model, const Vector &x);
-
-/// Sentences about scalar fields of a solution that leave the range of those values at time @p t by more than
-/// its width: a mesh that is too coarse may overshoot, but not so far. Fields with sources or given influxes
-/// have no range. Collective.
-template <int dim>
-std::vector<std::string> explain_range(const Model<dim> &model, const Vector &solution, double t);
 
 } // namespace dovetail

@@ -7,9 +7,11 @@
 
 #include <dovetail/output/notes.h>
 #include <dovetail/output/plan.h>
+#include <dovetail/run/range_watch.h>
 #include <dovetail/run/step_problem.h>
 #include <dovetail/time/time_scheme.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,13 +39,38 @@ public:
   void accept_step(double t, const Vector &x);
   bool has_rates() const { return scheme != nullptr; } ///< a term asks for them
 
+  /// The end of a step from the last good one: @p end, or before it the last time at which all toggles are as
+  /// they are just after @p begin.
+  double end_before_switch(double begin, double end) const;
+  /// Whether the step to time @p t that has led to @p x looks back on more than one state, and leaves the
+  /// range of what is given although capacity is lumped: then backward Euler does not. Collective.
+  bool must_start_anew(double t, const Vector &x) const;
+  void start_anew(const double t) { examined = scheme->step_to(t, true); } ///< in the step to time @p t
+
+  /// Before start(): error() will be asked.
+  void estimate_errors();
+  /// What a step adds to the error: the largest of all free unknowns that are stored, relative to the range
+  /// that the values of their field have had so far. It shrinks like the size to the power order + 1.
+  struct Error
+  {
+    double relative = 0;
+    unsigned int order = 1;
+    bool is_first = false; ///< after a new start
+  };
+  /// Of the step to time @p t that has led to @p x. Collective.
+  Error error(double t, const Vector &x) const;
+  /// The smallest step that is allowed has that error, and is taken. Once.
+  void note_smallest_step(double t, double relative_error);
+
   /// Whether @p x solves the equations of time @p t as it is. Newton's method sees that for itself, unless
   /// weights and penalties of ties are frozen anew in each step: here they stay as they are. Collective.
   bool is_solution(double t, const Vector &x);
   /// A step to time @p t from @p x begins.
   void begin(double t, const Vector &x);
-  /// The last good step, which led to @p x at time @p t, is what the system stands for again.
-  void begin_last_good(double t, const Vector &x);
+  /// The last good step, which led to @p x at time @p t, is what the system stands for again. Ties freeze at
+  /// its end what they froze at its beginning. @return whether what was measured of it holds still: not if
+  /// the system has been set up for other toggles.
+  bool begin_last_good(double t, const Vector &x);
   /// Newton's method from @p x, which becomes the last iterate.
   NewtonResult iterate(Vector &x, Newton::Start start = Newton::Start::nearby);
   /// Likewise, and again from there until the penalties that are frozen during a step fit the solution.
@@ -66,6 +93,8 @@ public:
   void add_notes();
   /// What is strange about the solution @p x at time @p t.
   void explain_solution(double t, const Vector &x);
+  /// What is strange about all good steps together.
+  void explain_steps();
   /// After the step to time @p t has failed: where the last iteration left the largest residual, and what may
   /// help. @p x: the last good state. Perhaps a body is free; the tangent there knows.
   void explain_failure(double t, const Vector &x);
@@ -82,7 +111,11 @@ public:
 private:
   void set_up(double t);
   void begin(double t, const Vector &x, const Rates &rates);
+  StepTime step_to(double t) const;
   Rates rates_to(double t) const;
+  bool starts_anew(double begin, double t) const;
+  void widen_ranges(const Vector &x);
+  ValueRange range_for_error(const std::string &field, const Vector &x, bool is_first) const;
   std::vector<std::string> describe_failure() const;
   std::string what_failed() const;
   std::string what_may_help() const;
@@ -92,7 +125,12 @@ private:
   Notes &notes;
   Log &log;
   Newton newton;
-  std::unique_ptr<TimeScheme> scheme; ///< nullptr if no term asks for rates
+  std::unique_ptr<TimeScheme> scheme;           ///< nullptr if no term asks for rates
+  std::unique_ptr<GivenValues<dim>> given;      ///< on the present meshes
+  std::unique_ptr<RangeWatch<dim>> range_watch; ///< likewise
+  std::map<std::string, ValueRange> ranges;     ///< of the fields so far, for errors
+  bool has_noted_smallest_step = false;
+  mutable StepTime examined; ///< by step_to()
   Rates rates_of_last_good;
   std::unique_ptr<BlockSystem<dim>> present_system;
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first

@@ -37,9 +37,9 @@ private:
   Phases phases;
   Log log;
   Notes notes;
+  Steps steps; ///< read first: materials depend on its Kind
   Model<dim> model;
   Probes<dim> probes;
-  Steps steps;
   NonlinearStep<dim> step;
   Results<dim> results;
   StepControl<dim> step_control;

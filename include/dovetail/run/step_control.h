@@ -21,10 +21,14 @@ struct Steps
   bool is_transient; ///< the state at the time 0 is given, not guessed
   double end_time;
   unsigned int n_steps;
-  bool is_adaptive; ///< halve a step that does not converge, down to 1/1024
+  bool is_adaptive;         ///< halve a step that does not converge
+  double tolerance;         ///< of the error of one step; 0: sizes do not depend on errors
+  double smallest, largest; ///< sizes
+  bool controls_errors() const { return tolerance > 0; }
 };
 
-/// Goes from the time 0 to the end by steps that are halved where they fail and doubled where they do not. If
+/// Goes from the time 0 to the end by steps that are halved where they fail and doubled where they do not, or
+/// whose sizes follow from the error of each. Rates go on from a time at which a toggle switches. If
 /// nothing depends on the time, what is not in balance is divided instead. The time, the size of the next
 /// step, the number of good ones and the state after the last of them are all that a run goes on from.
 template <int dim>
@@ -44,7 +48,10 @@ public:
   const std::exception_ptr &problem() const { return problem_of_step; }
 
 private:
-  enum class Outcome { converged, failed, failed_at_any_size };
+  enum class Outcome { converged, inexact, out_of_range, failed, failed_at_any_size };
+  double almost_end() const;
+  double end_of_next();
+  bool is_exact_enough(double next, const Vector &trial);
   Outcome try_step(double next, const Vector &x, Vector &trial);
   NewtonResult continue_in_load(double next, const Vector &x, Vector &trial);
   void accept_step(double next, const Vector &x);
@@ -56,6 +63,9 @@ private:
   Results<dim> &results;
   Log &log;
   double t = 0, size;
+  double size_by_error = 0;  ///< of the step after this one
+  double rejected_error = 0; ///< of the attempt before, in the first step after a new start
+  double cut_short = 0;      ///< where the step would have ended if no toggle had switched
   unsigned int n_good = 0;
   std::exception_ptr problem_of_step;
 };

@@ -14,13 +14,16 @@ struct StepTime
 {
   double begin = 0, end = 0;
   double size = 0; ///< end - begin, but for rounding
+  /// A toggle has switched, or prescribed values jump: the states before begin are on another curve, and a
+  /// scheme of several steps starts anew.
+  bool starts_anew = false;
 
   /// The step after this one. Times are sums, so sizes that were meant to be equal differ by the rounding of
   /// the time: these are made equal, and a matrix that depends on the size alone stays as it is.
-  StepTime next(const double next_end) const
+  StepTime next(const double next_end, const bool starts_anew_there = false) const
   {
     const double difference = next_end - end, rounding = 1e-14 * std::abs(next_end);
-    return {end, next_end, std::abs(difference - size) <= rounding ? size : difference};
+    return {end, next_end, std::abs(difference - size) <= rounding ? size : difference, starts_anew_there};
   }
 };
 

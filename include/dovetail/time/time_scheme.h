@@ -9,6 +9,7 @@
 #include <dovetail/time/rates.h>
 #include <dovetail/time/step_time.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,8 +23,17 @@ struct TimeMemory
   using Vector = Rates::Vector;
 
   StepTime last;              ///< good step; of size 0 at the beginning
+  std::vector<double> sizes;  ///< of the last good steps, the newest first
   std::vector<Vector> states; ///< solutions of the last good steps, the newest first
   std::vector<Vector> rates;  ///< of these; empty if no term asks for second rates
+};
+
+/// What one step adds to the error of the solution, as far as the states of the steps before tell.
+struct StepError
+{
+  Rates::Vector of_states;
+  /// The error shrinks like size^(order + 1). 0: nothing is known but how far the step has led.
+  unsigned int order;
 };
 
 /// A scheme of one or several steps for the rates of all unknowns. Knows vectors, no finite elements and no
@@ -36,13 +46,26 @@ public:
   virtual ~TimeScheme() = default;
 
   virtual std::string description() const = 0; ///< "backward Euler, of order 1"
+  virtual unsigned int order() const = 0;
   /// The rates during a step that begins at memory().last.end, linear in the state at its end. Those of order
   /// two only if memory().rates is not empty.
   virtual Rates rates(const StepTime &step) const = 0;
 
   void start(const Vector &x);                     ///< at the time 0 with the state @p x
   void start(const Vector &x, const Vector &rate); ///< likewise, if some term asks for second rates
-  StepTime step_to(const double end) const { return remembered.last.next(end); }
+  StepTime step_to(const double end, const bool starts_anew = false) const
+  {
+    return remembered.last.next(end, starts_anew);
+  }
+  /// Before start(): remember one more state than rates() asks for, which local_error() does.
+  void estimate_errors() { estimates_errors = true; }
+  /// Of a step that has led to @p x. With the divided difference x[...] of the k + 2 newest states, x among
+  /// them, the error of backward differences of order k,
+  /// @f[ x[t_{n+1}, \dots, t_{n-k}]\, \prod_{j=1}^{k} (t_{n+1} - t_{n+1-j}) / \mathrm{by\_value}, @f]
+  /// which is proportional to the difference of x and its extrapolation from the states before (predictor
+  /// and corrector). k is the order, or smaller while fewer states are known; without any other state
+  /// than the last one x - x_n, of order 0.
+  StepError local_error(const StepTime &step, const Vector &x) const;
   /// A step has led to @p x: the next one begins there.
   void accept_step(const StepTime &step, const Vector &x);
 
@@ -51,11 +74,15 @@ public:
 
 protected:
   virtual unsigned int n_states() const = 0; ///< how many good steps rates() looks back on
+  /// How many of them belong to the curve of a step.
+  unsigned int n_known(const StepTime &step) const { return step.starts_anew ? 1 : remembered.states.size(); }
 
 private:
   void remember(const Vector &newest, std::vector<Vector> &all) const;
+  unsigned int n_remembered() const { return std::max(n_states(), estimates_errors ? order() + 1 : 0); }
 
   TimeMemory remembered;
+  bool estimates_errors = false;
 };
 
 using TimeSchemeCatalogue = Catalogue<TimeScheme>;

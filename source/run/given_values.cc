@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/run/given_values.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/fe/fe_values.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace dovetail {
+
+template <int dim>
+std::optional<double> given_value(const Domain<dim> &domain, const Condition<dim> &condition,
+                                  const dealii::Point<dim> &X, const double t)
+{
+  double value = 0;
+  if (!condition.prescribed_components().empty())
+    value = condition.prescribed_value(X, t, 0);
+  else {
+    State<dim> state(domain.n_components());
+    state.X = X;
+    state.t = t;
+    Influx<dim> influx(1, domain.n_components());
+    condition.influx(state, {}, influx);
+    const double derivative = influx.by_value(0, condition.field.first_component);
+    if (derivative == 0)
+      return {};
+    value = -influx.value[0] / derivative;
+  }
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+template <int dim>
+GivenValues<dim>::GivenValues(const Model<dim> &model) : model(model)
+{
+  const auto less = [](const dealii::Point<dim> &X, const dealii::Point<dim> &Y) {
+    for (unsigned int d = 0; d < dim; ++d)
+      if (X[d] != Y[d])
+        return X[d] < Y[d];
+    return false;
+  };
+  for (const auto &domain : model.domains) {
+    const auto &element = domain->scalar_element();
+    dealii::FEValues<dim> at_nodes(domain->mapping(), element, element.get_unit_support_points(),
+                                   dealii::update_quadrature_points);
+    for (const auto &condition : domain->conditions()) {
+      std::set<dealii::Point<dim>, decltype(less)> nodes(less); // cells share them
+      for (const auto &[cell, number, id] : domain->boundary_faces())
+        if (cell->is_locally_owned() && condition->boundary_ids.count(id) > 0) {
+          at_nodes.reinit(cell);
+          for (unsigned int a = 0; a < domain->n_nodes(); ++a)
+            if (element.has_support_on_face(a, number))
+              nodes.insert(at_nodes.quadrature_point(a));
+        }
+      for (const auto &X : nodes)
+        places.push_back({domain.get(), condition.get(), X});
+    }
+  }
+}
+
+template <int dim>
+bool GivenValues<dim>::has_sources(const std::string &field) const
+{
+  for (const auto &domain : model.domains) {
+    const auto &fields = domain->fields();
+    for (unsigned int f = 0; f < fields.size(); ++f)
+      if (fields[f].name == field && domain->material.has_load(f))
+        return true;
+    if (domain->source().find(field) != nullptr)
+      return true;
+  }
+  return std::any_of(model.interfaces.begin(), model.interfaces.end(), [&](const auto &interface) {
+    return interface->has_prescribed_jump() &&
+           std::any_of(interface->fields.begin(), interface->fields.end(),
+                       [&](const TiedField &tied) { return tied.name == field; });
+  });
+}
+
+template <int dim>
+std::optional<ValueRange> GivenValues<dim>::range(const std::string &field, const double t) const
+{
+  const double infinity = std::numeric_limits<double>::infinity();
+  double smallest = infinity, largest = -infinity;
+  bool has_others = has_sources(field);
+  for (const auto &[domain, condition, X] : places)
+    if (condition->field.name == field && condition->is_active(t)) {
+      if (const auto value = given_value(*domain, *condition, X, t)) {
+        smallest = std::min(smallest, *value);
+        largest = std::max(largest, *value);
+      } else
+        has_others = true;
+    }
+  smallest = dealii::Utilities::MPI::min(smallest, model.communicator);
+  largest = dealii::Utilities::MPI::max(largest, model.communicator);
+  if (dealii::Utilities::MPI::max(has_others ? 1 : 0, model.communicator) == 1)
+    return {};
+  return ValueRange{{smallest, largest}};
+}
+
+template <int dim>
+bool GivenValues<dim>::jumps(const Place &place, const unsigned int component, double begin, double end)
+{
+  const auto value = [&](const double t) { return place.condition->prescribed_value(place.X, t, component); };
+  double first = value(begin), last = value(end);
+  const double change = std::abs(last - first);
+  const unsigned int most_halvings = 20;
+  for (unsigned int halving = 0; halving < most_halvings; ++halving) {
+    const double middle = (begin + end) / 2, between = value(middle);
+    const bool is_first_half = std::abs(between - first) > std::abs(last - between);
+    (is_first_half ? end : begin) = middle;
+    (is_first_half ? last : first) = between;
+    // a smooth function loses half of its change in each halving
+    if (!(std::abs(last - first) > change / 2))
+      return false;
+  }
+  return true;
+}
+
+template <int dim>
+bool GivenValues<dim>::jump_between(const double begin, const double end) const
+{
+  bool found = false;
+  try {
+    for (const Place &place : places)
+      if (place.condition->is_active(begin) && place.condition->is_active(end))
+        for (const unsigned int component : place.condition->prescribed_components())
+          found = found || jumps(place, component, begin, end);
+  } catch (const UserError &) { // not defined somewhere in between; the step does not ask there
+  }
+  return dealii::Utilities::MPI::max(found ? 1 : 0, model.communicator) == 1;
+}
+
+template class GivenValues<2>;
+template class GivenValues<3>;
+template std::optional<double> given_value(const Domain<2> &, const Condition<2> &, const dealii::Point<2> &,
+                                           double);
+template std::optional<double> given_value(const Domain<3> &, const Condition<3> &, const dealii::Point<3> &,
+                                           double);
+
+} // namespace dovetail

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// BDF2 with variable steps: the rates of polynomials of degree 2 are exact, those of a step that starts anew
+// are those of backward Euler; the solution of dx/dt = -x is of order 2 with steps of any size, and so is
+// that of d2x/dt2 = -x; the estimated error of a step is that of a polynomial of degree 3, and follows the
+// one of the solution.
+//
+// ranks: 1 2
+
+#include <dovetail/scene/scene_text.h>
+#include <dovetail/time/time_scheme.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+
+namespace {
+
+using namespace dovetail;
+using Vector = Rates::Vector;
+
+/// One unknown on each rank has the value.
+Vector state(const double value)
+{
+  const unsigned int n = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD),
+                     rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
+  dealii::IndexSet owned(n);
+  owned.add_index(rank);
+  Vector x(std::vector<dealii::IndexSet>{owned}, MPI_COMM_WORLD);
+  x(rank) = value;
+  x.compress(dealii::VectorOperation::insert);
+  return x;
+}
+
+double value(const Vector &x)
+{
+  return x(dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD));
+}
+
+void report(const std::string &what, const bool is_true)
+{
+  const bool is_everywhere = dealii::Utilities::MPI::min(is_true ? 1 : 0, MPI_COMM_WORLD) == 1;
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    std::cout << what << ": " << (is_everywhere ? "ok" : "not so") << std::endl;
+}
+
+void print(const std::string &what, const double number)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.3g", number);
+  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
+    std::cout << what << ": " << text << std::endl;
+}
+
+std::unique_ptr<TimeScheme> bdf2()
+{
+  auto scheme = make_time_scheme(SceneText::root(SceneText::from_prm("")).subsection("Steps"));
+  scheme->estimate_errors();
+  return scheme;
+}
+
+/// Sizes from 0.7 to 1.3 of the mean, without an order.
+double end_of_step(const unsigned int i, const unsigned int n)
+{
+  return i == n ? 1 : (i + 0.25 * std::sin(5. * i)) / n;
+}
+
+/// The error at t = 1 of dx/dt = -x from 1, in n steps.
+double error_of_decay(const unsigned int n)
+{
+  const auto scheme = bdf2();
+  scheme->start(state(1));
+  double x = 1;
+  for (unsigned int i = 1; i <= n; ++i) {
+    const StepTime step = scheme->step_to(end_of_step(i, n));
+    const Rates rates = scheme->rates(step);
+    x = -value(rates.rest) / (1 + rates.by_value);
+    scheme->accept_step(step, state(x));
+  }
+  return x - std::exp(-1.);
+}
+
+/// The estimated error of the last of n steps from the exact solution, relative to the true one.
+double ratio_of_estimate(const unsigned int n)
+{
+  const auto scheme = bdf2();
+  scheme->start(state(1));
+  for (unsigned int i = 1; i < n; ++i)
+    scheme->accept_step(scheme->step_to(end_of_step(i, n)), state(std::exp(-end_of_step(i, n))));
+  const StepTime step = scheme->step_to(1);
+  const Rates rates = scheme->rates(step);
+  const double x = -value(rates.rest) / (1 + rates.by_value);
+  return value(scheme->local_error(step, state(std::exp(-1.))).of_states) / (x - std::exp(-1.));
+}
+
+/// The error of d2x/dt2 = -x from x = 0 with the rate 1.
+double error_of_oscillation(const unsigned int n)
+{
+  const auto scheme = bdf2();
+  scheme->start(state(0), state(1));
+  double x = 0;
+  for (unsigned int i = 1; i <= n; ++i) {
+    const StepTime step = scheme->step_to(end_of_step(i, n));
+    const Rates rates = scheme->rates(step);
+    x = -value(rates.second_rest) / (1 + rates.second_by_value);
+    scheme->accept_step(step, state(x));
+  }
+  return x - std::sin(1.);
+}
+
+void check_polynomials()
+{
+  const auto scheme = bdf2();
+  const auto square = [](const double t) { return 3 - 2 * t + t * t; };
+  const auto cube = [](const double t) { return t * t * t; };
+  scheme->start(state(square(0)));
+  scheme->accept_step(scheme->step_to(0.3), state(square(0.3)));
+  const Rates rates = scheme->rates(scheme->step_to(0.8));
+  report("degree 2", std::abs(rates.by_value * square(0.8) + value(rates.rest) - (2 * 0.8 - 2)) < 1e-13);
+  const Rates anew = scheme->rates(scheme->step_to(0.8, true));
+  report("a new start",
+         std::abs(anew.by_value - 2) < 1e-13 && std::abs(value(anew.rest) + 2 * square(0.3)) < 1e-13);
+  const Rates long_step = scheme->rates(scheme->step_to(1.));
+  report("a long step", std::abs(long_step.by_value - 1 / 0.7) < 1e-13);
+
+  scheme->start(state(cube(0)));
+  report("nothing is known", scheme->local_error(scheme->step_to(0.3), state(1)).order == 0);
+  for (const double t : {0.3, 0.5})
+    scheme->accept_step(scheme->step_to(t), state(cube(t)));
+  const StepTime step = scheme->step_to(0.7);
+  const StepError error = scheme->local_error(step, state(cube(0.7)));
+  // the rate of the polynomial through the last three states misses that of the cube by (t - t_1)(t - t_2)
+  report("error of degree 3", error.order == 2 && std::abs(value(error.of_states) -
+                                                           0.2 * 0.4 / scheme->rates(step).by_value) < 1e-13);
+  scheme->accept_step(scheme->step_to(0.7, true), state(cube(0.7)));
+  report("memory after a new start",
+         scheme->memory().states.size() == 2 && scheme->memory().sizes.size() == 1);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  check_polynomials();
+  print("order of a decay", std::log2(error_of_decay(40) / error_of_decay(80)));
+  report("estimated error", std::abs(ratio_of_estimate(80) - 1) < 0.05);
+  print("order of an oscillation", std::log2(error_of_oscillation(80) / error_of_oscillation(160)));
+}

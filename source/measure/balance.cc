@@ -3,7 +3,6 @@
 
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/measure/balance.h>
-#include <dovetail/solve/convergence.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -129,6 +128,8 @@ std::array<double, 2> range_of(const Model<dim> &model, const Domain<dim> &domai
            dealii::Utilities::MPI::max(range[1], model.communicator)}};
 }
 
+const double smallest_difference = 1e-10; ///< of the values of a field, in the largest one
+
 /// Whether nothing flows but rounding: a field that is constant, or one whose differences alone would
 /// leave as much.
 template <int dim>
@@ -137,7 +138,7 @@ bool is_at_rest(const Model<dim> &model, const Domain<dim> &domain, const Field 
 {
   const auto range = range_of(model, domain, field, solution);
   const double difference = range[1] - range[0], level = std::max(std::abs(range[0]), std::abs(range[1]));
-  return difference <= Convergence::smallest_range * level || throughput * level <= rounding * difference;
+  return difference <= smallest_difference * level || throughput * level <= rounding * difference;
 }
 
 ordered_json value(const std::vector<double> &components)

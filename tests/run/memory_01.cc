@@ -47,7 +47,7 @@ public:
     response.P = (1 - softness) * S;
     if (!with_derivatives)
       return true;
-    const bool grows = strain > before;
+    const bool grows = strain > before * (1 + 1e-10); // not by the rounding of the last good state
     for (unsigned int i = 0; i < 3; ++i)
       for (unsigned int J = 0; J < 3; ++J) {
         response.dP_dF[i][J] = moduli.lame() * I[i][J] * I;

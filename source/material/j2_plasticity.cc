@@ -17,7 +17,10 @@
 //     gamma/|xi_trial|
 //
 // In uniaxial tension the stress grows with the plastic strain by Y' + K_b. Without K, K_b and Y_inf the
-// plasticity is perfect: then no state exists beyond the limit load of the body.
+// plasticity is perfect: then no state exists beyond the limit load of the body. A discrete body may find one
+// all the same, with a plastic strain of any size, because its cells resist a flow that they cannot follow
+// without change of volume (Nagtegaal, Parks & Rice 1974); the law is therefore not defined beyond the
+// largest plastic strain.
 //
 // Reference: Wilkins (1964); Simo & Taylor, Comput. Methods Appl. Mech. Engrg. 48 (1985) 101-118; Voce
 // (1955); Prager (1956); Simo & Hughes, Computational Inelasticity (1998), section 3.3.
@@ -34,6 +37,7 @@
 #include <dovetail/scene/catalogue.h>
 #include <dovetail/scene/undefined.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -61,7 +65,11 @@ public:
                                   Patterns::Double(0))),
         kinematic(section.read<double>("Kinematic hardening modulus", 0,
                                        "K_b, by which the back stress grows in uniaxial tension [Pa]",
-                                       Patterns::Double(0)))
+                                       Patterns::Double(0))),
+        largest(section.read<double>("Largest plastic strain", 1,
+                                     "Beyond this equivalent plastic strain the law is not defined, as small "
+                                     "displacements are no longer a good description [-]",
+                                     Patterns::Double(1e-300)))
   {
     section.check(saturation == 0 || saturation >= yield_stress, "Saturation stress",
                   "must not be less than the Yield stress: a material that softens has no unique state.");
@@ -97,8 +105,15 @@ public:
     }
     const double norm = xi.norm(), trial = norm - two_thirds * strength(h[9]);
     // an accepted state is on the yield surface up to rounding, and must stay as it is
-    if (trial > rounding * (norm + 2 * mu * H.norm()))
+    if (trial > rounding * (norm + 2 * mu * H.norm())) {
       yield(xi, norm, trial, with_derivatives, stress, response);
+      if (!(response.memory.trial[9] <= largest))
+        return undefined("the equivalent plastic strain is " + in_words(response.memory.trial[9]) +
+                         ", but the Largest plastic strain is " + in_words(largest) +
+                         "; a body without hardening flows without end beyond its limit load");
+    } else
+      std::copy(response.memory.accepted.begin(), response.memory.accepted.end(),
+                response.memory.trial.begin());
     response.P = stress;
     for (unsigned int i = 0; i < 3; ++i)
       response.P[i][i] += pressure;
@@ -165,7 +180,7 @@ private:
   }
 
   const IsotropicModuli moduli;
-  const double yield_stress, linear, saturation, rate, kinematic;
+  const double yield_stress, linear, saturation, rate, kinematic, largest;
   Tensor<4, 3> elastic;
   Tensor<2, 3> thermal;
 };

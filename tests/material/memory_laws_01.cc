@@ -162,23 +162,25 @@ void check_tangents(const std::string &name, const std::string &law, const std::
 {
   Path<dim> path(law + expansion, conducts, scene);
   Random random;
-  double tangent = 0, across = 0;
+  double tangent = 0, across = 0, rest = 0;
   bool is_defined = true;
   path.state.value[dim] = reference_temperature;
-  for (unsigned int step = 0; step < 8; ++step) {
+  for (unsigned int step = 0; step < 12; ++step) {
     for (unsigned int c = 0; c < dim; ++c)
-      path.state.gradient[c] += 0.06 * random.vector<dim>();
+      path.state.gradient[c] += (step % 3 == 2 ? 0.005 : 0.06) * random.vector<dim>();
     path.state.value[dim] += 0.5 * random.number();
     path.state.t += 0.3;
     tangent = std::max(tangent, path.error_of_tangent());
     is_defined = is_defined && path.evaluate();
     path.accept();
+    rest = std::max(rest, error_of_rest(path));
     if (!scene.empty())
       across = std::max(across, std::abs(path.material.cauchy_stress(path.state)[2][2]));
   }
   report(name + ", defined", is_defined);
   report(name + ", tangent", tangent, 1e-6);
   report(name + ", no stress across", across, 1e-14);
+  report(name + ", accepted state", rest, 1e-14);
 }
 
 void check_creep()

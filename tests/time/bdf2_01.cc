@@ -93,7 +93,7 @@ double ratio_of_estimate(const unsigned int n)
   const StepTime step = scheme->step_to(1);
   const Rates rates = scheme->rates(step);
   const double x = -value(rates.rest) / (1 + rates.by_value);
-  return value(scheme->local_error(step, state(std::exp(-1.))).of_states) / (x - std::exp(-1.));
+  return value(scheme->local_error(step, state(std::exp(-1.))).state_error) / (x - std::exp(-1.));
 }
 
 /// The error of d2x/dt2 = -x from x = 0 with the rate 1.
@@ -133,7 +133,7 @@ void check_polynomials()
   const StepTime step = scheme->step_to(0.7);
   const StepError error = scheme->local_error(step, state(cube(0.7)));
   // the rate of the polynomial through the last three states misses that of the cube by (t - t_1)(t - t_2)
-  report("error of degree 3", error.order == 2 && std::abs(value(error.of_states) -
+  report("error of degree 3", error.order == 2 && std::abs(value(error.state_error) -
                                                            0.2 * 0.4 / scheme->rates(step).by_value) < 1e-13);
   scheme->accept_step(scheme->step_to(0.7, true), state(cube(0.7)));
   report("memory after a new start",

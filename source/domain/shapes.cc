@@ -78,10 +78,10 @@ void ShapeEvaluator<dim>::evaluate_spaces(const unsigned int first, const dealii
 {
   unsigned int i = first == 0 ? 0 : element.size();
   for (unsigned int s = first; s < domain.layout().n_spaces(); ++s) {
-    const dealii::FiniteElement<dim> &of_space = domain.layout().element_of_space(s);
-    for (unsigned int a = 0; a < of_space.n_dofs_per_cell(); ++a, ++i) {
-      shape_values[i] = of_space.shape_value(a, unit_point);
-      shape_gradients[i] = of_space.shape_grad(a, unit_point) * inverse;
+    const dealii::FiniteElement<dim> &space_element = domain.layout().element_of_space(s);
+    for (unsigned int a = 0; a < space_element.n_dofs_per_cell(); ++a, ++i) {
+      shape_values[i] = space_element.shape_value(a, unit_point);
+      shape_gradients[i] = space_element.shape_grad(a, unit_point) * inverse;
     }
   }
 }

@@ -73,7 +73,7 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
   const unsigned int first = field.first_component, n_c = field.n_components, n_nodes = layout.n_nodes(first);
   const double *phi = &at.shape_values[layout.first_shape(first)];
   const double theta = theta_of_weak_values(domain, field);
-  std::vector<double> of_flux; // dA_c.N / dx_(d,b)
+  std::vector<double> flux_derivative; // dA_c.N / dx_(d,b)
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int d = 0; factor[c] != 0 && d < n; ++d) {
       const Coupling &coupling = domain.material.coupling(first + c, d);
@@ -84,18 +84,18 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
       const double by_value = coupling.flux_by_value ? factor[c] * (at.N * point.response.by_value[pair]) : 0;
       const unsigned int n_columns = layout.n_nodes(d);
       const double *phi_d = &at.shape_values[layout.first_shape(d)];
-      of_flux.resize(n_columns);
+      flux_derivative.resize(n_columns);
       for (unsigned int b = 0; b < n_columns; ++b)
-        of_flux[b] = by_gradient * at.shape_gradients[layout.first_shape(d) + b];
+        flux_derivative[b] = by_gradient * at.shape_gradients[layout.first_shape(d) + b];
       const bool is_own = d >= first && d < first + n_c;
       for (unsigned int a = 0; a < n_nodes; ++a) {
         double *row = &tangent(layout.index(first + c, a), layout.first(d));
         for (unsigned int b = 0; b < n_columns; ++b)
-          row[b] -= phi[a] * (of_flux[b] + by_value * phi_d[b]);
+          row[b] -= phi[a] * (flux_derivative[b] + by_value * phi_d[b]);
         if (is_own)
           for (unsigned int b = 0; b < n_nodes; ++b)
             tangent(layout.index(d, a), layout.index(first + c, b)) -=
-                theta * (of_flux[a] + (n_c > 1 ? by_value * phi[a] : 0)) * phi[b];
+                theta * (flux_derivative[a] + (n_c > 1 ? by_value * phi[a] : 0)) * phi[b];
         if (d == first + c)
           for (unsigned int b = 0; b < n_nodes; ++b)
             row[b] += gamma * factor[c] * phi[a] * phi[b];

@@ -63,8 +63,8 @@ Cover<dim> make_cover(const Interface<dim> &interface, const unsigned int side, 
     spaces.insert(interface.sides[side].domain->layout().space(field.first_component[side]));
   std::vector<Look<dim>> looks;
   for (const unsigned int space : spaces) {
-    const auto of_space = looks_at_nodes(interface.sides[side], space);
-    looks.insert(looks.end(), of_space.begin(), of_space.end());
+    const auto space_looks = looks_at_nodes(interface.sides[side], space);
+    looks.insert(looks.end(), space_looks.begin(), space_looks.end());
   }
   std::vector<typename FaceLocator<dim>::Query> queries;
   for (const auto &look : looks)

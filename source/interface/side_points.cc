@@ -41,10 +41,10 @@ void SidePoints<dim>::reinit(const unsigned int side, const unsigned int q,
     at_point.gradient[c] = 0;
     const unsigned int n = layout.n_nodes(c);
     const double *values = values_of_all + layout.first_shape(c);
-    const dealii::Tensor<1, dim> *of_component = gradients + layout.first_shape(c);
+    const dealii::Tensor<1, dim> *component_gradients = gradients + layout.first_shape(c);
     for (unsigned int a = 0; a < n; ++a, ++unknown) {
       at_point.value[c] += values[a] * *unknown;
-      at_point.gradient[c] += *unknown * of_component[a];
+      at_point.gradient[c] += *unknown * component_gradients[a];
     }
   }
 }

@@ -215,6 +215,8 @@ void freeze_weak_penalties(Domain<dim> &domain, const double t,
   std::vector<double> values;
   for (unsigned int f = 0; f < domain.fields().size(); ++f) {
     const Field &field = domain.fields()[f];
+    if (!field.is_continuous) // has neither flux nor conditions
+      continue;
     const auto components = components_for_flux(domain.material, f);
     CellEigenvalues<dim> eigenvalues(domain, field, components, t);
     for (const auto &[cell, points] : points_of_weak_values(domain, field)) {

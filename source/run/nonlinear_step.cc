@@ -141,10 +141,10 @@ void NonlinearStep<dim>::accept_step(const double t, const Vector &x)
 {
   if (!scheme)
     return;
-  const StepTime of_step = step_to(t);
-  rates_of_last_good = scheme->rates(of_step);
-  scheme->accept_step(of_step, x);
-  range_watch->add(t, of_step.size, x);
+  const StepTime this_step = step_to(t);
+  rates_of_last_good = scheme->rates(this_step);
+  scheme->accept_step(this_step, x);
+  range_watch->add(t, this_step.size, x);
   widen_ranges(x);
 }
 
@@ -182,8 +182,8 @@ typename BlockSystem<dim>::Assemblies NonlinearStep<dim>::assemblies() const
   auto sum = assemblies_of_released;
   if (!present_system)
     return sum;
-  sum.of_tangent += present_system->assemblies().of_tangent;
-  sum.of_residual += present_system->assemblies().of_residual;
+  sum.tangents += present_system->assemblies().tangents;
+  sum.residuals_alone += present_system->assemblies().residuals_alone;
   return sum;
 }
 
@@ -300,10 +300,10 @@ bool NonlinearStep<dim>::has_other_loads(const double t, const Vector &x)
 {
   if (has_rates() || present_system->is_outdated(t))
     return true;
-  const auto of_last = problem->loads();
+  const auto last_loads = problem->loads();
   find_loads(t, x);
   for (const unsigned int i : {0, 1})
-    if (std::abs(problem->loads()[i] - of_last[i]) > 1e-12 * of_last[i])
+    if (std::abs(problem->loads()[i] - last_loads[i]) > 1e-12 * last_loads[i])
       return true;
   return false;
 }
@@ -363,13 +363,13 @@ void NonlinearStep<dim>::explain_steps()
 template <int dim>
 typename NonlinearStep<dim>::Error NonlinearStep<dim>::error(const double t, const Vector &x) const
 {
-  StepError of_step = scheme->local_error(step_to(t), x);
-  const bool is_first = of_step.order == 0;
+  StepError this_step = scheme->local_error(step_to(t), x);
+  const bool is_first = this_step.order == 0;
   for (const auto dof : model.numbering->owned)
     if (present_system->is_constrained(dof))
-      of_step.of_states(dof) = 0;
-  of_step.of_states.compress(dealii::VectorOperation::insert);
-  Error result = {0, std::max(1u, of_step.order), is_first};
+      this_step.state_error(dof) = 0;
+  this_step.state_error.compress(dealii::VectorOperation::insert);
+  Error result = {0, std::max(1u, this_step.order), is_first};
   const auto &blocks = model.numbering->blocks();
   for (unsigned int b = 0; b < blocks.size(); ++b) {
     if (blocks[b].is_of_multipliers)
@@ -384,7 +384,7 @@ typename NonlinearStep<dim>::Error NonlinearStep<dim>::error(const double t, con
                  rounding = 1e-12 * std::max(std::abs(range[0]), std::abs(range[1]));
     if (!(width > rounding))
       continue;
-    const double relative = of_step.of_states.block(b).linfty_norm() / width;
+    const double relative = this_step.state_error.block(b).linfty_norm() / width;
     result.relative = std::max(result.relative, is_first ? relative * relative / 2 : relative);
   }
   return result;
@@ -455,7 +455,7 @@ void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
 
   if (!present_system->assemble(x, true))
     return;
-  if (const auto motion = present_system->find_free_motion(true))
+  if (const auto motion = present_system->find_unrestrained_mode(true))
     notes.add("nothing holds " + motion->in_words());
 }
 

@@ -48,10 +48,10 @@ void RangeWatch<dim>::start(const Vector &x)
 {
   histories.clear();
   for_each_scalar([&](const unsigned int b, const Block &block) {
-    const ValueRange of_block = {{x.block(b).min(), x.block(b).max()}};
-    const auto [entry, is_new] = histories.try_emplace(block.field, History{of_block, false, {}});
+    const ValueRange block_range = {{x.block(b).min(), x.block(b).max()}};
+    const auto [entry, is_new] = histories.try_emplace(block.field, History{block_range, false, {}});
     if (!is_new)
-      widen(entry->second.range, of_block[0], of_block[1]);
+      widen(entry->second.range, block_range[0], block_range[1]);
   });
 }
 
@@ -62,10 +62,10 @@ typename RangeWatch<dim>::History RangeWatch<dim>::at(const std::string &field, 
   History history = histories.at(field);
   if (history.is_open)
     return history;
-  const auto of_step = given.range(field, t);
-  history.is_open = !of_step;
-  if (of_step && (*of_step)[0] <= (*of_step)[1])
-    widen(history.range, (*of_step)[0], (*of_step)[1]);
+  const auto step_range = given.range(field, t);
+  history.is_open = !step_range;
+  if (step_range && (*step_range)[0] <= (*step_range)[1])
+    widen(history.range, (*step_range)[0], (*step_range)[1]);
   return history;
 }
 

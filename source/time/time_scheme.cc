@@ -21,9 +21,9 @@ void TimeScheme::accept_step(const StepTime &step, const Vector &x)
 {
   const unsigned int n = n_known(step);
   if (!remembered.rates.empty()) {
-    const Rates of_step = rates(step);
-    Vector rate = of_step.rest;
-    rate.add(of_step.by_value, x);
+    const Rates step_rates = rates(step);
+    Vector rate = step_rates.rest;
+    rate.add(step_rates.by_value, x);
     remembered.rates.resize(n);
     remember(rate, remembered.rates);
   }
@@ -41,7 +41,7 @@ StepError TimeScheme::local_error(const StepTime &step, const Vector &x) const
   const unsigned int k = std::min(n_known(step) - 1, order());
   StepError error = {x, k};
   if (k == 0) {
-    error.of_states -= states[0];
+    error.state_error -= states[0];
     return error;
   }
   std::vector<double> before = {0, step.size}; // t_(n+1) - t_(n+1-j)
@@ -56,9 +56,9 @@ StepError TimeScheme::local_error(const StepTime &step, const Vector &x) const
       divisor *= j == i ? 1 : before[j] - before[i];
     return product / divisor;
   };
-  error.of_states *= weight(0);
+  error.state_error *= weight(0);
   for (unsigned int i = 1; i < before.size(); ++i)
-    error.of_states.add(weight(i), states[i - 1]);
+    error.state_error.add(weight(i), states[i - 1]);
   return error;
 }
 

@@ -31,7 +31,7 @@ struct TimeMemory
 /// What one step adds to the error of the solution, as far as the states of the steps before tell.
 struct StepError
 {
-  Rates::Vector of_states;
+  Rates::Vector state_error;
   /// The error shrinks like size^(order + 1). 0: nothing is known but how far the step has led.
   unsigned int order;
 };

@@ -190,8 +190,8 @@ private:
       else
         for (const std::string &word : words)
           if (const auto other = sets.find(word); other != sets.end()) {
-            const Numbers of_other = other->second;
-            set.insert(set.end(), of_other.begin(), of_other.end());
+            const Numbers other_numbers = other->second;
+            set.insert(set.end(), other_numbers.begin(), other_numbers.end());
             text.check(set.size() <= 16 * (cells.size() + 1), "the set has more elements than the file");
           } else
             set.push_back(number_of(word, "the number of an element or the name of a set"));

@@ -237,18 +237,18 @@ bool CellProblem<dim>::add_energy(const std::vector<double> &unknowns)
 }
 
 template <int dim>
-bool CellProblem<dim>::add_flux(const TracePoint<dim> &of_face, const std::vector<double> &unknowns)
+bool CellProblem<dim>::add_flux(const TracePoint<dim> &face_point, const std::vector<double> &unknowns)
 {
-  point.reinit(of_face.X, of_face.values.data(), of_face.gradients.data(), unknowns);
+  point.reinit(face_point.X, face_point.values.data(), face_point.gradients.data(), unknowns);
   if (!find_tangent())
     return false;
-  add_flux_rows(tangent.D, of_face, problem.S);
-  add_flux_rows(tangent.positive.empty() ? tangent.D : tangent.positive, of_face, positive_S);
+  add_flux_rows(tangent.D, face_point, problem.S);
+  add_flux_rows(tangent.positive.empty() ? tangent.D : tangent.positive, face_point, positive_S);
   return true;
 }
 
 template <int dim>
-void CellProblem<dim>::add_flux_rows(const std::vector<double> &D, const TracePoint<dim> &of_face,
+void CellProblem<dim>::add_flux_rows(const std::vector<double> &D, const TracePoint<dim> &face_point,
                                      std::vector<double> &rows) const
 {
   for (unsigned int c = 0; c < field.n_components; ++c)
@@ -256,12 +256,14 @@ void CellProblem<dim>::add_flux_rows(const std::vector<double> &D, const TracePo
       Tensor<1, dim> N_D;
       for (unsigned int J = 0; J < dim; ++J)
         for (unsigned int L = 0; L < dim; ++L)
-          N_D[L] += std::sqrt(of_face.weight) * of_face.N[J] * D[(c * dim + J) * tangent.n + d * dim + L];
+          N_D[L] +=
+              std::sqrt(face_point.weight) * face_point.N[J] * D[(c * dim + J) * tangent.n + d * dim + L];
       double around = 0;
       for (unsigned int J = 0; has_hoop && J < dim; ++J)
-        around += std::sqrt(of_face.weight) * of_face.N[J] * D[(c * dim + J) * tangent.n + tangent.n - 1];
+        around +=
+            std::sqrt(face_point.weight) * face_point.N[J] * D[(c * dim + J) * tangent.n + tangent.n - 1];
       for (unsigned int a = 0; a < n_nodes; ++a)
-        rows.push_back(N_D * of_face.gradients[a] + around * hoop_strain(of_face.values[a], d));
+        rows.push_back(N_D * face_point.gradients[a] + around * hoop_strain(face_point.values[a], d));
     }
 }
 
@@ -329,10 +331,11 @@ EigenvaluePair Eigenvalues::largest(const FactoredProblem &problem, const std::v
     const double lambda = largest_without_stress(problem);
     return {{lambda, lambda}};
   }
-  const double of_tangent = largest_eigenvalue(problem),
-               of_positive = largest_eigenvalue({problem.n, positive_S, problem.B, {}, {}});
-  return {{of_tangent, std::isfinite(of_positive) ? std::min(of_tangent, largest_amplification * of_positive)
-                                                  : of_tangent}};
+  const double tangent_eigenvalue = largest_eigenvalue(problem),
+               positive_eigenvalue = largest_eigenvalue({problem.n, positive_S, problem.B, {}, {}});
+  return {{tangent_eigenvalue, std::isfinite(positive_eigenvalue)
+                                   ? std::min(tangent_eigenvalue, largest_amplification * positive_eigenvalue)
+                                   : tangent_eigenvalue}};
 }
 
 double Eigenvalues::largest_without_stress(const FactoredProblem &problem)

@@ -54,10 +54,10 @@ void examine_cells(const Section &section, const Mesh<dim> &mesh, const dealii::
   n_bad = dealii::Utilities::MPI::sum(n_bad, communicator);
   if (n_bad == 0)
     return;
-  std::vector<std::pair<dealii::CellId, std::string>> of_all;
-  for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, first))
-    of_all.insert(of_all.end(), of_rank.begin(), of_rank.end());
-  const auto &found = *std::min_element(of_all.begin(), of_all.end());
+  std::vector<std::pair<dealii::CellId, std::string>> all_faults;
+  for (const auto &rank_faults : dealii::Utilities::MPI::all_gather(communicator, first))
+    all_faults.insert(all_faults.end(), rank_faults.begin(), rank_faults.end());
+  const auto &found = *std::min_element(all_faults.begin(), all_faults.end());
   section.fail("", "the mesh has " + std::to_string(n_bad) +
                        (n_bad == 1 ? " cell that is" : " cells that are") +
                        " turned over or flat, in whole or in part: the Jacobian is not positive at all "

@@ -22,8 +22,8 @@ CellMemory<dim>::CellMemory(const dealii::Triangulation<dim> &mesh, const dealii
     if (cell->is_locally_owned()) {
       values.reinit(cell);
       first_point[cell->active_cell_index()] = points.size();
-      const auto &of_cell = values.get_quadrature_points();
-      points.insert(points.end(), of_cell.begin(), of_cell.end());
+      const auto &cell_points = values.get_quadrature_points();
+      points.insert(points.end(), cell_points.begin(), cell_points.end());
     }
   variables = InternalVariables(points.size(), initial);
 }
@@ -57,34 +57,34 @@ dealii::ArrayView<const double> CellMemory<dim>::nearest(const cell_iterator &ce
 }
 
 template <int dim>
-typename CellMemory<dim>::OfCells CellMemory<dim>::pack() const
+typename CellMemory<dim>::PackedCells CellMemory<dim>::pack() const
 {
-  OfCells of_cells(first_point.size());
-  for (unsigned int cell = 0; cell < of_cells.size(); ++cell)
+  PackedCells packed(first_point.size());
+  for (unsigned int cell = 0; cell < packed.size(); ++cell)
     if (first_point[cell] != dealii::numbers::invalid_unsigned_int)
       for (unsigned int q = first_point[cell]; q < first_point[cell] + n_points_of_cell; ++q) {
         for (unsigned int d = 0; d < dim; ++d)
-          of_cells[cell].push_back(points[q][d]);
+          packed[cell].push_back(points[q][d]);
         const auto values = variables.accepted(q);
-        of_cells[cell].insert(of_cells[cell].end(), values.begin(), values.end());
+        packed[cell].insert(packed[cell].end(), values.begin(), values.end());
       }
-  return of_cells;
+  return packed;
 }
 
 template <int dim>
-void CellMemory<dim>::unpack(const OfCells &of_cells)
+void CellMemory<dim>::unpack(const PackedCells &packed)
 {
-  AssertDimension(of_cells.size(), first_point.size());
+  AssertDimension(packed.size(), first_point.size());
   const unsigned int size = dim + initial.size();
-  for (unsigned int cell = 0; cell < of_cells.size(); ++cell)
+  for (unsigned int cell = 0; cell < packed.size(); ++cell)
     if (first_point[cell] != dealii::numbers::invalid_unsigned_int) {
-      std::vector<dealii::Point<dim>> of_parent(of_cells[cell].size() / size);
-      for (unsigned int q = 0; q < of_parent.size(); ++q)
+      std::vector<dealii::Point<dim>> parent_points(packed[cell].size() / size);
+      for (unsigned int q = 0; q < parent_points.size(); ++q)
         for (unsigned int d = 0; d < dim; ++d)
-          of_parent[q][d] = of_cells[cell][q * size + d];
+          parent_points[q][d] = packed[cell][q * size + d];
       for (unsigned int q = first_point[cell]; q < first_point[cell] + n_points_of_cell; ++q) {
-        const unsigned int parent = find_nearest(of_parent.begin(), of_parent.size(), points[q]);
-        variables.set_accepted(q, {&of_cells[cell][parent * size + dim], initial.size()});
+        const unsigned int parent = find_nearest(parent_points.begin(), parent_points.size(), points[q]);
+        variables.set_accepted(q, {&packed[cell][parent * size + dim], initial.size()});
       }
     }
 }

@@ -73,11 +73,11 @@ template <int dim>
 void CellPoints<dim>::set_rates(const Rates *rates, const std::vector<dealii::types::global_dof_index> &dofs)
 {
   const auto extract = [&](const Rates::Vector &vector, const bool is_known, std::vector<double> &at_point,
-                           std::vector<double> &of_cell) {
+                           std::vector<double> &cell_values) {
     at_point.resize(is_known ? domain.n_components() : 0);
-    of_cell.resize(is_known ? dofs.size() : 0);
+    cell_values.resize(is_known ? dofs.size() : 0);
     if (is_known)
-      vector.extract_subvector_to(dofs.begin(), dofs.end(), of_cell.begin());
+      vector.extract_subvector_to(dofs.begin(), dofs.end(), cell_values.begin());
   };
   const unsigned int order = rates == nullptr || !rates->has_first() ? 0 : domain.material.order_in_time();
   if (order == 0) {
@@ -95,8 +95,8 @@ template <int dim>
 void CellPoints<dim>::evaluate_rates(const double *shape_values)
 {
   const unsigned int n_nodes = shape.size();
-  const auto at_point = [&](const std::vector<double> &of_cell, const unsigned int c) {
-    return std::inner_product(shape_values, shape_values + n_nodes, of_cell.begin() + c * n_nodes, 0.);
+  const auto at_point = [&](const std::vector<double> &cell_values, const unsigned int c) {
+    return std::inner_product(shape_values, shape_values + n_nodes, cell_values.begin() + c * n_nodes, 0.);
   };
   for (unsigned int c = 0; c < domain.n_components(); ++c) {
     const unsigned int order = domain.material.order_in_time(c);

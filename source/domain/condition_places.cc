@@ -95,13 +95,13 @@ void Planes<dim>::find_directions()
         add_direction(values.normal_vector(q), directions[id]);
     }
   std::vector<std::pair<dealii::types::boundary_id, Tensor<1, dim>>> own;
-  for (const auto &[id, of_id] : directions)
-    for (const Tensor<1, dim> &N : of_id)
+  for (const auto &[id, sums_of_id] : directions)
+    for (const Tensor<1, dim> &N : sums_of_id)
       own.emplace_back(id, N);
   directions.clear();
   std::set<std::pair<dealii::types::boundary_id, std::array<double, dim>>> sorted; // whoever owns them
-  for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, own))
-    for (const auto &[id, N] : of_rank) {
+  for (const auto &rank_part : dealii::Utilities::MPI::all_gather(communicator, own))
+    for (const auto &[id, N] : rank_part) {
       std::array<double, dim> entries;
       std::copy(N.begin_raw(), N.end_raw(), entries.begin());
       sorted.emplace(id, entries);
@@ -111,9 +111,9 @@ void Planes<dim>::find_directions()
     std::copy(entries.begin(), entries.end(), N.begin_raw());
     add_direction(N, directions[id]);
   }
-  for (const auto &[id, of_id] : directions)
+  for (const auto &[id, sums_of_id] : directions)
     conditions.at(id)->section.check(
-        of_id.size() <= dim, "Boundary ids",
+        sums_of_id.size() <= dim, "Boundary ids",
         "has " + std::to_string(id) + ", whose faces lie in more than " + std::to_string(dim) +
             " planes: u.N = 0 on a curved boundary would hold its nodes in all directions. Give the planes "
             "boundary ids of their own.");
@@ -125,9 +125,9 @@ void Planes<dim>::average()
 {
   std::vector<double> sums;
   std::map<dealii::types::boundary_id, unsigned int> first;
-  for (const auto &[id, of_id] : directions) {
+  for (const auto &[id, sums_of_id] : directions) {
     first[id] = sums.size();
-    sums.resize(sums.size() + dim * of_id.size());
+    sums.resize(sums.size() + dim * sums_of_id.size());
   }
   for (const auto &[cell, face, id] : domain.boundary_faces())
     if (conditions.count(id) > 0 && cell->is_locally_owned()) {
@@ -141,9 +141,9 @@ void Planes<dim>::average()
       }
     }
   dealii::Utilities::MPI::sum(sums, communicator, sums);
-  for (auto &[id, of_id] : directions)
-    for (unsigned int i = 0; i < of_id.size(); ++i) {
-      Tensor<1, dim> &N = of_id[i];
+  for (auto &[id, sums_of_id] : directions)
+    for (unsigned int i = 0; i < sums_of_id.size(); ++i) {
+      Tensor<1, dim> &N = sums_of_id[i];
       for (unsigned int d = 0; d < dim; ++d)
         N[d] = sums[first[id] + i * dim + d];
       for (unsigned int d = 0; d < dim; ++d)
@@ -163,8 +163,8 @@ PlaneNormals<dim> Planes<dim>::find()
   for (const auto &[cell, face, id] : domain.boundary_faces())
     if (conditions.count(id) > 0) {
       values.reinit(cell, face);
-      const Directions<dim> &of_id = directions.at(id);
-      normals[{cell->active_cell_index(), face}] = of_id[nearest(of_id, values.normal_vector(0))];
+      const Directions<dim> &sums_of_id = directions.at(id);
+      normals[{cell->active_cell_index(), face}] = sums_of_id[nearest(sums_of_id, values.normal_vector(0))];
     }
   return normals;
 }
@@ -231,8 +231,8 @@ std::optional<NodeOfCell<dim>> find_node(const Domain<dim> &domain, const Condit
   std::vector<double> own = {nearest.distance, nearest.diameter};
   for (unsigned int d = 0; d < dim; ++d)
     own.push_back(nearest.X[d]);
-  const auto of_ranks = dealii::Utilities::MPI::all_gather(communicator, own);
-  const auto best = std::min_element(of_ranks.begin(), of_ranks.end(),
+  const auto gathered = dealii::Utilities::MPI::all_gather(communicator, own);
+  const auto best = std::min_element(gathered.begin(), gathered.end(),
                                      [](const auto &a, const auto &b) { return a[0] < b[0]; });
   dealii::Point<dim> X;
   for (unsigned int d = 0; d < dim; ++d)
@@ -241,7 +241,7 @@ std::optional<NodeOfCell<dim>> find_node(const Domain<dim> &domain, const Condit
                           "is " + in_words(*condition.point()) +
                               ", where the mesh has no node; the nearest one is " + in_words(X) + ".");
   const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(communicator);
-  return static_cast<unsigned int>(best - of_ranks.begin()) == rank ? nearest.node : std::nullopt;
+  return static_cast<unsigned int>(best - gathered.begin()) == rank ? nearest.node : std::nullopt;
 }
 
 template PlaneNormals<2> find_plane_normals(const Domain<2> &, const MPI_Comm &);

@@ -158,7 +158,7 @@ void Domain<dim>::collect_boundary_faces(const MPI_Comm &communicator)
 {
   faces.clear();
   measures.clear();
-  std::map<dealii::types::boundary_id, double> of_this_rank;
+  std::map<dealii::types::boundary_id, double> own_areas;
   for (const auto &cell : triangulation->active_cell_iterators())
     if (!cell->is_artificial() && cell->at_boundary())
       for (const unsigned int number : cell->face_indices())
@@ -167,7 +167,7 @@ void Domain<dim>::collect_boundary_faces(const MPI_Comm &communicator)
           if (!cell->is_locally_owned())
             continue;
           // the polygon of the vertices is enough for a message
-          double &measure = of_this_rank[face->boundary_id()];
+          double &measure = own_areas[face->boundary_id()];
           if constexpr (dim == 2)
             measure += face->vertex(0).distance(face->vertex(1));
           else
@@ -176,8 +176,8 @@ void Domain<dim>::collect_boundary_faces(const MPI_Comm &communicator)
                            .norm() /
                        2;
         }
-  for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, of_this_rank))
-    for (const auto &[id, measure] : of_rank)
+  for (const auto &rank_part : dealii::Utilities::MPI::all_gather(communicator, own_areas))
+    for (const auto &[id, measure] : rank_part)
       measures[id] += measure;
 }
 
@@ -195,7 +195,7 @@ void Domain<dim>::read_given(const Section &section)
     for (const Field &field : fields()) {
       const Expression expression = part.read_expression(field.name, "", {field.n_components}, text);
       if (part.is_set(field.name))
-        given->of_field.emplace(field.name, expression);
+        given->expressions.emplace(field.name, expression);
       if (given == &given_initial && !field.rate.empty())
         read_initial_rate(part, field);
     }
@@ -213,7 +213,7 @@ void Domain<dim>::read_initial_rate(const Section &initial, const Field &field)
   initial.check(material.order_in_time(field.first_component) > 1, field.rate,
                 "needs a transient scene with inertia: set Kind = transient and Inertia = true in the "
                 "subsection Steps, or remove it.");
-  given_initial.of_field.emplace(field.rate, expression);
+  given_initial.expressions.emplace(field.rate, expression);
 }
 
 template <int dim>
@@ -329,16 +329,16 @@ void Domain<dim>::divide_cells()
     triangulation->execute_coarsening_and_refinement();
     return;
   }
-  using OfCells = typename CellMemory<dim>::OfCells;
-  dealii::parallel::distributed::CellDataTransfer<dim, dim, OfCells> transfer(
+  using PackedCells = typename CellMemory<dim>::PackedCells;
+  dealii::parallel::distributed::CellDataTransfer<dim, dim, PackedCells> transfer(
       dynamic_cast<const dealii::parallel::distributed::Triangulation<dim> &>(*triangulation), true);
-  OfCells of_cells = memory->pack();
-  transfer.prepare_for_coarsening_and_refinement(of_cells);
+  PackedCells packed = memory->pack();
+  transfer.prepare_for_coarsening_and_refinement(packed);
   triangulation->execute_coarsening_and_refinement();
-  OfCells of_parts(triangulation->n_active_cells());
-  transfer.unpack(of_parts);
+  PackedCells parts_packed(triangulation->n_active_cells());
+  transfer.unpack(parts_packed);
   make_memory();
-  memory->unpack(of_parts);
+  memory->unpack(parts_packed);
 }
 
 template <int dim>
@@ -514,17 +514,17 @@ void Domain<dim>::add_planes(const double t, ConstraintLines &lines) const
             !dofs.locally_owned_dofs().is_element(indices[first * n + a] - first_dof) ||
             is_covered(*this, condition->field.name, face, a, t))
           continue;
-        std::array<dealii::types::global_dof_index, dim> of_node;
+        std::array<dealii::types::global_dof_index, dim> node_unknowns;
         for (unsigned int c = 0; c < dim; ++c)
-          of_node[c] = indices[(first + c) * n + a];
-        const auto &at_node = equations.try_emplace(of_node[0], of_node, lines).first;
+          node_unknowns[c] = indices[(first + c) * n + a];
+        const auto &at_node = equations.try_emplace(node_unknowns[0], node_unknowns, lines).first;
         at_node->second.add(plane_normal(face),
                             condition->prescribed_normal(at_nodes.quadrature_point(a), t));
       }
     }
   }
-  for (const auto &[dof, of_node] : equations)
-    of_node.add_lines(lines);
+  for (const auto &[dof, node_unknowns] : equations)
+    node_unknowns.add_lines(lines);
 }
 
 template <int dim>

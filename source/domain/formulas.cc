@@ -18,7 +18,7 @@ template <int dim>
 bool are_finite(const Domain<dim> &domain, const std::string &kind, const typename Domain<dim>::Given &given,
                 const dealii::Quadrature<dim> &rule, const double t)
 {
-  if (given.of_field.empty())
+  if (given.expressions.empty())
     return true;
   const Section section = domain.section.subsection(kind);
   dealii::FEValues<dim> points(domain.mapping(), domain.scalar_element(), rule,
@@ -27,7 +27,7 @@ bool are_finite(const Domain<dim> &domain, const std::string &kind, const typena
   for (const auto &cell : domain.mesh().active_cell_iterators())
     if (cell->is_locally_owned()) {
       points.reinit(cell);
-      for (const auto &[field, formula] : given.of_field)
+      for (const auto &[field, formula] : given.expressions)
         for (unsigned int c = 0; c < formula.n_components(); ++c) {
           formula.values(points.get_quadrature_points(), t, c, values);
           for (const unsigned int q : points.quadrature_point_indices())

@@ -19,8 +19,8 @@ double thickness_of(const Section &scene)
 
 template <int dim>
 Measure<dim>::Measure(const Section &scene)
-    : of_circle(dim == 2 && scene.peek("Geometry") == "axisymmetric"),
-      factor(dim == 2 && !of_circle ? thickness_of(scene) : 1)
+    : around_axis(dim == 2 && scene.peek("Geometry") == "axisymmetric"),
+      factor(dim == 2 && !around_axis ? thickness_of(scene) : 1)
 {
 }
 

@@ -71,8 +71,8 @@ MeshFile read_on_one_rank(const Section &section, const std::string &file_name, 
       try {
         content = read_mesh_file(file_name, dim);
         examine<dim>(content);
-      } catch (const MeshError &of_file) {
-        problem = std::string("', which cannot be used: ") + of_file.what();
+      } catch (const MeshError &fault) {
+        problem = std::string("', which cannot be used: ") + fault.what();
       } catch (const std::bad_alloc &) {
         problem = "', which does not fit into the memory.";
       }
@@ -169,10 +169,10 @@ void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, deal
   section.check(!file_name.empty() || !generator.empty(), "",
                 "a mesh needs either File or Generator (with Arguments).");
   if (file_name.empty()) {
-    const MeshGenerator<dim> of_scene(section, generator, arguments);
+    const MeshGenerator<dim> mesh_generator(section, generator, arguments);
     const double n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator);
-    check_cells<dim>(section, "Arguments", of_scene.n_cells(), n_ranks, communicator);
-    of_scene.make(mesh);
+    check_cells<dim>(section, "Arguments", mesh_generator.n_cells(), n_ranks, communicator);
+    mesh_generator.make(mesh);
     section.check(mesh.n_active_cells() > 0, "Generator", "gives a mesh without cells.");
   } else
     read_file(section, file_name, communicator, mesh, nodes_on_edges, note);
@@ -337,8 +337,8 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   dealii::Triangulation<dim> coarse_mesh;
   coarse_mesh.copy_triangulation(mesh->origin);
   transform(scale, shift_in_dim, coarse_mesh);
-  for (auto &of_cell : nodes_on_edges)
-    for (dealii::Point<dim> &node : of_cell)
+  for (auto &cell_nodes : nodes_on_edges)
+    for (dealii::Point<dim> &node : cell_nodes)
       node = dealii::Point<dim>(scale * node + shift_in_dim);
   if (local_refinement.is_asked_for())
     local_refinement.check(coarse_mesh, converts);

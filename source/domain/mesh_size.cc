@@ -29,10 +29,10 @@ double memory_here()
 /// Of all computers on which ranks run; each counts once.
 double memory_of_all(const MPI_Comm &communicator)
 {
-  MPI_Comm of_computer;
-  MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &of_computer);
-  const bool is_first = dealii::Utilities::MPI::this_mpi_process(of_computer) == 0;
-  MPI_Comm_free(&of_computer);
+  MPI_Comm this_computer;
+  MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &this_computer);
+  const bool is_first = dealii::Utilities::MPI::this_mpi_process(this_computer) == 0;
+  MPI_Comm_free(&this_computer);
   return dealii::Utilities::MPI::sum(is_first ? memory_here() : 0., communicator);
 }
 

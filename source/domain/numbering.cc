@@ -65,13 +65,13 @@ dealii::types::global_dof_index Numbering::add_multipliers(const std::string &in
   const auto first = first_of_rank[dealii::Utilities::MPI::this_mpi_process(communicator)];
   if (n == 0)
     return begin;
-  dealii::IndexSet of_block(n);
-  of_block.add_range(first, first + n_own);
-  all_blocks.push_back({interface, field, true, 0, 0, begin, begin + n, of_block, first_of_rank});
+  dealii::IndexSet block_set(n);
+  block_set.add_range(first, first + n_own);
+  all_blocks.push_back({interface, field, true, 0, 0, begin, begin + n, block_set, first_of_rank});
   for (dealii::IndexSet *set : {&owned, &relevant}) {
     dealii::IndexSet larger(begin + n);
     larger.add_indices(*set);
-    larger.add_indices(of_block, begin);
+    larger.add_indices(block_set, begin);
     larger.compress();
     *set = larger;
   }

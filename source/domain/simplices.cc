@@ -37,7 +37,7 @@ public:
 
   unsigned int operator()(const unsigned int a, const unsigned int b)
   {
-    const auto [middle, is_new] = of_edge.insert({std::minmax(a, b), vertices.size()});
+    const auto [middle, is_new] = node_on_edge.insert({std::minmax(a, b), vertices.size()});
     if (is_new)
       vertices.push_back((vertices[a] + vertices[b]) / 2);
     return middle->second;
@@ -53,7 +53,7 @@ public:
 
 private:
   std::vector<dealii::Point<dim>> &vertices;
-  std::map<std::pair<unsigned int, unsigned int>, unsigned int> of_edge;
+  std::map<std::pair<unsigned int, unsigned int>, unsigned int> node_on_edge;
 };
 
 template <int dim>
@@ -180,7 +180,7 @@ void divide_simplices(dealii::Triangulation<dim> &mesh, NodesOnEdges<dim> &nodes
 {
   std::vector<dealii::Point<dim>> vertices = mesh.get_vertices();
   Middles<dim> middle(vertices);
-  NodesOnEdges<dim> of_parts;
+  NodesOnEdges<dim> part_nodes;
   std::vector<dealii::CellData<dim>> cells;
   dealii::SubCellData faces;
   for (const auto &cell : mesh.active_cell_iterators()) {
@@ -195,7 +195,7 @@ void divide_simplices(dealii::Triangulation<dim> &mesh, NodesOnEdges<dim> &nodes
       parts = divide_tetrahedron({v(0), v(1), v(2), v(3)}, middle);
     append(parts, cell->material_id(), cells);
     if (!nodes_on_edges.empty())
-      divide_edges<dim>(cell, parts, nodes_on_edges, middle, of_parts);
+      divide_edges<dim>(cell, parts, nodes_on_edges, middle, part_nodes);
     for (const auto &face : cell->face_iterators())
       if (face->at_boundary()) {
         const auto w = [&](const unsigned int i) { return face->vertex_index(i); };
@@ -207,7 +207,7 @@ void divide_simplices(dealii::Triangulation<dim> &mesh, NodesOnEdges<dim> &nodes
   }
   mesh.clear();
   mesh.create_triangulation(vertices, cells, faces);
-  nodes_on_edges = std::move(of_parts);
+  nodes_on_edges = std::move(part_nodes);
 }
 
 template <int dim>
@@ -303,8 +303,8 @@ std::unique_ptr<Mesh<dim>> distribute(dealii::Triangulation<dim> &mesh,
 template <int dim>
 bool has_curved_simplices(const Mesh<dim> &mesh)
 {
-  const auto *of_simplices = dynamic_cast<const MeshOfSimplices<dim> *>(&mesh);
-  return of_simplices != nullptr && of_simplices->is_curved;
+  const auto *simplex_mesh = dynamic_cast<const MeshOfSimplices<dim> *>(&mesh);
+  return simplex_mesh != nullptr && simplex_mesh->is_curved;
 }
 
 template <int dim>

@@ -72,7 +72,7 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
   const unsigned int first = field.first_component, n_c = field.n_components;
   const std::vector<double> &phi = at.shape_values;
   const double theta = theta_of_weak_values(domain, field);
-  std::vector<double> of_flux(n_nodes); // dA_c.N / dx_(d,b)
+  std::vector<double> flux_derivative(n_nodes); // dA_c.N / dx_(d,b)
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int d = 0; factor[c] != 0 && d < n; ++d) {
       const Coupling &coupling = domain.material.coupling(first + c, d);
@@ -82,16 +82,16 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
                                                      : dealii::Tensor<1, dim>();
       const double by_value = coupling.flux_by_value ? factor[c] * (at.N * point.response.by_value[pair]) : 0;
       for (unsigned int b = 0; b < n_nodes; ++b)
-        of_flux[b] = by_gradient * at.shape_gradients[b];
+        flux_derivative[b] = by_gradient * at.shape_gradients[b];
       const bool is_own = d >= first && d < first + n_c;
       for (unsigned int a = 0; a < n_nodes; ++a) {
         double *row = &tangent((first + c) * n_nodes + a, d * n_nodes);
         for (unsigned int b = 0; b < n_nodes; ++b)
-          row[b] -= phi[a] * (of_flux[b] + by_value * phi[b]);
+          row[b] -= phi[a] * (flux_derivative[b] + by_value * phi[b]);
         if (is_own)
           for (unsigned int b = 0; b < n_nodes; ++b)
             tangent(d * n_nodes + a, (first + c) * n_nodes + b) -=
-                theta * (of_flux[a] + (n_c > 1 ? by_value * phi[a] : 0)) * phi[b];
+                theta * (flux_derivative[a] + (n_c > 1 ? by_value * phi[a] : 0)) * phi[b];
         if (d == first + c)
           for (unsigned int b = 0; b < n_nodes; ++b)
             row[b] += gamma * factor[c] * phi[a] * phi[b];

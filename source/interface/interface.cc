@@ -30,12 +30,12 @@ void check_material_ids(const InterfaceSide<dim> &side, const Section &section, 
 {
   if (side.material_ids.empty())
     return;
-  std::set<unsigned int> of_rank, present;
+  std::set<unsigned int> own_ids, present;
   for (const auto &[cell, face, id] : side.domain->boundary_faces())
     if (cell->is_locally_owned() && side.boundary_ids.count(id) > 0)
-      of_rank.insert(cell->material_id());
+      own_ids.insert(cell->material_id());
   for (const auto &ids : dealii::Utilities::MPI::all_gather(
-           side.domain->mesh().get_communicator(), std::vector<unsigned int>(of_rank.begin(), of_rank.end())))
+           side.domain->mesh().get_communicator(), std::vector<unsigned int>(own_ids.begin(), own_ids.end())))
     present.insert(ids.begin(), ids.end());
   std::vector<std::string> known;
   for (const unsigned int id : present)
@@ -168,8 +168,8 @@ void Interface<dim>::check_against(const Interface &other, const std::string &wh
     if (sides[source].overlaps(other.sides[first]) && sides[destination].overlaps(other.sides[1 - first]) &&
         difference(*this) == (first == source ? 1. : -1.) * difference(other))
       for (const TiedField &field : fields)
-        for (const TiedField &of_other : other.fields)
-          section.check(field.name != of_other.name, "Fields",
+        for (const TiedField &other_field : other.fields)
+          section.check(field.name != other_field.name, "Fields",
                         "include " + field.name + ", which the interface " + other.name +
                             " ties on the same boundaries, too, and " + when +
                             ". Give the two different Fields or boundary ids, or toggles that alternate.");
@@ -197,9 +197,9 @@ void Interface<dim>::read_fields()
     tied.index = fields.size();
     for (const unsigned int side : {source, destination})
       for (unsigned int f = 0; f < sides[side].domain->fields().size(); ++f)
-        if (const Field &of_side = sides[side].domain->fields()[f]; of_side.name == field) {
-          tied.n_components = of_side.n_components;
-          tied.first_component[side] = of_side.first_component;
+        if (const Field &side_field = sides[side].domain->fields()[f]; side_field.name == field) {
+          tied.n_components = side_field.n_components;
+          tied.first_component[side] = side_field.first_component;
           tied.field[side] = f;
           tied.has_curvature = tied.has_curvature && sides[side].domain->material.has_curvature(f);
         }
@@ -353,10 +353,10 @@ void Interface<dim>::group_dofs(const typename Pairing<dim>::Group &group,
 {
   dofs.clear();
   for (const unsigned int side : {source, destination}) {
-    const auto &of_cell = pairing().cells[side][group.cells[side]].dofs;
+    const auto &cell_unknowns = pairing().cells[side][group.cells[side]].dofs;
     const unsigned int n = sides[side].domain->n_nodes();
     for (const unsigned int c : components[side])
-      dofs.insert(dofs.end(), of_cell.begin() + c * n, of_cell.begin() + (c + 1) * n);
+      dofs.insert(dofs.end(), cell_unknowns.begin() + c * n, cell_unknowns.begin() + (c + 1) * n);
   }
 }
 
@@ -420,9 +420,9 @@ bool Interface<dim>::couples(const unsigned int row, const unsigned int column) 
   const auto [side, component] = side_and_component(column);
   for (const TiedField &tied : fields)
     if (contains(tied.first_component[row_side], tied.n_components, row_component)) {
-      const auto &of_side = sides[side].domain->fields();
-      for (unsigned int g = 0; g < of_side.size(); ++g)
-        if (contains(of_side[g].first_component, of_side[g].n_components, component))
+      const auto &side_field = sides[side].domain->fields();
+      for (unsigned int g = 0; g < side_field.size(); ++g)
+        if (contains(side_field[g].first_component, side_field[g].n_components, component))
           return sides[side].domain->material.flux_depends(tied.field[side], g);
     }
   return false;
@@ -450,8 +450,8 @@ template <int dim>
 std::string Interface<dim>::description() const
 {
   const std::array<bool, 2> on = options.integrate_on;
-  const std::string of_tie = method->description();
-  return section.peek("Type") + (of_tie.empty() ? "" : ", " + of_tie) + ", " +
+  const std::string tie_description = method->description();
+  return section.peek("Type") + (tie_description.empty() ? "" : ", " + tie_description) + ", " +
          (options.quadrature == FaceQuadrature::segments ? "segments" : "mapped points") + " on the " +
          (on[source] && on[destination] ? "faces of both sides"
           : on[source]                  ? "source"

@@ -26,25 +26,25 @@ void InterfaceMemory<dim>::set_points(const Pairing<dim> &pairing,
       points[side].push_back(pairing.X(side, q));
     variables[side] = InternalVariables(points[side].size(), material.initial_memory());
     if (has_points)
-      take_from_nearest(side, former, former_points, communicator);
+      copy_from_nearest(side, former, former_points, communicator);
   }
   has_points = true;
 }
 
 /// All ranks look at all points, in an order that does not depend on the ranks.
 template <int dim>
-void InterfaceMemory<dim>::take_from_nearest(const unsigned int side, const InternalVariables &former,
+void InterfaceMemory<dim>::copy_from_nearest(const unsigned int side, const InternalVariables &former,
                                              const std::vector<dealii::Point<dim>> &former_points,
                                              const MPI_Comm &communicator)
 {
-  std::vector<std::vector<double>> of_rank, all; // X, variables
+  std::vector<std::vector<double>> own, all; // X, variables
   for (unsigned int q = 0; q < former_points.size(); ++q) {
     std::vector<double> row(former_points[q].begin_raw(), former_points[q].end_raw());
     const auto values = former.accepted(q);
     row.insert(row.end(), values.begin(), values.end());
-    of_rank.push_back(std::move(row));
+    own.push_back(std::move(row));
   }
-  for (const auto &other : dealii::Utilities::MPI::all_gather(communicator, of_rank))
+  for (const auto &other : dealii::Utilities::MPI::all_gather(communicator, own))
     all.insert(all.end(), other.begin(), other.end());
   if (all.empty())
     return;
@@ -65,8 +65,8 @@ void InterfaceMemory<dim>::take_from_nearest(const unsigned int side, const Inte
 template <int dim>
 void InterfaceMemory<dim>::accept()
 {
-  for (auto &of_side : variables)
-    of_side.accept();
+  for (auto &side_variables : variables)
+    side_variables.accept();
 }
 
 template class InterfaceMemory<2>;

@@ -76,9 +76,9 @@ SideRatios side_ratios(const Interface<dim> &interface, const MPI_Comm &communic
   SideRatios result;
   result.face_size = mean_face_size(interface.sides[destination], communicator) /
                      mean_face_size(interface.sides[source], communicator);
-  for (const auto &of_sides : stiffnesses(interface, communicator))
-    if (of_sides[source] > 0)
-      result.stiffness = std::max(result.stiffness, of_sides[destination] / of_sides[source]);
+  for (const auto &pair : stiffnesses(interface, communicator))
+    if (pair[source] > 0)
+      result.stiffness = std::max(result.stiffness, pair[destination] / pair[source]);
   return result;
 }
 
@@ -95,7 +95,7 @@ double own_share_of_gap(const Interface<dim> &interface, const TiedField &field,
   return k[1 - own] > 0 && k[own] > k[1 - own] ? 1 - k[1 - own] / k[own] : 0;
 }
 
-std::string words_for_stiff_follower(const double stiffness)
+std::string note_on_stiff_destination(const double stiffness)
 {
   std::ostringstream sentence;
   sentence.precision(2);

@@ -39,7 +39,7 @@ struct FaceOfCell
 };
 
 template <int dim>
-using Questions = OfRanks<std::vector<FaceOfCell<dim>>>;
+using Questions = RankMap<std::vector<FaceOfCell<dim>>>;
 
 /// How many sides of interfaces other than this one tie the field on faces of a cell.
 template <int dim>
@@ -82,13 +82,13 @@ public:
   SideProblems(const Interface<dim> &interface, const unsigned int side, const TiedField &tied);
 
   /// The eigenvalues of the cells behind the points that all ranks have sent.
-  OfRanks<std::vector<Pair>> solve(double t, const ValuesOf &unknowns, Questions<dim> questions) const;
+  RankMap<std::vector<Pair>> solve(double t, const ValuesOf &unknowns, Questions<dim> questions) const;
 
 private:
   using cell_iterator = typename dealii::Triangulation<dim>::active_cell_iterator;
 
   const Interface<dim> &interface;
-  const InterfaceSide<dim> &of_side;
+  const InterfaceSide<dim> &interface_side;
   const Domain<dim> &domain;
   const Field &field;
   const std::vector<unsigned int> &components;
@@ -98,21 +98,21 @@ private:
 template <int dim>
 SideProblems<dim>::SideProblems(const Interface<dim> &interface, const unsigned int side,
                                 const TiedField &tied)
-    : interface(interface), of_side(interface.sides[side]), domain(*of_side.domain),
+    : interface(interface), interface_side(interface.sides[side]), domain(*interface_side.domain),
       field(domain.fields()[tied.field[side]]), components(interface.components[side]),
-      cell_of_face(cells_behind(of_side))
+      cell_of_face(cells_behind(interface_side))
 {
 }
 
 template <int dim>
-OfRanks<std::vector<Pair>> SideProblems<dim>::solve(const double t, const ValuesOf &unknowns,
+RankMap<std::vector<Pair>> SideProblems<dim>::solve(const double t, const ValuesOf &unknowns,
                                                     Questions<dim> questions) const
 {
   std::map<cell_iterator, std::vector<TracePoint<dim>>> points_of_cell;
   for (auto &[rank, faces] : questions)
     for (auto &[face, points] : faces) {
-      auto &of_cell = points_of_cell[cell_of_face[face]];
-      std::move(points.begin(), points.end(), std::back_inserter(of_cell));
+      auto &cell_points = points_of_cell[cell_of_face[face]];
+      std::move(points.begin(), points.end(), std::back_inserter(cell_points));
     }
   CellEigenvalues<dim> eigenvalues(domain, field, components, t);
   std::map<cell_iterator, Pair> lambda;
@@ -121,22 +121,23 @@ OfRanks<std::vector<Pair>> SideProblems<dim>::solve(const double t, const Values
   for (const auto &[cell, points] : points_of_cell) {
     domain.cell_dofs(domain.dof_cell(cell), dofs);
     unknowns(dofs, values);
-    Pair &of_cell = lambda[cell] = eigenvalues.evaluate(cell, points, values);
-    for (double &value : of_cell)
-      value *= 1 + n_other_interfaces(of_side, field.name, cell) + n_weak_values(domain, field.name, cell);
+    Pair &cell_points = lambda[cell] = eigenvalues.evaluate(cell, points, values);
+    for (double &value : cell_points)
+      value *=
+          1 + n_other_interfaces(interface_side, field.name, cell) + n_weak_values(domain, field.name, cell);
   }
   interface.work().eigenvalue_problems += lambda.size();
 
-  OfRanks<std::vector<Pair>> answers;
+  RankMap<std::vector<Pair>> answers;
   for (const auto &[rank, faces] : questions)
-    for (const auto &of_cell : faces)
-      answers[rank].push_back(lambda.at(cell_of_face[of_cell.face]));
+    for (const auto &cell_points : faces)
+      answers[rank].push_back(lambda.at(cell_of_face[cell_points.face]));
   return answers;
 }
 
 /// For each rank its cells behind a side; and which they are, in Pairing::cells.
 template <int dim>
-std::pair<Questions<dim>, OfRanks<std::vector<unsigned int>>> ask_owners(const Interface<dim> &interface,
+std::pair<Questions<dim>, RankMap<std::vector<unsigned int>>> ask_owners(const Interface<dim> &interface,
                                                                          const unsigned int side)
 {
   const Pairing<dim> &pairing = interface.pairing();
@@ -154,7 +155,7 @@ std::pair<Questions<dim>, OfRanks<std::vector<unsigned int>>> ask_owners(const I
                                            {gradients, gradients + n_nodes}});
     }
   Questions<dim> questions;
-  OfRanks<std::vector<unsigned int>> asked;
+  RankMap<std::vector<unsigned int>> asked;
   for (unsigned int i = 0; i < cells.size(); ++i) {
     questions[cells[i].rank].push_back({cells[i].face, std::move(points[i])});
     asked[cells[i].rank].push_back(i);
@@ -170,16 +171,16 @@ TraceEigenvalues eigenvalues_at(const Interface<dim> &interface, const TiedField
   TraceEigenvalues result;
   for (const unsigned int side : {source, destination}) {
     const unsigned int n_cells = interface.pairing().cells[side].size();
-    result.of_tangent[side].resize(n_cells);
-    result.of_penalty[side].resize(n_cells);
+    result.tangent_values[side].resize(n_cells);
+    result.penalty_values[side].resize(n_cells);
     auto [questions, asked] = ask_owners(interface, side);
     auto answers = SideProblems<dim>(interface, side, field)
                        .solve(t, unknowns, exchange(std::move(questions), communicator, interface.work()));
     for (const auto &[rank, lambda] : exchange(std::move(answers), communicator, interface.work()))
       for (unsigned int k = 0; k < lambda.size(); ++k) {
         const unsigned int cell = asked.at(rank)[k];
-        result.of_tangent[side][cell] = lambda[k][0];
-        result.of_penalty[side][cell] = lambda[k][1];
+        result.tangent_values[side][cell] = lambda[k][0];
+        result.penalty_values[side][cell] = lambda[k][1];
       }
   }
   return result;
@@ -194,9 +195,11 @@ TraceEigenvalues trace_eigenvalues(const Interface<dim> &interface, const TiedFi
   TraceEigenvalues lambda = eigenvalues_at(interface, field, t, unknowns, communicator);
   const auto is_undefined = [](const double value) { return std::isnan(value); };
   int is_incomplete = 0;
-  for (auto &of_side : lambda.of_tangent) {
-    is_incomplete = std::any_of(of_side.begin(), of_side.end(), is_undefined) ? 1 : is_incomplete;
-    std::replace_if(of_side.begin(), of_side.end(), is_undefined, std::numeric_limits<double>::infinity());
+  for (auto &interface_side : lambda.tangent_values) {
+    is_incomplete =
+        std::any_of(interface_side.begin(), interface_side.end(), is_undefined) ? 1 : is_incomplete;
+    std::replace_if(interface_side.begin(), interface_side.end(), is_undefined,
+                    std::numeric_limits<double>::infinity());
   }
   if (dealii::Utilities::MPI::max(is_incomplete, communicator) == 0)
     return lambda;
@@ -207,9 +210,9 @@ TraceEigenvalues trace_eigenvalues(const Interface<dim> &interface, const TiedFi
       },
       communicator);
   for (const unsigned int side : {source, destination})
-    for (unsigned int i = 0; i < lambda.of_penalty[side].size(); ++i)
-      if (is_undefined(lambda.of_penalty[side][i]))
-        lambda.of_penalty[side][i] = at_rest.of_penalty[side][i];
+    for (unsigned int i = 0; i < lambda.penalty_values[side].size(); ++i)
+      if (is_undefined(lambda.penalty_values[side][i]))
+        lambda.penalty_values[side][i] = at_rest.penalty_values[side][i];
   return lambda;
 }
 

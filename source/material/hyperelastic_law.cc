@@ -37,9 +37,9 @@ Deformation::Deformation(const Tensor<2, 3> &H, const SolidLaw::Place &place) : 
 {
   for (unsigned int i = 0; i < 3; ++i)
     F[i][i] += 1;
-  const double of_minors = H[0][0] * H[1][1] - H[0][1] * H[1][0] + H[0][0] * H[2][2] - H[0][2] * H[2][0] +
-                           H[1][1] * H[2][2] - H[1][2] * H[2][1];
-  J_minus_1 = trace(H) + of_minors + determinant(H);
+  const double minors = H[0][0] * H[1][1] - H[0][1] * H[1][0] + H[0][0] * H[2][2] - H[0][2] * H[2][0] +
+                        H[1][1] * H[2][2] - H[1][2] * H[2][1];
+  J_minus_1 = trace(H) + minors + determinant(H);
   J = 1 + J_minus_1;
 }
 

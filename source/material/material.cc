@@ -53,9 +53,9 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
       memory_at_start.insert(memory_at_start.end(), variable.n_components, variable.initial);
   }
   for (unsigned int pair = 0; pair < n * n; ++pair) {
-    if (couplings[pair].of_flux())
+    if (couplings[pair].in_flux())
       flux_pairs.push_back(pair);
-    if (couplings[pair].of_source())
+    if (couplings[pair].in_source())
       source_pairs.push_back(pair);
   }
 }
@@ -198,7 +198,7 @@ bool Material<dim>::depends(const unsigned int field, const unsigned int on_fiel
 template <int dim>
 bool Material<dim>::flux_depends(const unsigned int field, const unsigned int on_field) const
 {
-  return field == on_field || coupling_of_fields(field, on_field).of_flux();
+  return field == on_field || coupling_of_fields(field, on_field).in_flux();
 }
 
 template <int dim>

@@ -11,20 +11,20 @@ InternalVariables::InternalVariables(const unsigned int n_points, const std::vec
     : n(initial.size())
 {
   for (unsigned int point = 0; point < n_points; ++point)
-    of_step.insert(of_step.end(), initial.begin(), initial.end());
-  of_trial = of_step;
+    accepted_values.insert(accepted_values.end(), initial.begin(), initial.end());
+  trial_values = accepted_values;
 }
 
 void InternalVariables::set_trial(const unsigned int point, const dealii::ArrayView<double> &values)
 {
   AssertDimension(values.size(), n);
-  std::copy(values.begin(), values.end(), of_trial.begin() + point * n);
+  std::copy(values.begin(), values.end(), trial_values.begin() + point * n);
 }
 
 void InternalVariables::set_accepted(const unsigned int point, const dealii::ArrayView<const double> &values)
 {
   AssertDimension(values.size(), n);
-  std::copy(values.begin(), values.end(), of_step.begin() + point * n);
+  std::copy(values.begin(), values.end(), accepted_values.begin() + point * n);
 }
 
 } // namespace dovetail

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/output/gaps.h>
-#include <dovetail/output/interface_point.h>
+#include <dovetail/measure/gaps.h>
+#include <dovetail/measure/interface_point.h>
 #include <dovetail/output/interface_surface.h>
 
 #include <deal.II/grid/reference_cell.h>
@@ -55,9 +55,9 @@ void InterfaceSurface<dim>::update(const Vector &solution, const double t)
     if (side != own)
       return;
     data.clear();
-    for (const auto &of_field : point.fields) {
-      data.insert(data.end(), of_field.jump.begin(), of_field.jump.end());
-      data.insert(data.end(), of_field.numerical_flux.begin(), of_field.numerical_flux.end());
+    for (const auto &point_field : point.fields) {
+      data.insert(data.end(), point_field.jump.begin(), point_field.jump.end());
+      data.insert(data.end(), point_field.numerical_flux.begin(), point_field.numerical_flux.end());
     }
     data.push_back(signed_gap(interface, q));
     for (unsigned int d = 0; d < dim; ++d)

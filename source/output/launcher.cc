@@ -10,8 +10,8 @@ namespace dovetail {
 
 bool is_launched()
 {
-  for (const char *of_launcher : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
-    if (std::getenv(of_launcher) != nullptr)
+  for (const char *variable : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
+    if (std::getenv(variable) != nullptr)
       return true;
   return false;
 }

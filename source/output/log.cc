@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/output/gaps.h>
+#include <dovetail/measure/gaps.h>
 #include <dovetail/output/log.h>
 #include <dovetail/output/progress_bar.h>
 

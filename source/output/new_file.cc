@@ -54,10 +54,10 @@ void Obstacle::raise(const std::string &remedy) const
 
 Obstacle obstacle_of_system(const std::string &file, const int error)
 {
-  const std::set<int> of_place = {EACCES, EPERM,        EROFS, ENOENT, ENOTDIR, EISDIR, EEXIST,
-                                  ELOOP,  ENAMETOOLONG, EBUSY, ENXIO,  ETXTBSY, EINVAL};
+  const std::set<int> place_errors = {EACCES, EPERM,        EROFS, ENOENT, ENOTDIR, EISDIR, EEXIST,
+                                      ELOOP,  ENAMETOOLONG, EBUSY, ENXIO,  ETXTBSY, EINVAL};
   return {"The file '" + file + "' cannot be written: " + std::strerror(error) + ".",
-          of_place.count(error) > 0};
+          place_errors.count(error) > 0};
 }
 
 Obstacle make_directories(const std::string &directory)

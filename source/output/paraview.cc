@@ -4,7 +4,7 @@
 #include <dovetail/output/domain_picture.h>
 #include <dovetail/output/paraview.h>
 #include <dovetail/output/report.h>
-#include <dovetail/output/uncovered_points.h>
+#include <dovetail/output/uncovered_picture.h>
 
 #include <cctype>
 #include <iomanip>
@@ -78,7 +78,7 @@ void Paraview<dim>::show_uncovered_points(const unsigned int interface)
   const std::string file = directory + "/uncovered_" + blocks[model.domains.size() + interface].stem + ".vtu";
   if (pairing.coverage().n_uncovered > 0)
     write_picture(file, dealii::DataOutBase::VtkFlags(),
-                  [&]() { return UncoveredPoints<dim>(pairing).piece({}); });
+                  [&]() { return UncoveredPicture<dim>(pairing).piece({}); });
   else if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
     remove_file(file, beginning_of_vtu); // of an earlier run
 }
@@ -225,24 +225,24 @@ template <int dim>
 void Paraview<dim>::write_indices()
 {
   const unsigned int last = times.size() - 1;
-  std::ostringstream of_step;
-  of_step << beginning_of_index << "vtkMultiBlockDataSet\" version=\"1.0\">\n"
-          << "<vtkMultiBlockDataSet>\n";
+  std::ostringstream step_index;
+  step_index << beginning_of_index << "vtkMultiBlockDataSet\" version=\"1.0\">\n"
+             << "<vtkMultiBlockDataSet>\n";
   for (unsigned int b = 0; b < blocks.size(); ++b)
-    of_step << "<DataSet index=\"" << b << "\" name=\"" << escape(blocks[b].name) << "\" file=\""
-            << file_of(blocks[b].stem, last, ".vtu") << "\"/>\n";
-  of_step << "</vtkMultiBlockDataSet>\n</VTKFile>\n";
+    step_index << "<DataSet index=\"" << b << "\" name=\"" << escape(blocks[b].name) << "\" file=\""
+               << file_of(blocks[b].stem, last, ".vtu") << "\"/>\n";
+  step_index << "</vtkMultiBlockDataSet>\n</VTKFile>\n";
   check(write_on_first_rank(directory + "/steps/" + file_of("step", last, ".vtm"), beginning_of_index,
-                            of_step.str(), model.communicator));
+                            step_index.str(), model.communicator));
 
-  std::ostringstream of_all;
-  of_all << beginning_of_index << "Collection\" version=\"0.1\">\n<Collection>\n" << std::setprecision(16);
+  std::ostringstream series;
+  series << beginning_of_index << "Collection\" version=\"0.1\">\n<Collection>\n" << std::setprecision(16);
   for (unsigned int step = 0; step <= last; ++step)
-    of_all << "<DataSet timestep=\"" << times[step] << "\" file=\"steps/" << file_of("step", step, ".vtm")
+    series << "<DataSet timestep=\"" << times[step] << "\" file=\"steps/" << file_of("step", step, ".vtm")
            << "\"/>\n";
-  of_all << "</Collection>\n</VTKFile>\n";
+  series << "</Collection>\n</VTKFile>\n";
   check(
-      write_on_first_rank(directory + "/solution.pvd", beginning_of_index, of_all.str(), model.communicator));
+      write_on_first_rank(directory + "/solution.pvd", beginning_of_index, series.str(), model.communicator));
   n_written += 2;
 }
 

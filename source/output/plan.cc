@@ -11,7 +11,7 @@ namespace dovetail {
 namespace {
 
 /// Domains of which the same is said come together, in the order of the scene.
-class OfDomains
+class DomainNames
 {
 public:
   void add(const std::string &before, const std::string &after, const std::string &domain)
@@ -56,7 +56,7 @@ void plan_geometry(const Model<dim> &model, Plan &plan)
   if (!measure.is_axisymmetric())
     return;
   plan.needed.push_back("axisymmetric: x is the radius, y the axis; integrals are over the whole circle");
-  OfDomains held;
+  DomainNames held;
   for (const auto &domain : model.domains)
     for (const Field &field : domain->fields())
       if (domain->reaches_axis() && measure.has_hoop_strain(field))
@@ -67,7 +67,7 @@ void plan_geometry(const Model<dim> &model, Plan &plan)
 template <int dim>
 void plan_fields(const Model<dim> &model, Plan &plan)
 {
-  OfDomains laws, absent, uncoupled;
+  DomainNames laws, absent, uncoupled;
   for (const auto &group : model.field_groups())
     for (const std::string &name : group)
       for (const auto &domain : model.domains)
@@ -157,7 +157,7 @@ void plan_loads(const Model<dim> &model, Plan &plan)
 {
   bool has_flux = false, has_source = false;
   for (const auto &domain : model.domains) {
-    has_source = has_source || !domain->source().of_field.empty() || domain->body_force().is_given();
+    has_source = has_source || !domain->source().expressions.empty() || domain->body_force().is_given();
     for (const auto &condition : domain->conditions())
       has_flux = has_flux || condition->adds_flux() || condition->is_weak();
   }

@@ -2,8 +2,8 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/shapes.h>
-#include <dovetail/output/cell_search.h>
-#include <dovetail/output/interface_point.h>
+#include <dovetail/measure/cell_search.h>
+#include <dovetail/measure/interface_point.h>
 #include <dovetail/output/reference.h>
 
 #include <deal.II/numerics/rtree.h>
@@ -84,11 +84,11 @@ void add_squares(const Domain<dim> &domain, const std::vector<double> &unknowns,
   for (unsigned int f = 0; f < domain.fields().size(); ++f) {
     const Field &field = domain.fields()[f];
     for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
-      const double *of_component = sample + dim + 1 + c * (1 + dim);
-      double error = -of_component[0];
+      const double *component_sample = sample + dim + 1 + c * (1 + dim);
+      double error = -component_sample[0];
       dealii::Tensor<1, dim> gradient;
       for (unsigned int d = 0; d < dim; ++d)
-        gradient[d] = -of_component[1 + d];
+        gradient[d] = -component_sample[1 + d];
       squares[f].norm += weight * error * error;
       squares[f].norm_of_gradient += weight * gradient.norm_square();
       for (unsigned int a = 0; a < n; ++a) {
@@ -226,17 +226,17 @@ void Reference<dim>::compare(const Vector &solution, const double t, const bool 
                    domains[domain->name]);
   for (const auto &interface : model.interfaces) {
     ordered_json &result = interfaces[interface->name];
-    for (const char *of_exact :
+    for (const char *exact_key :
          {"flux error L2", "flux norm L2", "flux error max", "flux max", "flux oscillation"})
-      result.erase(of_exact);
+      result.erase(exact_key);
     const Samples::Part *part = Samples::find(reference->interfaces, interface->name);
     if (part == nullptr || part->n_points == 0 || !has_fields(*part, interface->fields))
       continue;
-    const std::string of_source = side_in_words(interface->sides[source]),
-                      of_destination = side_in_words(interface->sides[destination]);
-    if (part->source == of_source && part->destination == of_destination)
+    const std::string source_words = side_in_words(interface->sides[source]),
+                      destination_words = side_in_words(interface->sides[destination]);
+    if (part->source == source_words && part->destination == destination_words)
       compare_interface(*interface, *part, 1., solution, t, result);
-    else if (part->source == of_destination && part->destination == of_source)
+    else if (part->source == destination_words && part->destination == source_words)
       compare_interface(*interface, *part, -1., solution, t, result);
   }
 }

@@ -3,12 +3,12 @@
 
 #include <dovetail/output/results.h>
 
-#include <dovetail/output/balance.h>
-#include <dovetail/output/jumps.h>
-#include <dovetail/output/measures.h>
-#include <dovetail/output/resolution.h>
+#include <dovetail/measure/balance.h>
+#include <dovetail/measure/jumps.h>
+#include <dovetail/measure/measures.h>
+#include <dovetail/measure/resolution.h>
+#include <dovetail/measure/spectrum.h>
 #include <dovetail/output/shared_file.h>
-#include <dovetail/output/spectrum.h>
 
 #include <sstream>
 
@@ -155,9 +155,9 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), sentences);
   report()["steps"].back()["imbalance"] = balance.worst;
   nlohmann::ordered_json flows = balance.report;
-  for (auto &of_domain : flows)
-    for (auto &of_field : of_domain)
-      of_field.erase("rounding");
+  for (auto &domain_flows : flows)
+    for (auto &field_flows : domain_flows)
+      field_flows.erase("rounding");
   step_table.add(solution.t, probes.evaluate(ghosted, reactions), flows);
 }
 

@@ -2,7 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/quadrature.h>
-#include <dovetail/output/interface_point.h>
+#include <dovetail/measure/interface_point.h>
 #include <dovetail/output/samples.h>
 #include <dovetail/output/shared_file.h>
 #include <dovetail/scene/input_file.h>

@@ -61,18 +61,18 @@ Obstacle SharedFile::finish()
   return agree(rank == 0 ? file->finish() : Obstacle(), communicator);
 }
 
-Obstacle agree(const Obstacle &of_first_rank, const MPI_Comm &communicator)
+Obstacle agree(const Obstacle &found, const MPI_Comm &communicator)
 {
-  return {dealii::Utilities::MPI::broadcast(communicator, of_first_rank.text),
-          dealii::Utilities::MPI::broadcast(communicator, of_first_rank.is_of_place)};
+  return {dealii::Utilities::MPI::broadcast(communicator, found.text),
+          dealii::Utilities::MPI::broadcast(communicator, found.is_of_place)};
 }
 
-std::string first_problem(const std::string &of_this_rank, const MPI_Comm &communicator)
+std::string first_problem(const std::string &own, const MPI_Comm &communicator)
 {
-  if (dealii::Utilities::MPI::max(of_this_rank.empty() ? 0U : 1U, communicator) == 0)
+  if (dealii::Utilities::MPI::max(own.empty() ? 0U : 1U, communicator) == 0)
     return "";
-  const auto of_ranks = dealii::Utilities::MPI::all_gather(communicator, of_this_rank);
-  return *std::find_if(of_ranks.begin(), of_ranks.end(),
+  const auto gathered = dealii::Utilities::MPI::all_gather(communicator, own);
+  return *std::find_if(gathered.begin(), gathered.end(),
                        [](const auto &problem) { return !problem.empty(); });
 }
 

@@ -9,8 +9,8 @@ template <int dim>
 nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem<dim>::Assemblies &assemblies,
                              const LinearSolver &solver, const unsigned int n_files)
 {
-  const auto sum = [&](const unsigned long of_rank) {
-    return dealii::Utilities::MPI::sum(of_rank, model.communicator);
+  const auto sum = [&](const unsigned long own) {
+    return dealii::Utilities::MPI::sum(own, model.communicator);
   };
   const auto evaluations = [&](const std::string &law) {
     unsigned long n = 0;
@@ -28,8 +28,8 @@ nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem
     work += interface->work();
   }
   LinearSolver::Counts linear = solver.counts();
-  nlohmann::ordered_json counters = {{"tangent assemblies", assemblies.of_tangent},
-                                     {"residual assemblies", assemblies.of_residual},
+  nlohmann::ordered_json counters = {{"tangent assemblies", assemblies.tangents},
+                                     {"residual assemblies", assemblies.residuals_alone},
                                      {"linear solves", linear.solves},
                                      {"factorisations", linear.preparations["direct"]},
                                      {"multigrids", linear.preparations["multigrid"]},

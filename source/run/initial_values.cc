@@ -113,23 +113,23 @@ std::vector<double> mean_given_values(const Model<dim> &model, const std::string
   for (const auto &interface : model.interfaces)
     for (const auto &tied : interface->fields)
       if (tied.name == field && interface->is_active(t) && interface->tie().holds(tied)) {
-        std::array<unsigned int, 2> of_sides{};
+        std::array<unsigned int, 2> side_groups{};
         for (unsigned int d = 0; d < n; ++d)
           for (const unsigned int side : {source, destination})
             if (interface->sides[side].domain == model.domains[d].get())
-              of_sides[side] = group[d];
-        for (unsigned int &of_domain : group)
-          if (of_domain == of_sides[1])
-            of_domain = of_sides[0];
+              side_groups[side] = group[d];
+        for (unsigned int &domain_group : group)
+          if (domain_group == side_groups[1])
+            domain_group = side_groups[0];
       }
-  std::vector<Mean> of_group(n, Mean{});
+  std::vector<Mean> group_means(n, Mean{});
   for (unsigned int d = 0; d < n; ++d)
     for (const unsigned int i : {0, 1})
-      of_group[group[d]][i] += own[d][i];
+      group_means[group[d]][i] += own[d][i];
 
   std::vector<double> means;
   for (unsigned int d = 0; d < n; ++d) {
-    const Mean &mean = of_group[group[d]];
+    const Mean &mean = group_means[group[d]];
     means.push_back(mean[1] > 0 ? mean[0] / mean[1] : 0.);
   }
   return means;

@@ -86,8 +86,8 @@ typename BlockSystem<dim>::Assemblies NonlinearStep<dim>::assemblies() const
   auto sum = assemblies_of_released;
   if (!present_system)
     return sum;
-  sum.of_tangent += present_system->assemblies().of_tangent;
-  sum.of_residual += present_system->assemblies().of_residual;
+  sum.tangents += present_system->assemblies().tangents;
+  sum.residuals_alone += present_system->assemblies().residuals_alone;
   return sum;
 }
 
@@ -202,10 +202,10 @@ bool NonlinearStep<dim>::has_other_loads(const double t, const Vector &x)
 {
   if (has_rates() || present_system->is_outdated(t))
     return true;
-  const auto of_last = problem->loads();
+  const auto last_loads = problem->loads();
   find_loads(t, x);
   for (const unsigned int i : {0, 1})
-    if (std::abs(problem->loads()[i] - of_last[i]) > 1e-12 * of_last[i])
+    if (std::abs(problem->loads()[i] - last_loads[i]) > 1e-12 * last_loads[i])
       return true;
   return false;
 }
@@ -284,7 +284,7 @@ void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
 
   if (!present_system->assemble(x, true))
     return;
-  if (const auto motion = present_system->find_free_motion(true))
+  if (const auto motion = present_system->find_unrestrained_mode(true))
     notes.add("nothing holds " + motion->in_words());
 }
 

@@ -84,7 +84,7 @@ double StepProblem<dim>::measure(const bool is_defined)
 template <int dim>
 void StepProblem<dim>::check_is_held() const
 {
-  if (const auto motion = system.find_free_motion())
+  if (const auto motion = system.find_unrestrained_mode())
     motion->bodies[0]->section.fail("Boundary conditions",
                                     "and interfaces do not hold " + motion->in_words() +
                                         ". Add a condition of Type = value, or a tie, that does.");
@@ -219,12 +219,12 @@ bool StepProblem<dim>::is_small(const Vector &dx, const Vector &x) const
   WorkingUpdate sizes;
   for (unsigned int b = 0; b < n_blocks; ++b) {
     const Block &block = model.numbering->blocks()[b];
-    const double *of_update = dx.block(b).trilinos_vector()[0],
-                 *of_loads = update_loads.block(b).trilinos_vector()[0];
+    const double *update_entries = dx.block(b).trilinos_vector()[0],
+                 *update_load = update_loads.block(b).trilinos_vector()[0];
     for (unsigned int i = 0; i < block.owned.n_elements(); ++i)
       if (!system.is_constrained(block.begin + block.owned.nth_index_in_set(i))) {
-        largest[b] = std::max(largest[b], std::abs(of_update[i]));
-        energies[b] += of_update[i] * of_loads[i];
+        largest[b] = std::max(largest[b], std::abs(update_entries[i]));
+        energies[b] += update_entries[i] * update_load[i];
       }
     sizes.smallest_value.push_back(std::min(smallest_at_start[b], x.block(b).min()));
     sizes.largest_value.push_back(std::max(largest_at_start[b], x.block(b).max()));

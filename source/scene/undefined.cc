@@ -62,19 +62,19 @@ double finite(const double value, const Section &section, const std::string &ent
   return value;
 }
 
-Undefined first_of_ranks(const Undefined &of_this_rank, const MPI_Comm &communicator)
+Undefined first_of_ranks(const Undefined &own, const MPI_Comm &communicator)
 {
-  for (const auto &[reason, is_at_every_state] : dealii::Utilities::MPI::all_gather(
-           communicator, std::make_pair(of_this_rank.reason, of_this_rank.is_at_every_state)))
+  for (const auto &[reason, is_at_every_state] :
+       dealii::Utilities::MPI::all_gather(communicator, std::make_pair(own.reason, own.is_at_every_state)))
     if (!reason.empty())
       return {reason, is_at_every_state};
   return {};
 }
 
-void refuse_undefined(const Undefined &of_this_rank, const MPI_Comm &communicator)
+void refuse_undefined(const Undefined &own, const MPI_Comm &communicator)
 {
-  if (dealii::Utilities::MPI::max(of_this_rank ? 1 : 0, communicator) == 1)
-    throw UserError(first_of_ranks(of_this_rank, communicator).reason);
+  if (dealii::Utilities::MPI::max(own ? 1 : 0, communicator) == 1)
+    throw UserError(first_of_ranks(own, communicator).reason);
 }
 
 template std::string in_words(const dealii::Point<2> &);

@@ -30,9 +30,9 @@ std::map<unsigned int, dealii::DynamicSparsityPattern> split_rows(const unsigned
       columns[block].push_back(column);
     }
     pattern.clear_row(begin + row);
-    for (const auto &[block, of_block] : columns)
+    for (const auto &[block, block_rows] : columns)
       parts.try_emplace(block, indices.block_size(row_block), indices.block_size(block), rows)
-          .first->second.add_entries(row, of_block.begin(), of_block.end(), true);
+          .first->second.add_entries(row, block_rows.begin(), block_rows.end(), true);
   }
   return parts;
 }
@@ -45,8 +45,8 @@ std::vector<unsigned int> all_columns(const unsigned int row_block,
   std::vector<unsigned int> own = {row_block}, all;
   for (const auto &part : parts)
     own.push_back(part.first);
-  for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, own))
-    all.insert(all.end(), of_rank.begin(), of_rank.end());
+  for (const auto &rank_part : dealii::Utilities::MPI::all_gather(communicator, own))
+    all.insert(all.end(), rank_part.begin(), rank_part.end());
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
@@ -65,8 +65,8 @@ void BlockMatrix::reinit(const std::vector<dealii::IndexSet> &owned, dealii::Dyn
 {
   clear();
   std::vector<size_type> sizes;
-  for (const auto &of_block : owned)
-    sizes.push_back(of_block.size());
+  for (const auto &block_rows : owned)
+    sizes.push_back(block_rows.size());
   indices.reinit(sizes);
   blocks.resize(owned.size());
   for (unsigned int r = 0; r < owned.size(); ++r) {
@@ -84,8 +84,8 @@ void BlockMatrix::reinit(const std::vector<dealii::IndexSet> &owned, dealii::Dyn
 
 BlockMatrix &BlockMatrix::operator=(const double zero)
 {
-  for (const auto &of_row : blocks)
-    for (const auto &[column, block] : of_row)
+  for (const auto &block_row : blocks)
+    for (const auto &[column, block] : block_row)
       *block = zero;
   return *this;
 }
@@ -133,8 +133,8 @@ void BlockMatrix::add(const size_type row, const size_type column, const double 
 
 void BlockMatrix::compress(const dealii::VectorOperation::values operation)
 {
-  for (const auto &of_row : blocks)
-    for (const auto &[column, block] : of_row)
+  for (const auto &block_row : blocks)
+    for (const auto &[column, block] : block_row)
       block->compress(operation);
 }
 

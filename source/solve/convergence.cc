@@ -27,13 +27,13 @@ void Convergence::begin_step()
 double Convergence::residual(const WorkingForces &now)
 {
   const unsigned int n_parts = field_of_part.size();
-  std::vector<double> of_fields(first_forces.size(), 0.);
+  std::vector<double> field_forces(first_forces.size(), 0.);
   for (unsigned int p = 0; p < n_parts; ++p) // moving prescribed values act at first by the residual alone
-    of_fields[field_of_part[p]] =
-        std::hypot(of_fields[field_of_part[p]], std::max(now.forces[p], now.residuals[p]));
-  for (unsigned int f = 0; f < of_fields.size(); ++f)
-    if (first_forces[f] == 0 && std::isfinite(of_fields[f]))
-      first_forces[f] = of_fields[f];
+    field_forces[field_of_part[p]] =
+        std::hypot(field_forces[field_of_part[p]], std::max(now.forces[p], now.residuals[p]));
+  for (unsigned int f = 0; f < field_forces.size(); ++f)
+    if (first_forces[f] == 0 && std::isfinite(field_forces[f]))
+      first_forces[f] = field_forces[f];
   last_forces = now.forces;
 
   double largest = 0;

@@ -28,11 +28,11 @@ using SingleVector = dealii::TrilinosWrappers::MPI::Vector;
 enum Kind { is_fixed = -1, is_sum = -2 };
 
 /// The kinds of the rows that the columns of @p matrix, which is filled, refer to.
-Epetra_IntVector of_columns(const Epetra_CrsMatrix &matrix, const Epetra_IntVector &of_rows)
+Epetra_IntVector column_values(const Epetra_CrsMatrix &matrix, const Epetra_IntVector &row_values)
 {
   Epetra_IntVector result(matrix.ColMap());
-  const Epetra_Import import(matrix.ColMap(), of_rows.Map());
-  result.Import(of_rows, import, Insert);
+  const Epetra_Import import(matrix.ColMap(), row_values.Map());
+  result.Import(row_values, import, Insert);
   return result;
 }
 
@@ -94,10 +94,10 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums)
 
   const unsigned int longest_chain = 4; // squared so often: 16 steps
   for (unsigned int i = 0; i < longest_chain; ++i) {
-    const Epetra_IntVector of_column = of_columns(*result, kind);
+    const Epetra_IntVector column_kind = column_values(*result, kind);
     bool has_sums = false;
-    for (int column = 0; column < of_column.MyLength(); ++column)
-      has_sums = has_sums || of_column[column] == is_sum;
+    for (int column = 0; column < column_kind.MyLength(); ++column)
+      has_sums = has_sums || column_kind[column] == is_sum;
     if (!on_any_rank(matrix.Comm(), has_sums))
       break;
     auto square = std::make_unique<Epetra_CrsMatrix>(Copy, matrix.RowMap(), 0);
@@ -121,7 +121,7 @@ void DegreeCoarsening::make_prolongation(const Sums &sums)
     number[row] = sums[row].size() == 1 && sums[row][0].first == matrix.GRID(row) ? n_before++ : is_fixed;
 
   // a condensed unknown is alone in its row of the matrix, and found afterwards from those it follows
-  const Epetra_IntVector of_column = of_columns(*all, number);
+  const Epetra_IntVector column_kind = column_values(*all, number);
   const Epetra_Map coarse(-1, n_own, 0, matrix.Comm());
   prolongation = std::make_unique<Epetra_CrsMatrix>(Copy, matrix.RowMap(), all->MaxNumEntries());
   std::vector<int> columns;
@@ -133,8 +133,8 @@ void DegreeCoarsening::make_prolongation(const Sums &sums)
     columns.clear();
     weights.clear();
     for (int k = 0; k < n; ++k)
-      if (of_column[local[k]] != is_fixed && values[k] != 0 && matrix.NumMyEntries(row) > 1) {
-        columns.push_back(of_column[local[k]]);
+      if (column_kind[local[k]] != is_fixed && values[k] != 0 && matrix.NumMyEntries(row) > 1) {
+        columns.push_back(column_kind[local[k]]);
         weights.push_back(values[k]);
       }
     prolongation->InsertGlobalValues(matrix.GRID(row), columns.size(), weights.data(), columns.data());
@@ -199,7 +199,8 @@ void DegreeCoarsening::smooth(Epetra_Vector &x, const Epetra_Vector &b, const bo
     else
       matrix.Multiply(false, x, residual);
     const double next = 1 / (2 * middle / half - rho);
-    const double of_residual = k == 0 ? 1 / middle : 2 * next / half, of_direction = k == 0 ? 0 : next * rho;
+    const double residual_factor = k == 0 ? 1 / middle : 2 * next / half,
+                 direction_factor = k == 0 ? 0 : next * rho;
     if (k > 0)
       rho = next;
     const int n = x.MyLength();
@@ -207,8 +208,8 @@ void DegreeCoarsening::smooth(Epetra_Vector &x, const Epetra_Vector &b, const bo
     const double *const r_i = residual.Values(), *const b_i = b.Values(),
                         *const D_i = inverse_diagonal.Values();
     for (int i = 0; i < n; ++i) {
-      d_i[i] = (of_direction == 0 ? 0 : of_direction * d_i[i]) +
-               of_residual * D_i[i] * (is_zero ? b_i[i] : b_i[i] - r_i[i]);
+      d_i[i] = (direction_factor == 0 ? 0 : direction_factor * d_i[i]) +
+               residual_factor * D_i[i] * (is_zero ? b_i[i] : b_i[i] - r_i[i]);
       x_i[i] += d_i[i];
     }
   }

@@ -46,10 +46,10 @@ void GroupSystem::make_scaled()
   if (!saddle) {
     std::vector<bool> dropped;
     for (const unsigned int block : group.multiplier_blocks) {
-      const auto of_block =
-          group.dropped ? group.dropped(block)
-                        : std::vector<bool>(matrix->block(block, block).trilinos_matrix().NumMyRows());
-      dropped.insert(dropped.end(), of_block.begin(), of_block.end());
+      const auto found = group.dropped
+                             ? group.dropped(block)
+                             : std::vector<bool>(matrix->block(block, block).trilinos_matrix().NumMyRows());
+      dropped.insert(dropped.end(), found.begin(), found.end());
     }
     saddle = std::make_unique<SaddlePoint>(*matrix, *merged, group.blocks, dropped);
   }
@@ -73,12 +73,12 @@ double GroupSystem::contrast() const
 {
   double largest = 0, smallest = std::numeric_limits<double>::infinity();
   for (const unsigned int block : group.blocks) {
-    const Epetra_CrsMatrix &of_block = matrix->block(block, block).trilinos_matrix();
-    Epetra_Vector diagonal(of_block.RowMap());
-    of_block.ExtractDiagonalCopy(diagonal);
+    const Epetra_CrsMatrix &found = matrix->block(block, block).trilinos_matrix();
+    Epetra_Vector diagonal(found.RowMap());
+    found.ExtractDiagonalCopy(diagonal);
     double sum = 0;
     diagonal.Norm1(&sum);
-    const double mean = sum / of_block.NumGlobalRows();
+    const double mean = sum / found.NumGlobalRows();
     largest = std::max(largest, mean);
     smallest = std::min(smallest, mean);
   }
@@ -103,9 +103,9 @@ GroupSystem::Modes GroupSystem::near_null_space() const
   const unsigned int n_own = merged->first_local_of(group.blocks.size());
   Modes modes(is_shared ? n_of_block : n_sets * n_of_block, std::vector<double>(n_own, 0.));
   for (unsigned int i = 0; i < group.blocks.size(); ++i) {
-    const auto of_block = group.near_null_space(group.blocks[i], is_shared);
-    for (unsigned int mode = 0; mode < of_block.size(); ++mode)
-      std::copy(of_block[mode].begin(), of_block[mode].end(),
+    const auto found = group.near_null_space(group.blocks[i], is_shared);
+    for (unsigned int mode = 0; mode < found.size(); ++mode)
+      std::copy(found[mode].begin(), found[mode].end(),
                 modes[is_shared ? mode : set_of[i] * n_of_block + mode].begin() + merged->first_local_of(i));
   }
   return modes;
@@ -138,11 +138,11 @@ std::vector<GroupFacts::Sum> GroupSystem::linear_part() const
     position[group.blocks[i]] = i;
   std::vector<GroupFacts::Sum> sums;
   for (const unsigned int block : group.blocks)
-    for (const SolveGroup::Sum &of_unknown : group.linear_part(block)) {
+    for (const SolveGroup::Sum &unknown_sum : group.linear_part(block)) {
       sums.emplace_back();
-      for (const auto &[dof, weight] : of_unknown) {
-        const auto [of_dof, index] = matrix->get_row_indices().global_to_local(dof);
-        sums.back().emplace_back(merged->global_row(position[of_dof], index), weight);
+      for (const auto &[dof, weight] : unknown_sum) {
+        const auto [dof_block, index] = matrix->get_row_indices().global_to_local(dof);
+        sums.back().emplace_back(merged->global_row(position[dof_block], index), weight);
       }
     }
   return sums;

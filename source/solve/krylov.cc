@@ -29,11 +29,11 @@ struct BlockTriangular
   void vmult(GroupVector &z, const GroupVector &r) const
   {
     const std::vector<double> &schur = K.schur_complement();
-    GroupVector of_bodies = K.bodies().vector(), solved(of_bodies), product(r);
-    const unsigned int n_of_bodies = of_bodies.trilinos_vector().MyLength();
+    GroupVector body_part = K.bodies().vector(), solved(body_part), product(r);
+    const unsigned int n_of_bodies = body_part.trilinos_vector().MyLength();
     const double *residual = r.trilinos_vector()[0];
-    std::copy(residual, residual + n_of_bodies, of_bodies.trilinos_vector()[0]);
-    P(solved, of_bodies);
+    std::copy(residual, residual + n_of_bodies, body_part.trilinos_vector()[0]);
+    P(solved, body_part);
     z = 0;
     double *result = z.trilinos_vector()[0];
     std::copy(solved.trilinos_vector()[0], solved.trilinos_vector()[0] + n_of_bodies, result);

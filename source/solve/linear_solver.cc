@@ -276,12 +276,12 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
 
     GroupVector x = system.plain().vector(), b = system.plain().vector();
     system.plain().gather(rest, b);
-    std::optional<unsigned int> of_group = 0;
+    std::optional<unsigned int> block_group = 0;
     if (b.l2_norm() > 0)
-      of_group = groups[g]->solve(x, b);
-    if (!of_group)
+      block_group = groups[g]->solve(x, b);
+    if (!block_group)
       return {};
-    n_iterations += *of_group;
+    n_iterations += *block_group;
     system.plain().scatter(x, dx);
   }
   return n_iterations;

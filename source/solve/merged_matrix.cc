@@ -35,11 +35,11 @@ void MergedMatrix::number_rows(const BlockMatrix &matrix)
   begin_in_block.assign(n_blocks, std::vector<int>(1, 0));
   begin_merged.assign(n_blocks, {});
   int next = 0;
-  for (const auto &of_rank : sizes)
+  for (const auto &rank_sizes : sizes)
     for (unsigned int i = 0; i < n_blocks; ++i) {
       begin_merged[i].push_back(next);
-      begin_in_block[i].push_back(begin_in_block[i].back() + of_rank[i]);
-      next += of_rank[i];
+      begin_in_block[i].push_back(begin_in_block[i].back() + rank_sizes[i]);
+      next += rank_sizes[i];
     }
 }
 
@@ -56,7 +56,7 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
   const int n_own = first_local.back();
   const Epetra_Map rows(-1, n_own, 0, epetra_communicator);
   const auto is_own = [&](const int index) { return rows.MyGID(index); };
-  std::vector<int> of_others;
+  std::vector<int> foreign;
   std::vector<std::vector<std::vector<int>>> column_of(n_blocks); // by the position in columns_of
   for (unsigned int i = 0; i < n_blocks; ++i) {
     columns_of.emplace_back();
@@ -69,25 +69,24 @@ void MergedMatrix::merge_structure(const BlockMatrix &matrix)
         const int index = global_row(j, block(i, j).ColMap().GID(k));
         column_of[i].back().push_back(index);
         if (!is_own(index))
-          of_others.push_back(index);
+          foreign.push_back(index);
       }
     }
   }
-  std::sort(of_others.begin(), of_others.end());
-  of_others.erase(std::unique(of_others.begin(), of_others.end()), of_others.end());
+  std::sort(foreign.begin(), foreign.end());
+  foreign.erase(std::unique(foreign.begin(), foreign.end()), foreign.end());
   std::vector<int> all_columns;
   for (int i = 0; i < n_own; ++i)
     all_columns.push_back(rows.GID(i));
-  all_columns.insert(all_columns.end(), of_others.begin(), of_others.end());
+  all_columns.insert(all_columns.end(), foreign.begin(), foreign.end());
   const Epetra_Map columns(-1, static_cast<int>(all_columns.size()), all_columns.data(), 0,
                            epetra_communicator);
-  for (auto &of_row : column_of)
-    for (auto &of_block : of_row)
-      for (int &index : of_block)
-        index =
-            is_own(index)
-                ? rows.LID(index)
-                : n_own + (std::lower_bound(of_others.begin(), of_others.end(), index) - of_others.begin());
+  for (auto &row_columns : column_of)
+    for (auto &block_columns : row_columns)
+      for (int &index : block_columns)
+        index = is_own(index)
+                    ? rows.LID(index)
+                    : n_own + (std::lower_bound(foreign.begin(), foreign.end(), index) - foreign.begin());
 
   std::vector<int> row_lengths(n_own, 0);
   for (unsigned int i = 0; i < n_blocks; ++i)
@@ -158,13 +157,13 @@ void MergedMatrix::copy_values(const BlockMatrix &matrix)
       merged->ExtractMyRowView(first_local[i] + row, n, values);
       for (const unsigned int j : columns_of[i]) {
         int n_of_block = 0;
-        double *of_block = nullptr;
-        matrix.block(block_numbers[i], j).trilinos_matrix().ExtractMyRowView(row, n_of_block, of_block);
+        double *block_columns = nullptr;
+        matrix.block(block_numbers[i], j).trilinos_matrix().ExtractMyRowView(row, n_of_block, block_columns);
         if (in_order[first_local[i] + row])
-          values = std::copy_n(of_block, n_of_block, values);
+          values = std::copy_n(block_columns, n_of_block, values);
         else
           for (int k = 0; k < n_of_block; ++k)
-            values[*next++] = of_block[k];
+            values[*next++] = block_columns[k];
       }
     }
 }
@@ -173,8 +172,8 @@ void MergedMatrix::gather(const BlockVector &from, GroupVector &to) const
 {
   double *values = to.trilinos_vector()[0];
   for (unsigned int i = 0; i < block_numbers.size(); ++i) {
-    const double *of_block = from.block(block_numbers[i]).trilinos_vector()[0];
-    std::copy(of_block, of_block + first_local[i + 1] - first_local[i], values + first_local[i]);
+    const double *block_columns = from.block(block_numbers[i]).trilinos_vector()[0];
+    std::copy(block_columns, block_columns + first_local[i + 1] - first_local[i], values + first_local[i]);
   }
 }
 

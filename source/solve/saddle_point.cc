@@ -14,17 +14,17 @@ namespace dovetail {
 
 SaddlePoint::SaddlePoint(const BlockMatrix &matrix, const MergedMatrix &all,
                          const std::vector<unsigned int> &blocks, std::vector<bool> dropped)
-    : all(all), of_bodies(matrix, blocks), dropped(std::move(dropped))
+    : all(all), body_operator(matrix, blocks), dropped(std::move(dropped))
 {
 }
 
 void SaddlePoint::update(const BlockMatrix &block_matrix)
 {
-  of_bodies.copy_values(block_matrix);
+  body_operator.copy_values(block_matrix);
   const Epetra_CrsMatrix &matrix = *all.matrix();
-  Epetra_Vector diagonal(matrix.RowMap()), of_columns(matrix.ColMap());
+  Epetra_Vector diagonal(matrix.RowMap()), column_diagonal(matrix.ColMap());
   matrix.ExtractDiagonalCopy(diagonal);
-  const unsigned int n_of_bodies = of_bodies.n_local(), n_own = all.n_local();
+  const unsigned int n_of_bodies = body_operator.n_local(), n_own = all.n_local();
   std::array<double, 2> own = {{0, static_cast<double>(n_of_bodies)}}, sums;
   for (unsigned int i = 0; i < n_of_bodies; ++i)
     own[0] += std::abs(diagonal[i]);
@@ -37,9 +37,9 @@ void SaddlePoint::update(const BlockMatrix &block_matrix)
     diagonal[i] = 0; // the rest sums over the bodies alone
   }
   if (matrix.Importer() != nullptr)
-    of_columns.Import(diagonal, *matrix.Importer(), Insert);
+    column_diagonal.Import(diagonal, *matrix.Importer(), Insert);
   else
-    of_columns = diagonal;
+    column_diagonal = diagonal;
   scale.assign(n_own - n_of_bodies, 1.);
   schur.assign(n_own - n_of_bodies, -1.);
   for (unsigned int i = 0; i < scale.size(); ++i) {
@@ -48,8 +48,8 @@ void SaddlePoint::update(const BlockMatrix &block_matrix)
     matrix.ExtractMyRowView(n_of_bodies + i, n, values, columns);
     double sum = sums_of_rows[i];
     for (int k = 0; k < n; ++k)
-      if (of_columns[columns[k]] > 0)
-        sum += values[k] * values[k] / of_columns[columns[k]];
+      if (column_diagonal[columns[k]] > 0)
+        sum += values[k] * values[k] / column_diagonal[columns[k]];
     if (!dropped[i] && sum > 0) {
       scale[i] = std::sqrt(mean / sum);
       schur[i] = mean;
@@ -59,7 +59,7 @@ void SaddlePoint::update(const BlockMatrix &block_matrix)
 
 void SaddlePoint::scale_multipliers(GroupVector &x) const
 {
-  double *values = x.trilinos_vector()[0] + of_bodies.n_local();
+  double *values = x.trilinos_vector()[0] + body_operator.n_local();
   for (unsigned int i = 0; i < scale.size(); ++i)
     values[i] *= scale[i];
 }

@@ -30,12 +30,12 @@ public:
   GroupVector vector() const override { return all.vector(); }
   void vmult(GroupVector &destination, const GroupVector &source) const override;
   void diagonal(GroupVector &destination) const override;
-  const GroupOperator &bodies() const override { return of_bodies; }
+  const GroupOperator &bodies() const override { return body_operator; }
   const std::vector<double> &schur_complement() const override { return schur; }
 
 private:
   const MergedMatrix &all;
-  MergedMatrix of_bodies;
+  MergedMatrix body_operator;
   const std::vector<bool> dropped;
   std::vector<double> scale, schur; ///< of the own multipliers
 };

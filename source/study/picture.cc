@@ -319,7 +319,7 @@ void write_script(std::ostream &out, const std::string &title, const std::vector
 
 /// From the folder where gnuplot has made them, if they are whole.
 /// @return what stands in the way, if anything does.
-std::string take_pictures(const std::string &folder, const std::string &directory)
+std::string draw_pictures(const std::string &folder, const std::string &directory)
 {
   struct Kind
   {
@@ -360,7 +360,7 @@ std::string draw_study(const std::string &directory, const std::string &title,
     obstacle.raise(set_another_directory);
   const Outcome outcome =
       run_process({"gnuplot", "-e", "folder=" + quoted(folder), script}, "/dev/null", errors, [] {});
-  const std::string problem = outcome.status == 0 ? take_pictures(folder, directory) : "";
+  const std::string problem = outcome.status == 0 ? draw_pictures(folder, directory) : "";
   std::error_code error;
   std::filesystem::remove_all(folder, error);
   if (outcome.status == 0) {

@@ -65,8 +65,8 @@ std::vector<char *> environment_of_children()
 }
 
 /// Between fork and exec only calls that are safe there.
-[[noreturn]] void become(char *const *arguments, char **variables, const int output, const int error,
-                         const sigset_t &signals)
+[[noreturn]] void execute(char *const *arguments, char **variables, const int output, const int error,
+                          const sigset_t &signals)
 {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -129,7 +129,7 @@ Outcome run_process(const std::vector<std::string> &command, const std::string &
   const auto start = std::chrono::steady_clock::now();
   const pid_t child = fork();
   if (child == 0)
-    become(arguments.data(), variables.data(), output, error, before);
+    execute(arguments.data(), variables.data(), output, error, before);
   close(output);
   close(error);
   if (child < 0) {

@@ -74,7 +74,7 @@ std::vector<std::string> command_of(const StudyRun &run, const std::string &scen
 
 } // namespace
 
-std::string last_words(const std::string &error_file)
+std::string error_message(const std::string &error_file)
 {
   std::ifstream in(error_file);
   std::string line, last;
@@ -130,7 +130,7 @@ void perform(StudyRun &run, const std::string &scene, const std::function<void()
     } else if (run.report.contains("seconds")) // what only the study wanted to know
       run.seconds -= run.report["seconds"].value("comparison", 0.);
   } else {
-    run.message = last_words(error_file);
+    run.message = error_message(error_file);
     if (outcome.status < 0)
       run.message = "signal " + std::to_string(-outcome.status) +
                     (run.message.empty() ? std::string() : ": " + run.message);

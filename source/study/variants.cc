@@ -38,7 +38,7 @@ void check(const SceneOfStudy &scene, Variant &variant)
   command.push_back(scene.file);
   const std::string log = scene.directory + "/check.log", errors = scene.directory + "/check.errors";
   const Outcome outcome = run_process(command, log, errors, [] {});
-  variant.complaint = outcome.status == 1 ? last_words(errors) : "";
+  variant.complaint = outcome.status == 1 ? error_message(errors) : "";
   variant.n_unknowns = count_of_unknowns(log);
   std::filesystem::remove(log);
   std::filesystem::remove(errors);

@@ -141,8 +141,8 @@ void BlockSystem<dim>::make_relevant_set(const double t)
     if (interface->is_active(t)) {
       const TieParts<dim> parts = interface->tie().parts();
       for (unsigned int i = 0; parts.multipliers != nullptr && i < parts.multipliers->n_terms(); ++i) {
-        const auto &of_term = parts.multipliers->term_dofs(i);
-        all.insert(all.end(), of_term.begin(), of_term.end());
+        const auto &multiplier_term = parts.multipliers->term_dofs(i);
+        all.insert(all.end(), multiplier_term.begin(), multiplier_term.end());
       }
       if (parts.elimination != nullptr)
         for (const HeldUnknown &held : parts.elimination->held())
@@ -187,8 +187,8 @@ template <int dim>
 void BlockSystem<dim>::make_constraints(const ConstraintLines &lines)
 {
   constraints.clear();
-  freed.clear();
-  constraints = close_constraints(lines, *model.numbering, relevant, model.communicator, &freed);
+  unconstrained.clear();
+  constraints = close_constraints(lines, *model.numbering, relevant, model.communicator, &unconstrained);
   update_constraints.clear();
   update_constraints.copy_from(constraints);
   relevant.add_indices(constraints.get_local_lines()); // those that lines refer to, too
@@ -468,7 +468,7 @@ void throw_on_all_ranks(const std::exception_ptr &fault, const MPI_Comm &communi
 template <int dim>
 bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
 {
-  ++(with_tangent ? n_assemblies.of_tangent : n_assemblies.of_residual);
+  ++(with_tangent ? n_assemblies.tangents : n_assemblies.residuals_alone);
   ghosted_scratch = x;
   move_constraints_from(ghosted_scratch);
   right_hand_side = 0;
@@ -492,10 +492,10 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   right_hand_side.compress(dealii::VectorOperation::add);
   if (share < 1)
     right_hand_side.add(share - 1, held_back);
-  for (auto *of_blocks : {&sizes.forces, &sizes.on_free, &sizes.of_tangent})
-    dealii::Utilities::MPI::sum(*of_blocks, model.communicator, *of_blocks);
+  for (auto *block_sums : {&sizes.forces, &sizes.on_free, &sizes.tangents})
+    dealii::Utilities::MPI::sum(*block_sums, model.communicator, *block_sums);
   if (with_tangent)
-    tangent_at_x = sizes.of_tangent;
+    tangent_at_x = sizes.tangents;
   throw_on_all_ranks(fault, model.communicator);
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   has_tangent = with_tangent ? is_defined : has_tangent;
@@ -693,10 +693,10 @@ void BlockSystem<dim>::assemble_multipliers(const Interface<dim> &interface, con
     residual.assign(dofs.size(), 0.);
     local_matrix.reinit(dofs.size(), dofs.size());
     multipliers->assemble_term(i, unknowns, residual, with_tangent ? &local_matrix : nullptr);
-    std::vector<double> of_rows = residual;
+    std::vector<double> row_values = residual;
     if (dofs.size() > 1) // in the multiplier's equation the traces cancel
-      of_rows.back() = multipliers->magnitude_of_term(i, unknowns);
-    add_sizes(dofs, of_rows, unknowns, dofs.size(), with_tangent);
+      row_values.back() = multipliers->magnitude_of_term(i, unknowns);
+    add_sizes(dofs, row_values, unknowns, dofs.size(), with_tangent);
     scatter(residual, dofs, with_tangent);
   }
 }
@@ -723,7 +723,7 @@ template <int dim>
 NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x) const
 {
   ConstraintLines lines = lines_at(time);
-  for (const auto dof : freed)
+  for (const auto dof : unconstrained)
     lines.erase(dof);
   ghosted_scratch = x;
   return NodalForces<dim>(model, lines, constraints, ghosted_scratch, time, step_rates);
@@ -754,7 +754,7 @@ std::vector<std::string> BlockSystem<dim>::notes() const
     if (interface->is_active(time))
       for (const std::string &sentence : interface->tie().notes())
         sentences.push_back(interface->name + ": " + sentence);
-  if (const auto n = dealii::Utilities::MPI::sum(freed.size(), model.communicator); n > 0)
+  if (const auto n = dealii::Utilities::MPI::sum(unconstrained.size(), model.communicator); n > 0)
     sentences.push_back("constraints of interfaces that meet led back to themselves and were dropped at " +
                         std::to_string(n) + (n == 1 ? " unknown" : " unknowns"));
   return sentences;
@@ -768,14 +768,14 @@ void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_ind
                                  const unsigned int longest_sum, const bool with_tangent)
 {
   for (unsigned int i = 0; i < dofs.size(); ++i) {
-    double of_row = 0;
+    double row_sum = 0;
     for (unsigned int j = 0; with_tangent && j < dofs.size(); ++j)
-      of_row += std::abs(local_matrix(i, j) * unknowns[j]);
+      row_sum += std::abs(local_matrix(i, j) * unknowns[j]);
     const auto add = [&](const unsigned int block, const double weight) {
       const double force = weight * weight * forces[i] * forces[i];
       sizes.forces[block] += force;
       sizes.on_free[block] += longest_sum * force;
-      sizes.of_tangent[block] += longest_sum * weight * weight * of_row * of_row;
+      sizes.tangents[block] += longest_sum * weight * weight * row_sum * row_sum;
     };
     const unsigned int block = model.numbering->block_of(dofs[i]);
     if (!update_constraints.is_constrained(dofs[i]))
@@ -852,11 +852,12 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx, Vector &rest)
 }
 
 template <int dim>
-std::optional<FreeMotion<dim>> BlockSystem<dim>::find_free_motion(const bool in_any_case) const
+std::optional<UnrestrainedMode<dim>> BlockSystem<dim>::find_unrestrained_mode(const bool in_any_case) const
 {
   for (unsigned int f = 0; f < fields.size(); ++f)
     if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time, update_constraints)))
-      if (const auto motion = dovetail::find_free_motion(model, fields[f], time, matrix, update_constraints))
+      if (const auto motion =
+              dovetail::find_unrestrained_mode(model, fields[f], time, matrix, update_constraints))
         return motion;
   return {};
 }

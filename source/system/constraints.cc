@@ -36,8 +36,8 @@ ConstraintLines fetch(const std::set<Index> &dofs, const ConstraintLines &owned_
       if (const auto line = owned_lines.find(dof); line != owned_lines.end())
         answers[rank].insert(*line);
   ConstraintLines lines;
-  for (auto &of_rank : dealii::Utilities::MPI::some_to_some(communicator, answers))
-    lines.merge(of_rank.second);
+  for (auto &answer : dealii::Utilities::MPI::some_to_some(communicator, answers))
+    lines.merge(answer.second);
   return lines;
 }
 
@@ -163,7 +163,8 @@ std::set<Index> open_circles(ConstraintLines &lines)
 dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned_lines,
                                                     const Numbering &numbering,
                                                     const dealii::IndexSet &needed,
-                                                    const MPI_Comm &communicator, std::set<Index> *freed)
+                                                    const MPI_Comm &communicator,
+                                                    std::set<Index> *unconstrained)
 {
   ConstraintLines lines = owned_lines;
   dealii::IndexSet known = numbering.owned;
@@ -192,10 +193,10 @@ dealii::AffineConstraints<double> close_constraints(const ConstraintLines &owned
     }
 
   const std::set<Index> erased = open_circles(lines);
-  if (freed != nullptr)
+  if (unconstrained != nullptr)
     for (const Index dof : erased)
       if (numbering.owned.is_element(dof))
-        freed->insert(dof);
+        unconstrained->insert(dof);
   auto constraints = make_affine_constraints(numbering.owned, known);
   for (const auto &[dof, line] : lines) {
     constraints.add_line(dof);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/interface/facing_boundaries.h>
 #include <dovetail/interface/make_cover.h>
+#include <dovetail/pairing/facing_boundaries.h>
 #include <dovetail/system/joined_domains.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/rigid_motions.h>
@@ -104,12 +104,12 @@ void Model<dim>::tell_other_interfaces()
       side.others.clear();
       side.strong_others.clear();
       for (const auto &other : interfaces)
-        for (const InterfaceSide<dim> &of_other : other->sides)
-          if (&of_other != &side && of_other.domain == side.domain)
+        for (const InterfaceSide<dim> &other_side : other->sides)
+          if (&other_side != &side && other_side.domain == side.domain)
             for (const TiedField &field : other->fields) {
-              side.others[field.name].push_back(&of_other);
+              side.others[field.name].push_back(&other_side);
               if (other->tie().parts().elimination != nullptr)
-                side.strong_others[field.name].push_back(&of_other);
+                side.strong_others[field.name].push_back(&other_side);
             }
     }
 }
@@ -274,7 +274,7 @@ bool Model<dim>::is_held_by_source(const Domain<dim> &domain, const unsigned int
   for (const Field &other : domain.fields())
     for (unsigned int d = 0; d < other.n_components; ++d)
       if (other.first_component + d != c && domain.material.order_in_time(other.first_component + d) == 0 &&
-          domain.material.coupling(c, other.first_component + d).of_source() &&
+          domain.material.coupling(c, other.first_component + d).in_source() &&
           held_domains(other.name, d, t, false).count(&domain) == 0)
         return false;
   return true;
@@ -300,8 +300,8 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
       if (holds(*condition))
         is_held[first[d]] = true;
   for (unsigned int d = 0; with_reactions && d < domains.size(); ++d)
-    if (const Field *of_domain = domains[d]->material.find_field(field))
-      if (is_held_by_source(*domains[d], of_domain->first_component + component, t))
+    if (const Field *domain_field = domains[d]->material.find_field(field))
+      if (is_held_by_source(*domains[d], domain_field->first_component + component, t))
         is_held[first[d]] = true;
   std::set<const Domain<dim> *> held;
   for (unsigned int d = 0; d < domains.size(); ++d)
@@ -434,10 +434,10 @@ unsigned int Model<dim>::degree() const
 
 template <int dim>
 std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block,
-                                                             const bool of_all_domains) const
+                                                             const bool about_one_point) const
 {
   const Domain<dim> &domain = *domains[block.domain_index];
-  const Domain<dim> &reference = of_all_domains ? *domains[0] : domain;
+  const Domain<dim> &reference = about_one_point ? *domains[0] : domain;
   return rigid_motions(domain, block, reference.centre(), reference.typical_length());
 }
 

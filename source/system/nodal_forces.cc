@@ -52,8 +52,8 @@ NodalForces<dim>::NodalForces(const Model<dim> &model, const ConstraintLines &li
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   const double undefined = std::numeric_limits<double>::quiet_NaN();
   if (!is_defined)
-    for (auto &[interface, of_interface] : transmissions)
-      for (Transmission &transmission : of_interface)
+    for (auto &[interface, found] : transmissions)
+      for (Transmission &transmission : found)
         transmission.influx = {{undefined, undefined}};
 }
 
@@ -74,7 +74,7 @@ void NodalForces<dim>::add_cells(const Domain<dim> &domain, const Vector &soluti
   CellTerms<dim> terms(domain);
   terms.set_rates(&rates);
   std::vector<Index> dofs;
-  std::vector<double> unknowns(domain.dofs_per_cell()), of_cell(unknowns.size());
+  std::vector<double> unknowns(domain.dofs_per_cell()), cell_forces(unknowns.size());
   for (const auto &cell : domain.dof_handler().active_cell_iterators()) {
     if (!cell->is_locally_owned())
       continue;
@@ -88,8 +88,8 @@ void NodalForces<dim>::add_cells(const Domain<dim> &domain, const Vector &soluti
                      [this](const Index dof) { return constraints.is_constrained(dof); }))
       continue;
     solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-    is_defined = terms.assemble(cell, t, unknowns, of_cell, nullptr) && is_defined;
-    add_at_constrained(dofs, of_cell, residual);
+    is_defined = terms.assemble(cell, t, unknowns, cell_forces, nullptr) && is_defined;
+    add_at_constrained(dofs, cell_forces, residual);
   }
 }
 
@@ -98,21 +98,21 @@ void NodalForces<dim>::add_groups(const Interface<dim> &interface, const Vector 
 {
   PointTerms<dim> &terms = *interface.tie().parts().point_terms;
   std::vector<Index> dofs;
-  std::vector<double> unknowns, of_group;
+  std::vector<double> unknowns, group_forces;
   for (const auto &group : interface.pairing().groups) {
     interface.group_dofs(group, dofs);
     unknowns.resize(dofs.size());
     solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-    of_group.assign(dofs.size(), 0.);
-    is_defined = terms.assemble(interface, group, t, unknowns, of_group, nullptr) && is_defined;
-    add_at_constrained(dofs, of_group, residual);
+    group_forces.assign(dofs.size(), 0.);
+    is_defined = terms.assemble(interface, group, t, unknowns, group_forces, nullptr) && is_defined;
+    add_at_constrained(dofs, group_forces, residual);
     for (unsigned int f = 0; f < interface.fields.size(); ++f)
       for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
         Transmission sum = {f, c, {{0, 0}}};
         for (const unsigned int side : {source, destination}) {
           const unsigned int n = interface.sides[side].domain->n_nodes();
           const unsigned int component = interface.fields[f].first_component[side] + c;
-          const auto first = of_group.begin() + (side == source ? 0 : interface.n_local(source)) +
+          const auto first = group_forces.begin() + (side == source ? 0 : interface.n_local(source)) +
                              interface.position(side, component) * n;
           for (unsigned int a = 0; a < n; ++a)
             sum.influx[side] -= first[a];
@@ -127,14 +127,14 @@ void NodalForces<dim>::add_terms(const Interface<dim> &interface, const Vector &
                                  Vector &residual) const
 {
   const Multipliers<dim> *multipliers = interface.tie().parts().multipliers;
-  std::vector<double> unknowns, of_term;
+  std::vector<double> unknowns, term_forces;
   for (unsigned int i = 0; multipliers != nullptr && i < multipliers->n_terms(); ++i) {
     const std::vector<Index> &dofs = multipliers->term_dofs(i);
     unknowns.resize(dofs.size());
     solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-    of_term.assign(dofs.size(), 0.);
-    multipliers->assemble_term(i, unknowns, of_term, nullptr);
-    add_at_constrained(dofs, of_term, residual);
+    term_forces.assign(dofs.size(), 0.);
+    multipliers->assemble_term(i, unknowns, term_forces, nullptr);
+    add_at_constrained(dofs, term_forces, residual);
   }
 }
 
@@ -147,9 +147,9 @@ Vector NodalForces<dim>::passed_on(const Vector &residual) const
   for (unsigned int link = 0; link < longest_chain; ++link) {
     passed = 0;
     for (const auto &[dof, line] : lines) {
-      const double of_follower = line.entries.empty() ? 0. : total(dof);
+      const double constrained_force = line.entries.empty() ? 0. : total(dof);
       for (const auto &[other, weight] : line.entries)
-        passed(other) += weight * of_follower;
+        passed(other) += weight * constrained_force;
     }
     passed.compress(dealii::VectorOperation::add);
     previous = total;
@@ -193,9 +193,9 @@ double NodalForces<dim>::rounding(const Domain<dim> &domain, const Field &field,
   }
   double sum = 0;
   for (const auto &body : model.domains)
-    if (const Field *of_body = body->material.find_field(field.name);
-        of_body != nullptr && bodies.count(body.get()) > 0)
-      sum += rounding_of_cells(*body, *of_body, solution) + rounding_of_groups(*body, field, solution);
+    if (const Field *body_field = body->material.find_field(field.name);
+        body_field != nullptr && bodies.count(body.get()) > 0)
+      sum += rounding_of_cells(*body, *body_field, solution) + rounding_of_groups(*body, field, solution);
   return 1e-15 * dealii::Utilities::MPI::sum(sum, model.communicator);
 }
 

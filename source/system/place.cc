@@ -14,10 +14,10 @@ template <int dim>
 std::optional<dealii::Point<dim>> place_of_largest(const Model<dim> &model, const Vector &vector,
                                                    const unsigned int block)
 {
-  const Block &of_block = model.numbering->blocks()[block];
-  if (of_block.is_of_multipliers)
+  const Block &found_block = model.numbering->blocks()[block];
+  if (found_block.is_of_multipliers)
     return {};
-  const Domain<dim> &domain = *model.domains[of_block.domain_index];
+  const Domain<dim> &domain = *model.domains[found_block.domain_index];
   double largest = -1;
   dealii::Point<dim> centre;
   std::vector<dealii::types::global_dof_index> dofs;
@@ -25,7 +25,7 @@ std::optional<dealii::Point<dim>> place_of_largest(const Model<dim> &model, cons
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       for (const auto dof : dofs)
-        if (dof >= of_block.begin && dof < of_block.end && model.numbering->owned.is_element(dof) &&
+        if (dof >= found_block.begin && dof < found_block.end && model.numbering->owned.is_element(dof) &&
             !(std::abs(vector(dof)) <= largest)) { // NaN is larger than all
           largest = std::isfinite(vector(dof)) ? std::abs(vector(dof)) : std::numeric_limits<double>::max();
           centre = cell->center();

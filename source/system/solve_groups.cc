@@ -42,17 +42,17 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.is_symmetric = fields.size() == 1 && model.is_symmetric(fields[0]);
     group.allows_jumps = std::any_of(fields.begin(), fields.end(),
                                      [&model](const auto &field) { return model.allows_jumps(field); });
-    group.near_null_space = [&model](const unsigned int block, const bool of_all_blocks) {
-      return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
+    group.near_null_space = [&model](const unsigned int block, const bool about_one_point) {
+      return model.near_null_space(model.numbering->blocks()[block], about_one_point);
     };
     group.linear_part = [&model, system](const unsigned int block) {
       return linear_part(model, system(), block);
     };
     group.dropped = [&model, system](const unsigned int block) {
-      std::vector<bool> of_own;
+      std::vector<bool> own_part;
       for (const auto i : model.numbering->blocks()[block].owned)
-        of_own.push_back(system().is_dropped(model.numbering->blocks()[block].begin + i));
-      return of_own;
+        own_part.push_back(system().is_dropped(model.numbering->blocks()[block].begin + i));
+      return own_part;
     };
     const auto &blocks = model.numbering->blocks();
     for (unsigned int b = 0; b < blocks.size(); ++b)

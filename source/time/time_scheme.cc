@@ -20,9 +20,9 @@ void TimeScheme::start(const Vector &x, const Vector &rate)
 void TimeScheme::accept_step(const StepTime &step, const Vector &x)
 {
   if (!remembered.rates.empty()) {
-    const Rates of_step = rates(step);
-    Vector rate = of_step.rest;
-    rate.add(of_step.by_value, x);
+    const Rates step_rates = rates(step);
+    Vector rate = step_rates.rest;
+    rate.add(step_rates.by_value, x);
     remember(rate, remembered.rates);
   }
   remember(x, remembered.states);

@@ -69,12 +69,12 @@ void check(const Case &of, const unsigned int degree, const double angle = 0)
 
   double error = 0;
   for (const unsigned int side : {source, destination})
-    for (unsigned int i = 0; i < lambda.of_tangent[side].size(); ++i) {
+    for (unsigned int i = 0; i < lambda.tangent_values[side].size(); ++i) {
       const CellBehind<dim> &cell = interface.pairing().cells[side][i];
       const double constant =
-          lambda.of_tangent[side][i] * cell.cell_measure / (of.stiffness * cell.face_measure);
+          lambda.tangent_values[side][i] * cell.cell_measure / (of.stiffness * cell.face_measure);
       error = std::max(error, std::abs(constant / of.expected - 1));
-      error = std::max(error, std::abs(lambda.of_penalty[side][i] / lambda.of_tangent[side][i] - 1));
+      error = std::max(error, std::abs(lambda.penalty_values[side][i] / lambda.tangent_values[side][i] - 1));
     }
   report(of.name, error, of.expected == std::round(of.expected) ? 1e-10 : 5e-6);
 }

@@ -6,9 +6,9 @@
 //
 // ranks: 1 2 3
 
-#include "given_solution.h"
+#include "../measure/given_solution.h"
 
-#include <dovetail/output/measures.h>
+#include <dovetail/measure/measures.h>
 #include <dovetail/output/paraview.h>
 #include <dovetail/output/report.h>
 

@@ -8,7 +8,7 @@
 //
 // ranks: 1 2 3
 
-#include "given_solution.h"
+#include "../measure/given_solution.h"
 
 #include <dovetail/output/domain_picture.h>
 

@@ -84,10 +84,10 @@ int main(int argc, char **argv)
   // the first free unknown follows the last of its followers: a circle, B_0 = 5/16 B_0 + 19/64
   if (numbering.owned.is_element(at[0]))
     lines[at[0]].entries.emplace_back(at[4], 1.);
-  std::set<dealii::types::global_dof_index> freed;
-  const auto solved = close_constraints(lines, numbering, numbering.relevant, MPI_COMM_WORLD, &freed);
+  std::set<dealii::types::global_dof_index> unconstrained;
+  const auto solved = close_constraints(lines, numbering, numbering.relevant, MPI_COMM_WORLD, &unconstrained);
   const double x = 19. / 44;
-  double error_of_circle = dealii::Utilities::MPI::sum(freed.size(), MPI_COMM_WORLD);
+  double error_of_circle = dealii::Utilities::MPI::sum(unconstrained.size(), MPI_COMM_WORLD);
   for (unsigned int link = 0; link < 5; ++link)
     if (numbering.relevant.is_element(at[link]))
       error_of_circle =
@@ -101,10 +101,10 @@ int main(int argc, char **argv)
       equal[at[link]].entries.emplace_back(at[(link + 1) % 3], 1.);
       equal[at[link]].tie = 0;
     }
-  const auto opened = close_constraints(equal, numbering, numbering.relevant, MPI_COMM_WORLD, &freed);
+  const auto opened = close_constraints(equal, numbering, numbering.relevant, MPI_COMM_WORLD, &unconstrained);
   const auto largest = *std::max_element(at.begin(), at.begin() + 3);
-  bool is_opened = dealii::Utilities::MPI::sum(freed.size(), MPI_COMM_WORLD) == 1 &&
-                   (freed.empty() || *freed.begin() == largest);
+  bool is_opened = dealii::Utilities::MPI::sum(unconstrained.size(), MPI_COMM_WORLD) == 1 &&
+                   (unconstrained.empty() || *unconstrained.begin() == largest);
   for (unsigned int link = 0; link < 3; ++link)
     if (numbering.relevant.is_element(at[link]))
       is_opened = is_opened && opened.is_constrained(at[link]) == (at[link] != largest);

@@ -8,7 +8,7 @@
 
 #include "scene_model.h"
 
-#include <dovetail/system/error_estimate.h>
+#include <dovetail/measure/error_estimate.h>
 
 #include <numeric>
 

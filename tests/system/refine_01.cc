@@ -10,7 +10,7 @@
 
 #include "scene_model.h"
 
-#include <dovetail/system/error_estimate.h>
+#include <dovetail/measure/error_estimate.h>
 
 using namespace test;
 

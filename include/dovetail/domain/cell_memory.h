@@ -37,10 +37,10 @@ public:
   void accept() { variables.accept(); }
 
   /// By active cell index, for each point X and the accepted variables: what divided cells hand on.
-  using OfCells = std::vector<std::vector<double>>;
-  OfCells pack() const;
+  using PackedCells = std::vector<std::vector<double>>;
+  PackedCells pack() const;
   /// From the cells of which those of this mesh are parts: of the nearest of their points.
-  void unpack(const OfCells &of_cells);
+  void unpack(const PackedCells &packed);
 
 private:
   unsigned int n_points_of_cell;

@@ -33,7 +33,7 @@ public:
   explicit CellTerms(const Domain<dim> &domain);
 
   /// The rates of all unknowns (ghosted) in the step, kept by reference; nullptr: none are known.
-  void set_rates(const Rates *of_step) { rates = of_step; }
+  void set_rates(const Rates *step_rates) { rates = step_rates; }
 
   /// Overwrites @p residual and, if @p tangent is not nullptr, the tangent. @return false if a law is not
   /// defined at the state of a quadrature point; the results are then incomplete.

@@ -103,11 +103,11 @@ public:
   /// Per component, flattened over the fields; nullptr if the scene does not give it.
   struct Given
   {
-    std::map<std::string, Expression> of_field;
+    std::map<std::string, Expression> expressions;
     const Expression *find(const std::string &field) const
     {
-      const auto found = of_field.find(field);
-      return found == of_field.end() ? nullptr : &found->second;
+      const auto found = expressions.find(field);
+      return found == expressions.end() ? nullptr : &found->second;
     }
   };
   const Given &source() const { return given_source; }

@@ -22,29 +22,29 @@ public:
   /// @param scene its Geometry and Thickness, which run/simulation.cc checks
   explicit Measure(const Section &scene);
 
-  bool is_axisymmetric() const { return of_circle; }
+  bool is_axisymmetric() const { return around_axis; }
   double thickness() const { return factor; }
   /// Whether a field has the strain u_r/r around the axis.
-  bool has_hoop_strain(const Field &field) const { return of_circle && field.n_components > 1; }
+  bool has_hoop_strain(const Field &field) const { return around_axis && field.n_components > 1; }
 
   /// m(X).
   double operator()(const dealii::Point<dim> &X) const
   {
-    return of_circle ? 2 * dealii::numbers::PI * X[0] : factor;
+    return around_axis ? 2 * dealii::numbers::PI * X[0] : factor;
   }
   /// dV or dA at a point of a cell or face. @pre @p values has the update_flags().
   double operator()(const dealii::FEValuesBase<dim> &values, const unsigned int q) const
   {
-    return values.JxW(q) * (of_circle ? (*this)(values.quadrature_point(q)) : factor);
+    return values.JxW(q) * (around_axis ? (*this)(values.quadrature_point(q)) : factor);
   }
   dealii::UpdateFlags update_flags() const
   {
-    return of_circle ? dealii::update_JxW_values | dealii::update_quadrature_points
-                     : dealii::update_JxW_values;
+    return around_axis ? dealii::update_JxW_values | dealii::update_quadrature_points
+                       : dealii::update_JxW_values;
   }
 
 private:
-  const bool of_circle;
+  const bool around_axis;
   const double factor;
 };
 

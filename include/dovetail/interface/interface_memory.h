@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include <dovetail/interface/pairing.h>
+#include <dovetail/pairing/pairing.h>
 
 #include <array>
 
@@ -34,7 +34,7 @@ public:
   void accept();
 
 private:
-  void take_from_nearest(unsigned int side, const InternalVariables &former,
+  void copy_from_nearest(unsigned int side, const InternalVariables &former,
                          const std::vector<dealii::Point<dim>> &former_points, const MPI_Comm &communicator);
 
   std::array<std::vector<dealii::Point<dim>>, 2> points;

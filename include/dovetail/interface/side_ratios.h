@@ -32,12 +32,12 @@ double own_share_of_gap(const Interface<dim> &interface, const TiedField &field,
                         const std::array<dealii::Point<dim>, 2> &X);
 
 /// How much stiffer a destination may be that follows a source whose trace it cannot represent.
-inline constexpr double largest_stiffness_of_follower = 3;
+inline constexpr double largest_stiffness_ratio = 3;
 
 /// What a user should know if the destination follows the source and is much stiffer: a stiff body that must
 /// take another one's trace answers every deviation of that trace from its own with its stiffness. Its
 /// deformation stays right, but the flux through the interface errs by the ratio of the stiffnesses.
-std::string words_for_stiff_follower(double stiffness);
+std::string note_on_stiff_destination(double stiffness);
 
 /// What a user should know if a destination's multipliers tie a source that is softer and finer: between two
 /// of them the source slips, the more the larger its strain.

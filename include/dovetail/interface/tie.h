@@ -6,8 +6,8 @@
 #pragma once
 
 #include <dovetail/domain/constraint_lines.h>
-#include <dovetail/interface/pairing.h>
 #include <dovetail/interface/transmission.h>
+#include <dovetail/pairing/pairing.h>
 #include <dovetail/scene/catalogue.h>
 
 #include <deal.II/lac/full_matrix.h>

@@ -16,10 +16,10 @@ namespace dovetail {
 struct TraceEigenvalues
 {
   /// Of the tangent, infinite where that is not positive on the cell: no penalty is large enough.
-  std::array<std::vector<double>, 2> of_tangent;
+  std::array<std::vector<double>, 2> tangent_values;
   /// To choose weights and penalty by, finite: the same but for cells on which the tangent has lost its
   /// positivity or is about to (see cell_eigenvalues.cc). NaN only where a law is not defined.
-  std::array<std::vector<double>, 2> of_penalty;
+  std::array<std::vector<double>, 2> penalty_values;
 };
 
 /// For a tied field and each cell behind the points of an interface the largest eigenvalue lambda of
@@ -29,7 +29,7 @@ struct TraceEigenvalues
 /// behind which the cell lies, so over all its faces that are tied by it, with the weights of the assembly.
 /// lambda has the unit of A/B. A cell with faces of n interfaces (weak conditions count as one)
 /// gets n times that, which bounds the eigenvalue of all of them together. If a law is not defined at the
-/// current state, of_penalty is that of the state in which all unknowns are zero.
+/// current state, penalty_values is that of the state in which all unknowns are zero.
 ///
 /// The rank that owns a cell is told the points on its faces, and answers with the eigenvalues. Collective.
 template <int dim>

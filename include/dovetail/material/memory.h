@@ -41,19 +41,19 @@ public:
   InternalVariables() = default;
   InternalVariables(unsigned int n_points, const std::vector<double> &initial);
 
-  unsigned int n_points() const { return n == 0 ? 0 : of_step.size() / n; }
-  bool empty() const { return of_step.empty(); }
+  unsigned int n_points() const { return n == 0 ? 0 : accepted_values.size() / n; }
+  bool empty() const { return accepted_values.empty(); }
   dealii::ArrayView<const double> accepted(const unsigned int point) const
   {
-    return {of_step.data() + point * n, n};
+    return {accepted_values.data() + point * n, n};
   }
   void set_trial(unsigned int point, const dealii::ArrayView<double> &values);
   void set_accepted(unsigned int point, const dealii::ArrayView<const double> &values);
-  void accept() { of_step = of_trial; } ///< all trials @pre all have been set
+  void accept() { accepted_values = trial_values; } ///< all trials @pre all have been set
 
 private:
   unsigned int n = 0;
-  std::vector<double> of_step, of_trial;
+  std::vector<double> accepted_values, trial_values;
 };
 
 } // namespace dovetail

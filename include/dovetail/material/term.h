@@ -74,9 +74,9 @@ struct Coupling
 {
   bool flux_by_gradient = false, flux_by_value = false, source_by_gradient = false, source_by_value = false;
 
-  bool of_flux() const { return flux_by_gradient || flux_by_value; }
-  bool of_source() const { return source_by_gradient || source_by_value; }
-  bool any() const { return of_flux() || of_source(); }
+  bool in_flux() const { return flux_by_gradient || flux_by_value; }
+  bool in_source() const { return source_by_gradient || source_by_value; }
+  bool any() const { return in_flux() || in_source(); }
   Coupling &operator|=(const Coupling &other)
   {
     flux_by_gradient = flux_by_gradient || other.flux_by_gradient;

@@ -5,8 +5,8 @@
 
 #pragma once
 
+#include <dovetail/measure/quantity.h>
 #include <dovetail/output/picture.h>
-#include <dovetail/output/quantity.h>
 
 #include <deal.II/base/data_out_base.h>
 

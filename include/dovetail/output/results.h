@@ -5,11 +5,11 @@
 
 #pragma once
 
+#include <dovetail/measure/probes.h>
 #include <dovetail/output/directory_lock.h>
 #include <dovetail/output/notes.h>
 #include <dovetail/output/paraview.h>
 #include <dovetail/output/phases.h>
-#include <dovetail/output/probes.h>
 #include <dovetail/output/reference.h>
 #include <dovetail/output/report.h>
 #include <dovetail/output/step_table.h>

@@ -36,10 +36,10 @@ private:
 };
 
 /// What the first rank has found, on all ranks. Collective.
-Obstacle agree(const Obstacle &of_first_rank, const MPI_Comm &communicator);
+Obstacle agree(const Obstacle &found, const MPI_Comm &communicator);
 
 /// What any rank has found, the same on all; empty if all are. Collective.
-std::string first_problem(const std::string &of_this_rank, const MPI_Comm &communicator);
+std::string first_problem(const std::string &own, const MPI_Comm &communicator);
 
 /// As write_file(), by the first rank. Collective, and the same result on all ranks.
 Obstacle write_on_first_rank(const std::string &name, const std::string &beginning, const std::string &text,

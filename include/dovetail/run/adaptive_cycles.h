@@ -5,9 +5,9 @@
 
 #pragma once
 
+#include <dovetail/measure/error_estimate.h>
 #include <dovetail/output/results.h>
 #include <dovetail/run/nonlinear_step.h>
-#include <dovetail/system/error_estimate.h>
 
 #include <exception>
 #include <optional>

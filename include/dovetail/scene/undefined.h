@@ -41,8 +41,8 @@ template <int dim>
 std::string in_words(const dealii::Point<dim> &X);
 
 /// That of the lowest rank that has one, on all ranks. Collective.
-Undefined first_of_ranks(const Undefined &of_this_rank, const MPI_Comm &communicator);
+Undefined first_of_ranks(const Undefined &own, const MPI_Comm &communicator);
 /// If any rank has one, throw it as a UserError on all ranks. Collective.
-void refuse_undefined(const Undefined &of_this_rank, const MPI_Comm &communicator);
+void refuse_undefined(const Undefined &own, const MPI_Comm &communicator);
 
 } // namespace dovetail

@@ -26,7 +26,7 @@ struct SolveGroup : GroupTraits
   bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
   /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks
   /// together or by itself; asked for only if a solver does.
-  std::function<std::vector<std::vector<double>>(unsigned int block, bool of_all_blocks)> near_null_space;
+  std::function<std::vector<std::vector<double>>(unsigned int block, bool about_one_point)> near_null_space;
   /// Of each of this rank's unknowns of a block: the unknowns of the whole system, and the weights, that it
   /// is the sum of in a function of degree one: those at the vertices of its cell, or those that it follows
   /// by a constraint; none if it is prescribed, itself if it is a vertex. Asked for only if a solver does;

@@ -41,6 +41,6 @@ void recall(StudyRun &run);
 void perform(StudyRun &run, const std::string &scene, const std::function<void()> &each_second);
 
 /// The last words of a program that ended badly: what follows "Error:", else its last line.
-std::string last_words(const std::string &error_file);
+std::string error_message(const std::string &error_file);
 
 } // namespace dovetail

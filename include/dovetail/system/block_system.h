@@ -8,9 +8,9 @@
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/scene/undefined.h>
 #include <dovetail/solve/block_matrix.h>
-#include <dovetail/system/free_motion.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/nodal_forces.h>
+#include <dovetail/system/unrestrained_mode.h>
 #include <dovetail/system/vector.h>
 #include <dovetail/time/rates.h>
 
@@ -83,7 +83,7 @@ public:
   /// How often assemble() has been called with and without the tangent.
   struct Assemblies
   {
-    unsigned long of_tangent = 0, of_residual = 0;
+    unsigned long tangents = 0, residuals_alone = 0;
   };
   const Assemblies &assemblies() const { return n_assemblies; }
 
@@ -112,7 +112,7 @@ public:
   double largest_move() const { return move; } ///< of a prescribed value, likewise
   /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
   /// nothing where all bodies are surely held, unless @p in_any_case.
-  std::optional<FreeMotion<dim>> find_free_motion(bool in_any_case = false) const;
+  std::optional<UnrestrainedMode<dim>> find_unrestrained_mode(bool in_any_case = false) const;
   /// Whether an unknown that this rank owns follows from others, so that its row is trivial.
   bool is_constrained(dealii::types::global_dof_index dof) const
   {
@@ -175,7 +175,8 @@ private:
   std::vector<bool> is_of_multipliers; ///< by field
   dealii::IndexSet relevant;           ///< relevant unknowns of the domains and those behind interface points
   ConstraintLines tie_lines;           ///< of owned unknowns
-  std::set<dealii::types::global_dof_index> freed;      ///< of tie_lines, where they would have no solution
+  std::set<dealii::types::global_dof_index>
+      unconstrained;                                    ///< of tie_lines, where they would have no solution
   std::set<dealii::types::global_dof_index> dropped;    ///< multipliers
   dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx
@@ -198,10 +199,10 @@ private:
   /// sum_j |K_ij x_j| there, times the number of terms.
   struct Sizes
   {
-    std::vector<double> forces, on_free, of_tangent;
+    std::vector<double> forces, on_free, tangents;
   };
   Sizes sizes;
-  std::vector<double> tangent_at_x;                             ///< of_tangent of the last tangent
+  std::vector<double> tangent_at_x;                             ///< tangents of the last tangent
   double share = 1;                                             ///< of what is held back
   Vector held_back;                                             ///< the negative residual
   std::map<dealii::types::global_dof_index, double> held_moves; ///< of relevant constrained unknowns

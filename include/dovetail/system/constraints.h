@@ -19,10 +19,11 @@ namespace dovetail {
 /// lines that some other rank asks for are sent.
 ///
 /// Where unknowns follow each other in a circle, as at a point where several interfaces meet, the one with
-/// the largest index is set free, and so on until no circle is left; @p freed gets those that this rank owns.
+/// the largest index is set free, and so on until no circle is left; @p unconstrained gets those that this
+/// rank owns.
 dealii::AffineConstraints<double>
 close_constraints(const ConstraintLines &owned_lines, const Numbering &numbering,
                   const dealii::IndexSet &needed, const MPI_Comm &communicator,
-                  std::set<dealii::types::global_dof_index> *freed = nullptr);
+                  std::set<dealii::types::global_dof_index> *unconstrained = nullptr);
 
 } // namespace dovetail

@@ -55,8 +55,8 @@ public:
 
   /// Near-null space of the block of a field of a domain at this rank's owned unknowns (in their order): the
   /// constant for scalars; for vectors translations and rotations scaled to order one, about the centre of
-  /// the domain or, if @p of_all_domains, about one point for all of them.
-  std::vector<std::vector<double>> near_null_space(const Block &block, bool of_all_domains) const;
+  /// the domain or, if @p about_one_point, about one point for all of them.
+  std::vector<std::vector<double>> near_null_space(const Block &block, bool about_one_point) const;
 
   /// Of each owned unknown of the block of a field: the unknowns at the vertices of its cell and the weights
   /// it has in a function of degree one.

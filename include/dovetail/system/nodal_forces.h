@@ -62,7 +62,7 @@ public:
   void add(const std::vector<std::pair<dealii::types::global_dof_index, double>> &pushes);
 
   /// What the terms of an interface give to its sides, by pairs of cells of this rank.
-  const std::vector<Transmission> &of_groups(const Interface<dim> &interface) const
+  const std::vector<Transmission> &group_transmissions(const Interface<dim> &interface) const
   {
     return transmissions.at(&interface);
   }

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What flows into the bodies and out of them.
+
+#pragma once
+
+#include <dovetail/measure/reactions.h>
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+struct Balance
+{
+  nlohmann::ordered_json report;
+  double worst = 0; ///< imbalance of all fields, relative to what flows or is stored; 0 if it is rounding
+};
+
+/// For each domain and field "stored", "in", "out" and "imbalance" = in - out - stored, by component: the
+/// sums of what is put into the body and of what is taken out, by prescribed unknowns, by cells with sources
+/// or given influxes, and by the pairs of faces, followers and multipliers of the interfaces; and what the
+/// cells store more of than before, in transient scenes, all of them per time. "rounding" is
+/// what rounding alone makes of them; only where the imbalance is larger than largest_imbalance times the
+/// others and than @p tolerance allows: that of Newton's method, or what a linear solve has left. Collective.
+/// @param notes gets a sentence for each field whose balance does not hold
+template <int dim>
+Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
+                        double tolerance, std::vector<std::string> &notes);
+
+/// Of the largest one of in, out and what some cells gain or others lose, over the components.
+inline constexpr double largest_imbalance = 1e-10;
+
+} // namespace dovetail

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The numbers that the scene asks for by name.
+
+#pragma once
+
+#include <dovetail/measure/point_in_domain.h>
+#include <dovetail/measure/reduction.h>
+#include <dovetail/system/model.h>
+#include <dovetail/system/vector.h>
+
+#include <nlohmann/json.hpp>
+
+#include <optional>
+
+namespace dovetail {
+
+/// All probes of a scene: values of a field or a quantity (quantity.h) at points, what reduce() makes of them
+/// in a domain or on a boundary, and resultants of a field's flux over boundaries (Reactions::resultant). At
+/// a point that several cells have, a quantity is the mean of theirs.
+///
+///     set Probes = tip, heat out, worst
+///     subsection Probe tip
+///       set Domain = blade
+///       set Point  = 0; 0.2; 0
+///       set Field  = displacement
+///     end
+///     subsection Probe heat out
+///       set Boundary = disk : 3, 4
+///       set Field    = temperature
+///     end
+///     subsection Probe worst
+///       set Domain   = blade
+///       set Reduce   = maximum
+///       set Quantity = von Mises
+///     end
+template <int dim>
+class Probes
+{
+public:
+  /// Reads the sections and finds the points. Collective.
+  /// @throw UserError if a point is outside its domain.
+  Probes(const Section &scene, const Model<dim> &model);
+
+  /// Find the points again after the meshes have changed. Collective.
+  void locate_again();
+
+  /// A number, or an array of components. Collective; @p solution is ghosted.
+  nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
+
+private:
+  struct Probe
+  {
+    std::string name;
+    Region<dim> region;           ///< of a point only its domain
+    std::optional<Reduce> reduce; ///< over the region; of its flux the resultant if there is none
+    std::optional<Field> field;   ///< this one, or else
+    std::unique_ptr<Quantity<dim>> quantity;
+    std::optional<dealii::Point<dim>> X;
+    std::vector<PointInCell<dim>> places; ///< of X, on this rank
+    std::optional<Section> section;       ///< for error messages
+  };
+
+  static Probe read(const std::string &name, const Section &section, const Model<dim> &model);
+  static void read_place(Probe &probe, const Section &section, const Model<dim> &model);
+  static std::vector<double> evaluate(const Probe &probe, const Vector &solution,
+                                      const Reactions<dim> &reactions);
+
+  const Model<dim> &model;
+  std::vector<Probe> probes;
+};
+
+} // namespace dovetail

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What the assembly needs of the cells behind matched points, fetched once from the ranks that own them.
+
+#pragma once
+
+#include <dovetail/domain/shapes.h>
+#include <dovetail/pairing/face_locator.h>
+
+#include <vector>
+
+namespace dovetail {
+
+/// A cell behind points of an interface: its unknowns (component, node), the measures of it and of its face,
+/// and, where the solid's law is nonlinear, the gradients of its shape functions at its centre.
+template <int dim>
+struct CellBehind
+{
+  std::vector<dealii::types::global_dof_index> dofs;
+  double cell_measure = 0;                                   ///< Omega
+  double face_measure = 0;                                   ///< Gamma
+  std::vector<dealii::Tensor<1, dim>> central_gradients;     ///< of each node
+  unsigned int rank = dealii::numbers::invalid_unsigned_int; ///< that owns the cell
+  unsigned int face = dealii::numbers::invalid_unsigned_int; ///< of the side, as in SideFaces::faces there
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &dofs &cell_measure &face_measure &central_gradients &rank &face;
+  }
+};
+
+/// For each match the cell behind it and the shape functions there, flat: point i has its values and
+/// gradients at i * n_nodes.
+template <int dim>
+struct PartnerShapes
+{
+  std::vector<CellBehind<dim>> cells;
+  std::vector<unsigned int> cell_of_point; ///< invalid_unsigned_int if the point has no partner
+  std::vector<double> values;
+  std::vector<dealii::Tensor<1, dim>> gradients;
+};
+
+/// Matches on the same face share one cell. Collective; nothing is sent for matches of this rank.
+template <int dim>
+PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<dim> &locator,
+                                const std::vector<typename FaceLocator<dim>::Match> &matches,
+                                const MPI_Comm &communicator);
+
+} // namespace dovetail

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/cell_terms.h>
+#include <dovetail/measure/balance.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+namespace dovetail {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Sums of positive and of negative influxes, by component.
+struct Flows
+{
+  explicit Flows(const unsigned int n_components) : in(n_components, 0.), out(n_components, 0.) {}
+  std::vector<double> in, out;
+
+  void add(const unsigned int component, const double influx)
+  {
+    if (influx < 0)
+      out[component] -= influx;
+    else
+      in[component] += influx;
+  }
+};
+
+/// What flows through a body, and what its cells gain and lose.
+struct FlowsOfField
+{
+  Flows through, stored;
+};
+
+/// What a cell's part of the residual gives, by field.
+template <int dim>
+void add_influxes(const Domain<dim> &domain, const std::vector<double> &residual, const double sign,
+                  Flows FlowsOfField::*flow, std::vector<FlowsOfField> &flows)
+{
+  const unsigned int n = domain.n_nodes();
+  for (unsigned int f = 0; f < flows.size(); ++f)
+    for (unsigned int c = 0; c < domain.fields()[f].n_components; ++c) {
+      const auto first = residual.begin() + (domain.fields()[f].first_component + c) * n;
+      (flows[f].*flow).add(c, sign * std::accumulate(first, first + n, 0.));
+    }
+}
+
+/// Sources, those of the laws too, given influxes and what is stored, cell by cell.
+template <int dim>
+void add_cells(const Domain<dim> &domain, const Vector &solution, const double t, const Rates &rates,
+               std::vector<FlowsOfField> &flows)
+{
+  const bool has_flux =
+      std::any_of(domain.conditions().begin(), domain.conditions().end(),
+                  [](const auto &condition) { return condition->adds_flux() || condition->is_weak(); });
+  bool has_source = !domain.source().expressions.empty() || domain.body_force().is_given();
+  for (unsigned int f = 0; f < flows.size(); ++f)
+    has_source = has_source || domain.material.has_load(f);
+  const bool has_storage = rates.has_first() && domain.material.order_in_time() > 0;
+  if (!has_flux && !has_source && !has_storage)
+    return;
+  CellTerms<dim> terms(domain);
+  terms.set_rates(&rates);
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns(domain.dofs_per_cell()), residual(unknowns.size());
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned() && (has_source || has_storage || cell->at_boundary())) {
+      domain.cell_dofs(cell, dofs);
+      solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+      if (terms.assemble_loads(cell, t, unknowns, residual))
+        add_influxes(domain, residual, -1., &FlowsOfField::through, flows);
+      if (terms.assemble_storage(cell, t, unknowns, residual))
+        add_influxes(domain, residual, 1., &FlowsOfField::stored, flows);
+    }
+}
+
+/// Of all fields of a domain, on all ranks.
+template <int dim>
+std::vector<FlowsOfField> find_flows(const Model<dim> &model, const Domain<dim> &domain,
+                                     const Reactions<dim> &reactions, const Vector &solution)
+{
+  std::vector<FlowsOfField> flows;
+  for (const Field &field : domain.fields()) {
+    flows.push_back({Flows(field.n_components), Flows(field.n_components)});
+    for (const auto &[dof, at_node] : reactions.at_nodes(domain, field))
+      flows.back().through.add(at_node.component, at_node.force);
+  }
+  add_cells(domain, solution, reactions.forces().t, reactions.forces().rates, flows);
+  for (const auto &interface : model.interfaces)
+    for (const auto &[f, component, influx] : reactions.transmissions(*interface))
+      for (const unsigned int side : {source, destination})
+        if (interface->sides[side].domain == &domain)
+          flows[interface->fields[f].field[side]].through.add(component, influx[side]);
+  for (auto &[through, stored] : flows)
+    for (std::vector<double> *sums : {&through.in, &through.out, &stored.in, &stored.out})
+      dealii::Utilities::MPI::sum(*sums, model.communicator, *sums);
+  return flows;
+}
+
+ordered_json value(const std::vector<double> &components)
+{
+  return components.size() == 1 ? ordered_json(components[0]) : ordered_json(components);
+}
+
+/// What does not add up in a field.
+struct Imbalance
+{
+  explicit Imbalance(const FlowsOfField &flows)
+  {
+    const auto &[through, change] = flows;
+    for (unsigned int c = 0; c < through.in.size(); ++c) {
+      stored.push_back(change.in[c] - change.out[c]);
+      by_component.push_back(through.in[c] - through.out[c] - stored[c]);
+      if (!(std::abs(by_component[c]) <= largest)) // std::max drops NaN
+        largest = std::abs(by_component[c]);
+      throughput = std::max({throughput, through.in[c], through.out[c], change.in[c], change.out[c]});
+    }
+  }
+
+  std::vector<double> stored, by_component;
+  double largest = 0, throughput = 0;
+};
+
+} // namespace
+
+template <int dim>
+Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
+                        const double tolerance, std::vector<std::string> &notes)
+{
+  const double allowed = std::max(largest_imbalance, tolerance);
+  Balance balance = {ordered_json::object()};
+  for (const auto &domain : model.domains) {
+    const std::vector<FlowsOfField> flows = find_flows(model, *domain, reactions, solution);
+    for (unsigned int f = 0; f < flows.size(); ++f) {
+      const Field &field = domain->fields()[f];
+      const Imbalance imbalance(flows[f]);
+      ordered_json &result = balance.report[domain->name][field.name];
+      result = {{"stored", value(imbalance.stored)},
+                {"in", value(flows[f].through.in)},
+                {"out", value(flows[f].through.out)},
+                {"imbalance", value(imbalance.by_component)}};
+      if (imbalance.largest <= allowed * imbalance.throughput) {
+        balance.worst =
+            std::max(balance.worst, imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 0.);
+        continue;
+      }
+      const double rounding = reactions.forces().rounding(*domain, field, solution);
+      result["rounding"] = rounding;
+      if (imbalance.largest <= rounding)
+        continue;
+      const double relative = imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 1.;
+      if (!(relative <= balance.worst))
+        balance.worst = relative;
+      std::ostringstream sentence;
+      sentence.precision(2);
+      sentence << "the " << field.name << " of " << domain->name << " is not in balance: of "
+               << imbalance.throughput << " that is put in, taken out or stored, " << imbalance.largest
+               << " is missing. The equations have not been solved exactly enough: lower the Relative "
+                  "tolerance of Newton and of the "
+                  "Linear solver";
+      notes.push_back(sentence.str());
+    }
+  }
+  return balance;
+}
+
+template Balance measure_balance(const Model<2> &, const Reactions<2> &, const Vector &, double,
+                                 std::vector<std::string> &);
+template Balance measure_balance(const Model<3> &, const Reactions<3> &, const Vector &, double,
+                                 std::vector<std::string> &);
+
+} // namespace dovetail

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/measure/probes.h>
+
+#include <algorithm>
+
+namespace dovetail {
+
+namespace {
+
+template <int dim>
+const Domain<dim> *find_domain(const std::string &name, const Section &section, const std::string &entry,
+                               const Model<dim> &model)
+{
+  std::vector<std::string> names;
+  for (const auto &domain : model.domains) {
+    if (domain->name == name)
+      return domain.get();
+    names.push_back(domain->name);
+  }
+  section.check(false, entry,
+                "names the domain '" + name + "', which is not among Domains (" + comma_separated(names) +
+                    "). " + did_you_mean(name, names));
+  return nullptr;
+}
+
+template <int dim>
+Field find_field(const std::string &name, const Section &section, const Domain<dim> *domain)
+{
+  if (domain == nullptr) // documenting
+    return {name, 1, 0, "", ""};
+  if (const Field *field = domain->material.find_field(name))
+    return *field;
+  std::vector<std::string> known;
+  for (const Field &field : domain->fields())
+    known.push_back(field.name);
+  section.check(false, "Field",
+                "names '" + name + "', but the domain " + domain->name + " has " + comma_separated(known) +
+                    ". " + did_you_mean(name, known));
+  return {name, 1, 0, "", ""};
+}
+
+/// A field as a quantity.
+template <int dim>
+class ValueOfField : public Quantity<dim>
+{
+public:
+  ValueOfField(const Field &field, const Domain<dim> &domain)
+      : Quantity<dim>(field.name, domain), field(field)
+  {
+  }
+
+  unsigned int n_components() const override { return field.n_components; }
+
+  void evaluate(DomainPoint<dim> &point, std::vector<double> &numbers) const override
+  {
+    const auto first = point.state().value.begin() + field.first_component;
+    numbers.insert(numbers.end(), first, first + field.n_components);
+  }
+
+private:
+  const Field field;
+};
+
+/// @return nullptr while documenting.
+template <int dim>
+std::unique_ptr<Quantity<dim>> read_quantity(const Section &section, const Domain<dim> *domain,
+                                             const bool is_on_boundary)
+{
+  const auto name = section.require<std::string>(
+      "Quantity", "Instead of a Field: one of those that Output/Fields lists, for instance von Mises [-]");
+  if (domain == nullptr)
+    return nullptr;
+  const auto &member = QuantityCatalogue<dim>::find(name, section, "Quantity");
+  section.check(member.field.empty() || domain->material.find_field(member.field) != nullptr, "Quantity",
+                "asks for " + name + " in the domain " + domain->name + ", but its material " +
+                    domain->material.name + " has no " + law_of_field(member.field) +
+                    ". Choose another quantity or domain.");
+  auto quantity = member.create(name, *domain);
+  section.check(!quantity->is_of_nodes(), "Quantity",
+                "asks for " + name +
+                    ", which only pictures show: they act on nodes. Give Boundary and Field for their sum.");
+  section.check(is_on_boundary || !quantity->is_of_boundary(), "Quantity",
+                "asks for " + name + ", which only boundaries have: give Boundary and Reduce.");
+  return quantity;
+}
+
+std::optional<Reduce> read_reduce(const Section &section)
+{
+  if (!section.is_set("Reduce") && !section.documenting())
+    return {};
+  const auto &names = names_of_reduce();
+  std::string alternatives;
+  for (const std::string &name : names)
+    alternatives += (alternatives.empty() ? "" : "|") + name;
+  const auto name = section.require<std::string>(
+      "Reduce",
+      "What of the whole Domain or Boundary, of each component by itself: of a field minimum and maximum of "
+      "the nodes, of a quantity of Gauss points; mean and integral over the undeformed volume or area [-]",
+      Patterns::Selection(alternatives));
+  return static_cast<Reduce>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+/// Each number of a quantity at a point: the mean of the cells that have it.
+template <int dim>
+std::vector<double> value_at(const std::vector<PointInCell<dim>> &places, const Domain<dim> &domain,
+                             const Quantity<dim> &quantity, const Vector &solution, const double t)
+{
+  std::vector<double> sums(quantity.n_numbers() + 1, 0.), numbers; // the last one: of cells
+  DomainPoint<dim> point(domain, solution, t);
+  for (const auto &[cell, unit_point] : places) {
+    dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
+                                 dealii::Quadrature<dim>(unit_point), DomainPoint<dim>::needed());
+    values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+    point.enter(values);
+    point.move_to(0);
+    numbers.clear();
+    quantity.evaluate(point, numbers);
+    for (unsigned int i = 0; i < numbers.size(); ++i)
+      sums[i] += numbers[i];
+    sums.back() += 1;
+  }
+  dealii::Utilities::MPI::sum(sums, solution.block(0).get_mpi_communicator(), sums);
+  const double n_cells = sums.back();
+  sums.pop_back();
+  for (double &sum : sums)
+    sum /= n_cells;
+  return sums;
+}
+
+} // namespace
+
+template <int dim>
+Probes<dim>::Probes(const Section &scene, const Model<dim> &model) : model(model)
+{
+  for (const std::string &name :
+       scene.announce("Probes", "Probe", "Names of the numbers that are reported at the end [-]"))
+    probes.push_back(read(name, scene.subsection("Probe " + name), model));
+}
+
+/// Where.
+template <int dim>
+void Probes<dim>::read_place(Probe &probe, const Section &section, const Model<dim> &model)
+{
+  const bool documents = section.documenting();
+  const bool has_point = section.is_set("Point"), has_boundary = section.is_set("Boundary");
+  section.check(has_point || has_boundary || section.is_set("Reduce"), "",
+                "needs a Point (with its Domain), a Boundary, or a Domain with Reduce.");
+  section.check(!has_point || !has_boundary, "Boundary",
+                "cannot be combined with Point: a probe is one number or vector. Make two probes.");
+  section.check(!has_boundary || !section.is_set("Domain"), "Domain",
+                "cannot be combined with Boundary, which names its domain itself (domain : boundary ids). "
+                "Remove it.");
+  if (!has_boundary || documents) {
+    const auto domain =
+        section.require<std::string>("Domain", "The domain in which the point lies or that is reduced [-]");
+    probe.region.domain = find_domain(domain, section, "Domain", model);
+  }
+  if (has_point || documents) {
+    const auto point = section.require_point(
+        "Point", "Where the field or quantity is evaluated, in material coordinates [m]");
+    probe.X.emplace();
+    for (unsigned int d = 0; d < dim; ++d)
+      (*probe.X)[d] = point[d];
+  }
+  if (has_boundary || documents) {
+    const auto boundary = section.require_boundary(
+        "Boundary",
+        "Instead of Domain and Point: where the field's flux is added up, or what is reduced, domain : "
+        "boundary ids [-]");
+    probe.region.domain = find_domain(boundary.domain, section, "Boundary", model);
+    if (!documents)
+      for (const unsigned int id : boundary.ids)
+        probe.region.domain->check_boundary_id(id, section, "Boundary");
+    probe.region.boundary_ids = {boundary.ids.begin(), boundary.ids.end()};
+  }
+  probe.reduce = read_reduce(section);
+  section.check(!has_point || !probe.reduce, "Reduce",
+                "cannot be combined with Point: it is of a whole Domain or Boundary.");
+}
+
+template <int dim>
+typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Section &section,
+                                              const Model<dim> &model)
+{
+  Probe probe;
+  probe.name = name;
+  probe.section = section;
+  read_place(probe, section, model);
+  const bool has_boundary = !probe.region.boundary_ids.empty();
+  const bool has_quantity = section.is_set("Quantity");
+  section.check(!has_quantity || !section.is_set("Field"), "Quantity",
+                "cannot be combined with Field: a probe is of one of them. Make two probes.");
+  section.check(!has_quantity || !has_boundary || probe.reduce, "Quantity",
+                "of a Boundary needs a Reduce (" + comma_separated(names_of_reduce()) +
+                    "); without one the flux of a Field is added up.");
+  if (!has_quantity || section.documenting()) {
+    probe.field = find_field(section.require<std::string>(
+                                 "Field", "The field, for instance temperature; else give a Quantity [-]"),
+                             section, probe.region.domain);
+    if (probe.region.domain != nullptr)
+      probe.quantity = std::make_unique<ValueOfField<dim>>(*probe.field, *probe.region.domain);
+  }
+  if (has_quantity || section.documenting())
+    probe.quantity = read_quantity(section, probe.region.domain, has_boundary);
+  if (probe.X && !section.documenting())
+    probe.places = find_cells(*probe.region.domain, *probe.X, section, model.communicator);
+  return probe;
+}
+
+template <int dim>
+void Probes<dim>::locate_again()
+{
+  for (Probe &probe : probes)
+    if (probe.X)
+      probe.places = find_cells(*probe.region.domain, *probe.X, *probe.section, model.communicator);
+}
+
+template <int dim>
+std::vector<double> Probes<dim>::evaluate(const Probe &probe, const Vector &solution,
+                                          const Reactions<dim> &reactions)
+{
+  const Region<dim> &region = probe.region;
+  const double t = reactions.forces().t;
+  if (probe.X)
+    return value_at(probe.places, *region.domain, *probe.quantity, solution, t);
+  if (!probe.reduce)
+    return reactions.resultant(*region.domain, region.boundary_ids, *probe.field);
+  return probe.field ? reduce(region, *probe.field, *probe.reduce, solution)
+                     : reduce(region, *probe.quantity, *probe.reduce, solution, t);
+}
+
+template <int dim>
+nlohmann::ordered_json Probes<dim>::evaluate(const Vector &solution, const Reactions<dim> &reactions) const
+{
+  auto result = nlohmann::ordered_json::object();
+  for (const Probe &probe : probes) {
+    const std::vector<double> value = evaluate(probe, solution, reactions);
+    if (value.size() == 1)
+      result[probe.name] = value[0];
+    else
+      result[probe.name] = value;
+  }
+  return result;
+}
+
+template class Probes<2>;
+template class Probes<3>;
+
+} // namespace dovetail

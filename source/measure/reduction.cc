@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/quadrature.h>
+#include <dovetail/measure/reduction.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace dovetail {
+
+namespace {
+
+/// With the share of the volume or area that belongs to the point.
+template <int dim>
+using Visitor = std::function<void(DomainPoint<dim> &point, double JxW)>;
+
+/// Gauss points per direction. On cells of degree m the element of degree p times the determinant of the
+/// Jacobian has degree p + dim m - 1 per direction, on simplices p + dim (m - 1) in total; degree + 2 points
+/// for what is no polynomial.
+template <int dim>
+unsigned int n_gauss_points(const Domain<dim> &domain)
+{
+  const unsigned int p = domain.degree, m = domain.mapping_degree();
+  const unsigned int degree_of_integrand = domain.has_simplices() ? p + dim * (m - 1) : p + dim * m - 1;
+  return std::max(degree_of_integrand / 2 + 1, p + 2);
+}
+
+template <int dim>
+void for_each_point(const Region<dim> &region, const Vector &solution, const double t,
+                    const Visitor<dim> &visit)
+{
+  const Domain<dim> &domain = *region.domain;
+  DomainPoint<dim> point(domain, solution, t);
+  const auto visit_all = [&](const dealii::FEValuesBase<dim> &values) {
+    for (const unsigned int q : values.quadrature_point_indices()) {
+      point.move_to(q);
+      visit(point, domain.measure(values, q));
+    }
+  };
+  const auto flags = DomainPoint<dim>::needed() | dealii::update_JxW_values;
+  const unsigned int n = n_gauss_points(domain);
+  if (!region.boundary_ids.empty()) {
+    dealii::FEFaceValues<dim> values(domain.mapping(), domain.scalar_element(),
+                                     gauss_rule<dim - 1>(domain.face_shape(), n), flags);
+    for (const auto &face : domain.boundary_faces())
+      if (face.cell->is_locally_owned() && region.boundary_ids.count(face.id) > 0) {
+        values.reinit(face.cell, face.number);
+        point.enter(values, &face);
+        visit_all(values);
+      }
+    return;
+  }
+  dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(),
+                               gauss_rule<dim>(domain.cell_shape(), n), flags);
+  for (const auto &cell : domain.mesh().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      values.reinit(cell);
+      point.enter(values);
+      visit_all(values);
+    }
+}
+
+/// Of several numbers at once, each by itself.
+class Extremes
+{
+public:
+  Extremes(const unsigned int n_numbers, const Reduce how)
+      : sign(how == Reduce::minimum ? -1 : 1), largest(n_numbers, -std::numeric_limits<double>::max()),
+        n_undefined(n_numbers, 0.)
+  {
+  }
+
+  void add(const unsigned int i, const double number)
+  {
+    largest[i] = std::max(largest[i], sign * number); // which keeps what it has if this is NaN
+    n_undefined[i] += std::isnan(number);
+  }
+
+  std::vector<double> over_ranks(const MPI_Comm &communicator) const
+  {
+    std::vector<double> result(largest.size()), undefined(largest.size());
+    dealii::Utilities::MPI::max(largest, communicator, result);
+    dealii::Utilities::MPI::sum(n_undefined, communicator, undefined);
+    for (unsigned int i = 0; i < result.size(); ++i)
+      result[i] = undefined[i] > 0 ? std::numeric_limits<double>::quiet_NaN() : sign * result[i];
+    return result;
+  }
+
+private:
+  const double sign; ///< the smallest is minus the largest of minus the numbers
+  std::vector<double> largest, n_undefined;
+};
+
+/// @param n_numbers of which evaluate(point, numbers) appends each
+template <int dim, typename Evaluate>
+std::vector<double> integrate(const Region<dim> &region, const unsigned int n_numbers, const Reduce how,
+                              const Vector &solution, const double t, const Evaluate &evaluate)
+{
+  std::vector<double> sums(n_numbers + 1, 0.), numbers; // the last one: volume or area
+  for_each_point<dim>(region, solution, t, [&](DomainPoint<dim> &point, const double JxW) {
+    numbers.clear();
+    evaluate(point, numbers);
+    AssertDimension(numbers.size(), n_numbers);
+    for (unsigned int i = 0; i < n_numbers; ++i)
+      sums[i] += numbers[i] * JxW;
+    sums[n_numbers] += JxW;
+  });
+  dealii::Utilities::MPI::sum(sums, solution.block(0).get_mpi_communicator(), sums);
+  const double size = how == Reduce::mean ? sums[n_numbers] : 1;
+  sums.pop_back();
+  for (double &sum : sums)
+    sum /= size;
+  return sums;
+}
+
+/// Visit the unknowns of a field at the nodes of a region, component and value.
+template <int dim, typename Visit>
+void for_each_unknown(const Region<dim> &region, const Field &field, const Vector &solution,
+                      const Visit &visit)
+{
+  const Domain<dim> &domain = *region.domain;
+  const unsigned int n = domain.n_nodes();
+  std::vector<dealii::types::global_dof_index> dofs;
+  const auto visit_cell = [&](const auto &cell, const auto &belongs) {
+    domain.cell_dofs(domain.dof_cell(cell), dofs);
+    for (unsigned int c = 0; c < field.n_components; ++c)
+      for (unsigned int a = 0; a < n; ++a)
+        if (belongs(a))
+          visit(c, solution(dofs[(field.first_component + c) * n + a]));
+  };
+  if (region.boundary_ids.empty()) {
+    for (const auto &cell : domain.mesh().active_cell_iterators())
+      if (cell->is_locally_owned())
+        visit_cell(cell, [](const unsigned int) { return true; });
+    return;
+  }
+  for (const auto &face : domain.boundary_faces())
+    if (face.cell->is_locally_owned() && region.boundary_ids.count(face.id) > 0)
+      visit_cell(face.cell, [&](const unsigned int a) {
+        return domain.scalar_element().has_support_on_face(a, face.number);
+      });
+}
+
+} // namespace
+
+const std::vector<std::string> &names_of_reduce()
+{
+  static const std::vector<std::string> names = {"minimum", "maximum", "mean", "integral"};
+  return names;
+}
+
+template <int dim>
+std::vector<double> reduce(const Region<dim> &region, const Field &field, const Reduce how,
+                           const Vector &solution)
+{
+  if (how == Reduce::mean || how == Reduce::integral)
+    return integrate(region, field.n_components, how, solution, 0,
+                     [&](DomainPoint<dim> &point, std::vector<double> &numbers) {
+                       const auto first = point.state().value.begin() + field.first_component;
+                       numbers.insert(numbers.end(), first, first + field.n_components);
+                     });
+  Extremes extremes(field.n_components, how);
+  for_each_unknown(region, field, solution,
+                   [&](const unsigned int c, const double value) { extremes.add(c, value); });
+  return extremes.over_ranks(solution.block(0).get_mpi_communicator());
+}
+
+template <int dim>
+std::vector<double> reduce(const Region<dim> &region, const Quantity<dim> &quantity, const Reduce how,
+                           const Vector &solution, const double t)
+{
+  const unsigned int n_numbers = quantity.n_numbers();
+  if (how == Reduce::mean || how == Reduce::integral)
+    return integrate(
+        region, n_numbers, how, solution, t,
+        [&](DomainPoint<dim> &point, std::vector<double> &numbers) { quantity.evaluate(point, numbers); });
+  Extremes extremes(n_numbers, how);
+  std::vector<double> numbers;
+  for_each_point<dim>(region, solution, t, [&](DomainPoint<dim> &point, const double) {
+    numbers.clear();
+    quantity.evaluate(point, numbers);
+    for (unsigned int i = 0; i < n_numbers; ++i)
+      extremes.add(i, numbers[i]);
+  });
+  return extremes.over_ranks(solution.block(0).get_mpi_communicator());
+}
+
+template std::vector<double> reduce(const Region<2> &, const Field &, Reduce, const Vector &);
+template std::vector<double> reduce(const Region<3> &, const Field &, Reduce, const Vector &);
+template std::vector<double> reduce(const Region<2> &, const Quantity<2> &, Reduce, const Vector &, double);
+template std::vector<double> reduce(const Region<3> &, const Quantity<3> &, Reduce, const Vector &, double);
+
+} // namespace dovetail

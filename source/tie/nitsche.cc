@@ -1,0 +1,643 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Nitsche's method for any conjugate pair of flux A and trace B (Nitsche 1971; Burman and Zunino 2006 for the
+// weights; Annavarapu, Hautefeuille and Dolbow, CMAME 225-228, 2012, for the penalty `volume`):
+//
+//     R(delta) = int_Gamma  - {A}.delta[B]  - theta delta{A}.[B]  + gamma [B].delta[B]  dGamma
+//
+// with the signs of pairing.h; nitsche.h has the form with a joint in series.
+//
+// Own sides: each side's test functions are integrated on its own faces, so a constant flux becomes exactly
+// its consistent nodal forces also with mapped points. The price is a matrix that is not symmetric.
+//
+//     subsection Interface seam
+//       set Type        = Nitsche
+//       set Source      = left : 1
+//       set Destination = right : 0
+//       set Theta       = 1
+//     end
+
+#include <dovetail/interface/trace_eigenvalue.h>
+#include <dovetail/tie/nitsche.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/symmetric_tensor.h>
+#include <deal.II/base/utilities.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <sstream>
+
+namespace dovetail {
+
+template <int dim>
+Nitsche<dim>::Nitsche(const Section &section)
+    : theta(section.read<double>("Theta", 1.,
+                                 "1 symmetric, 0 nonsymmetric, -1 skew-symmetric; any number [-]")),
+      penalty_at_points(section, theta),
+      variation_rule(section.choose(
+          "Variation", {"automatic", "current", "frozen"}, 0,
+          "The variation of the mean flux, for Theta other than 0: current: at the present state, which "
+          "takes second derivatives of the laws; frozen: at the beginning of the step, consistent but not "
+          "symmetric; automatic: frozen only for laws without second derivatives [-]"))
+{
+  const unsigned int integrate_on = section.choose(
+      "Integrate on", {"source", "destination", "both", "own sides"}, 0,
+      "Whose faces hold the points; both: with half the weight each; own sides: the test functions of each "
+      "side on its own faces, patch-exact also with mapped points, but not symmetric [-]");
+  sides_of_integration = {{integrate_on != 1, integrate_on != 0}};
+  own_sides = integrate_on == 3;
+}
+
+template <int dim>
+void Nitsche<dim>::set_fields(const Section &section, const std::vector<TiedField> &fields)
+{
+  const auto without =
+      std::find_if(fields.begin(), fields.end(), [](const TiedField &field) { return !field.has_curvature; });
+  section.check(without == fields.end() || theta == 0 || variation_rule != 1, "Variation",
+                "is current, but a law of the " + (without == fields.end() ? "" : without->name) +
+                    " has no second derivatives. Remove the entry, or set Theta = 0.");
+  penalty_at_points.set_fields(section, fields);
+  has_frozen_variation = theta != 0 && (variation_rule == 2 || without != fields.end());
+}
+
+template <int dim>
+std::string Nitsche<dim>::description() const
+{
+  std::ostringstream words;
+  words << "Theta = " << theta << ", " << penalty_at_points.description()
+        << (own_sides ? ", each side's test functions on it" : "");
+  return words.str();
+}
+
+template <int dim>
+std::vector<std::string> Nitsche<dim>::left_out(const Interface<dim> &interface) const
+{
+  std::vector<std::string> sentences;
+  if (theta == 0)
+    sentences.push_back("derivative of the mean flux on " + interface.name + ": Theta = 0");
+  else if (interface.is_linear())
+    sentences.push_back("second derivatives of the laws on " + interface.name + ": they are linear");
+  else if (has_frozen_variation)
+    sentences.push_back("second derivatives of the laws on " + interface.name + ": Variation = frozen");
+  if (!penalty_at_points.needs_eigenvalues())
+    sentences.push_back("trace eigenvalues on " + interface.name +
+                        ": neither weights nor penalty ask for them, and Theta = -1 has no bound");
+  return sentences;
+}
+
+template <int dim>
+std::vector<std::string> Nitsche<dim>::notes() const
+{
+  std::vector<std::string> all = note_on_centres;
+  all.insert(all.end(), penalty_at_points.notes().begin(), penalty_at_points.notes().end());
+  return all;
+}
+
+template <int dim>
+void Nitsche<dim>::note_central_gradients(const MPI_Comm &communicator)
+{
+  if (!note_on_centres.empty())
+    return;
+  const unsigned int n = dealii::Utilities::MPI::sum(sides.n_central(), communicator);
+  if (n == 0)
+    return;
+  note_on_centres.push_back(
+      "at " + std::to_string(n) +
+      " of its points a law is not defined on the face or soon will not be, as beside corners "
+      "where cells turn over: the flux at the centre of the cell takes its place there, and "
+      "ten times the penalty. Refine the mesh there, and see what changes.");
+}
+
+template <int dim>
+void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t, const ValuesOf &values_of,
+                              const MPI_Comm &communicator)
+{
+  freeze(interface, t, values_of, communicator);
+  if (has_frozen_variation)
+    freeze_variation(interface, t, values_of);
+  may_predict = penalty_at_points.is_automatic() && has_large_strain(interface);
+  is_predicting = false;
+  if (may_predict)
+    change.start(interface, values_of);
+}
+
+/// Zero where a law is not defined.
+template <int dim>
+void Nitsche<dim>::freeze_variation(const Interface<dim> &interface, const double t,
+                                    const ValuesOf &values_of)
+{
+  for (const unsigned int side : {source, destination})
+    frozen[side].assign(interface.pairing().n_points() *
+                            dealii::Utilities::fixed_power<2>(interface.sides[side].domain->n_components()),
+                        FrozenDerivatives());
+  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
+    for (unsigned int q = group.begin; q < group.end; ++q)
+      for (const unsigned int side : {source, destination})
+        if (sides.evaluate(interface, group, side, q, t, unknowns, true)) {
+          const auto &[N, response] = std::tie(interface.pairing().N(side, q), sides.response[side]);
+          const unsigned int n_pairs = response.by_gradient.size();
+          for (unsigned int pair = 0; pair < n_pairs; ++pair)
+            frozen[side][q * n_pairs + pair] = {N * response.by_gradient[pair], N * response.by_value[pair]};
+        }
+  });
+}
+
+template <int dim>
+bool Nitsche<dim>::evaluate_memory(Interface<dim> &interface, const double t, const ValuesOf &values_of)
+{
+  bool is_defined = true;
+  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
+    for (unsigned int q = group.begin; q < group.end; ++q)
+      for (const unsigned int side : {source, destination}) {
+        is_defined = sides.evaluate(interface, group, side, q, t, unknowns, false) && is_defined;
+        interface.memory.set_trial(side, q, sides.state[side].memory.trial);
+      }
+  });
+  return is_defined;
+}
+
+/// The first update of a step moves the bodies along straight lines. If it moves them far, the fluxes there
+/// say little and the frozen penalty does not bound their tangents. Until the updates are small the penalty
+/// joins the sides alone: its form is positive in every state, and asks no law at the interface.
+template <int dim>
+bool Nitsche<dim>::adapt(const Interface<dim> &interface, const double t, const ValuesOf &values_of,
+                         const MPI_Comm &communicator)
+{
+  if (!may_predict && !is_predicting)
+    return false;
+  const double update = change.advance(interface, values_of, communicator);
+  if (is_predicting) {
+    if (update < small_update)
+      end_prediction(interface, t, values_of, communicator);
+    return !is_predicting;
+  }
+  may_predict = false;
+  is_predicting = update > large_update;
+  if (!is_predicting)
+    return false;
+  penalty_at_points.begin_prediction(interface);
+  return true;
+}
+
+template <int dim>
+void Nitsche<dim>::end_prediction(const Interface<dim> &interface, const double t, const ValuesOf &values_of,
+                                  const MPI_Comm &communicator)
+{
+  is_predicting = false;
+  penalty_at_points.end_prediction(); // what was frozen stays where nothing better is found
+  freeze(interface, t, values_of, communicator);
+}
+
+template <int dim>
+void Nitsche<dim>::freeze(const Interface<dim> &interface, const double t, const ValuesOf &values_of,
+                          const MPI_Comm &communicator)
+{
+  if (has_begun && penalty_at_points.is_constant(interface))
+    return;
+  has_begun = true;
+  sides.begin_step(interface, t, values_of);
+  note_central_gradients(communicator);
+  penalty_at_points.freeze(interface, t, values_of, sides, communicator);
+  if (!has_joint())
+    penalty_at_points.note_if_large(communicator);
+}
+
+template <int dim>
+bool Nitsche<dim>::update_penalties(const Interface<dim> &interface, const double t,
+                                    const ValuesOf &values_of, const MPI_Comm &communicator)
+{
+  if (penalty_at_points.is_constant(interface))
+    return false;
+  if (is_predicting) {
+    end_prediction(interface, t, values_of, communicator);
+    return true;
+  }
+  const SideStates<dim> used_sides = sides;
+  sides.begin_step(interface, t, values_of);
+  note_central_gradients(communicator);
+  const bool is_new = penalty_at_points.update(interface, t, values_of, sides, communicator);
+  if (!has_joint())
+    penalty_at_points.note_if_large(communicator);
+  if (!is_new)
+    sides = used_sides;
+  return is_new;
+}
+
+/// a and b at a point.
+template <int dim>
+bool Nitsche<dim>::join(const Interface<dim> &interface, const TiedField &field, const unsigned int q,
+                        const double gamma, const std::array<State<dim>, 2> &side_states,
+                        Series &series) const
+{
+  if (!has_joint())
+    return true;
+  Joint joint;
+  if (!find_joint(field, side_states, joint))
+    return false;
+  series.is_rigid = false;
+  const std::array<double, 2> h = {{joint.along_normal, joint.along_tangents}};
+  for (const unsigned int i : {0, 1}) {
+    series.b[i] = h[i] + gamma > 0 ? 1 / (h[i] + gamma) : 0;
+    series.a[i] = std::isfinite(h[i]) ? h[i] * series.b[i] : 1;
+  }
+  if (field.n_components == 1) { // along N whatever N is
+    series.N[0] = 1;
+    series.b_by_mean = std::isfinite(h[0]) ? series.b[0] * series.b[0] * joint.derivative_by_mean : 0;
+    return true;
+  }
+  series.N = interface.pairing().N(source, q) - interface.pairing().N(destination, q);
+  series.N /= series.N.norm();
+  return true;
+}
+
+/// s, what the source gets from the destination.
+template <int dim>
+void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedField &field,
+                                  const unsigned int q, const std::array<State<dim>, 2> &side_states,
+                                  const std::array<std::vector<double>, 2> &flux,
+                                  const std::vector<double> &jump, std::vector<double> &result) const
+{
+  if (penalty_at_points.empty()) // the tie has not been active yet
+    return Tie<dim>::numerical_flux(interface, field, q, side_states, flux, jump, result);
+  const unsigned int i_at = field.index * interface.pairing().n_points() + q;
+  const AtPoint &p = penalty_at_points[i_at];
+  for (const unsigned int side : {source, destination})
+    if (const auto known = central_flux.find(i_at);
+        p.weight[side] != 0 && sides.is_central(side, q) && known != central_flux.end()) {
+      result = known->second; // that of the last assembly
+      return;
+    }
+  Series series;
+  const bool is_defined = join(interface, field, q, p.gamma, side_states, series);
+  std::array<double, dim> rigid;
+  for (unsigned int c = 0; c < field.n_components; ++c)
+    rigid[c] = is_defined ? p.weight[source] * flux[source][c] -
+                                p.weight[destination] * flux[destination][c] - p.gamma * jump[c]
+                          : std::numeric_limits<double>::quiet_NaN();
+  for (unsigned int c = 0; c < field.n_components; ++c) {
+    result[c] = series.is_rigid ? rigid[c] : 0;
+    for (unsigned int d = 0; d < field.n_components && !series.is_rigid; ++d)
+      result[c] += series.entry(series.a, c, d) * rigid[d];
+  }
+}
+
+/// @return false where a law is not defined, or no penalty was found at the beginning of the step.
+template <int dim>
+bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                                  const unsigned int q, const double t, const std::vector<double> &unknowns,
+                                  const bool with_derivatives)
+{
+  for (const unsigned int side : {source, destination}) {
+    bool is_weighted = false;
+    for (unsigned int f = 0; f < interface.fields.size(); ++f) {
+      const AtPoint &p = penalty_at_points[f * interface.pairing().n_points() + q];
+      if (std::isnan(p.gamma))
+        return false;
+      is_weighted = is_weighted || p.weight[side] != 0;
+    }
+    if (is_weighted) {
+      if (!sides.evaluate(interface, group, side, q, t, unknowns, with_derivatives))
+        return false;
+    } else if (has_joint()) {
+      sides.state[side].t = t;
+      sides.reinit(side, q, unknowns);
+    }
+  }
+  return true;
+}
+
+template <int dim>
+bool Nitsche<dim>::assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                            const double t, const std::vector<double> &unknowns,
+                            std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
+{
+  const bool with_derivatives = tangent != nullptr || theta != 0;
+  for (unsigned int q = group.begin; q < group.end; ++q) {
+    if (!evaluate_sides(interface, group, q, t, unknowns, with_derivatives))
+      return false;
+    for (unsigned int f = 0; f < interface.fields.size(); ++f)
+      if (!add_field(interface, f, q, t, unknowns, residual, tangent))
+        return false;
+  }
+  if (own_sides)
+    keep_own_rows(interface, group, residual, tangent);
+  return true;
+}
+
+/// The test functions of the side on whose faces the points lie, with the whole weight.
+template <int dim>
+void Nitsche<dim>::keep_own_rows(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                                 std::vector<double> &residual, dealii::FullMatrix<double> *tangent) const
+{
+  for (unsigned int i = 0; i < residual.size(); ++i) {
+    const double factor = (i < interface.n_local(source)) == (group.side == source) ? 2 : 0;
+    residual[i] *= factor;
+    if (tangent != nullptr)
+      for (unsigned int j = 0; j < residual.size(); ++j)
+        (*tangent)(i, j) *= factor;
+  }
+}
+
+template <int dim>
+bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int field_index,
+                             const unsigned int q, const double t, const std::vector<double> &unknowns,
+                             std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const TiedField &field = interface.fields[field_index];
+  const unsigned int i_at = field_index * pairing.n_points() + q;
+  const unsigned int n_c = field.n_components, n_local = residual.size();
+  theta_here = penalty_at_points.theta_at(interface, field, q, sides, i_at);
+  AtPoint p = penalty_at_points[i_at];
+  bool is_central = false;
+  for (const unsigned int side : {source, destination})
+    is_central = is_central || (p.weight[side] != 0 && sides.is_central(side, q));
+  if (is_central && has_large_strain(interface, field))
+    p.gamma *= central_factor;
+
+  Series series;
+  if (!join(interface, field, q, p.gamma, sides.state, series))
+    return false;
+  interface.jump(field, q, t, unknowns, jump);
+  if (!std::all_of(jump.begin(), jump.end(), [](const double value) { return std::isfinite(value); }))
+    return false;
+  mean_flux.assign(n_c, 0.);
+  for (const unsigned int side : {source, destination})
+    if (p.weight[side] != 0)
+      for (unsigned int c = 0; c < n_c; ++c)
+        mean_flux[c] += (side == source ? 1 : -1) * p.weight[side] *
+                        (sides.response[side].flux[field.first_component[side] + c] * pairing.N(side, q));
+  transmitted.assign(n_c, 0.);
+  mismatch = series.is_rigid ? jump : transmitted;
+  for (unsigned int c = 0; c < n_c; ++c) {
+    if (series.is_rigid)
+      transmitted[c] = mean_flux[c] - p.gamma * jump[c];
+    else
+      for (unsigned int d = 0; d < n_c; ++d) {
+        const double a = series.entry(series.a, c, d);
+        transmitted[c] += a * (mean_flux[d] - p.gamma * jump[d]);
+        mismatch[c] += a * jump[d] + series.entry(series.b, c, d) * mean_flux[d];
+      }
+  }
+  if (is_central)
+    central_flux[i_at] = transmitted;
+  if (tangent != nullptr || theta != 0)
+    linearise_mean_flux(interface, field, p, q);
+
+  find_jump_unknowns(interface, field, q);
+  for (const InJump &row : in_jump)
+    residual[row.i] -= pairing.weight(q) * row.test * transmitted[row.component];
+  if (theta != 0)
+    for (const unsigned int i : field_unknowns)
+      for (unsigned int c = 0; c < n_c; ++c)
+        residual[i] -= theta_here * pairing.weight(q) * variation_of[c * n_local + i] * mismatch[c];
+  if (tangent == nullptr)
+    return true;
+  add_tangent(interface, field, p, series, q, *tangent);
+  if (theta != 0 && !interface.is_linear() && !has_frozen_variation)
+    add_curvature(interface, field, p, q, *tangent);
+  return true;
+}
+
+/// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a), and
+/// delta{A}. A test function of a scalar varies the flux through its gradient only, so that a constant one
+/// does not and the fluxes of both sides balance also for k(T); that of a vector by its value, too, which is
+/// the strain around an axis.
+template <int dim>
+void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
+                                       const AtPoint &p, const unsigned int q)
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const unsigned int n_c = field.n_components;
+  const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
+  mean_flux_of.assign(n_c * n_local, 0.);
+  if (theta != 0) {
+    variation_of.assign(n_c * n_local, 0.);
+    ++variations.first;
+  }
+  unsigned int i = 0;
+  for (const unsigned int side : {source, destination}) {
+    const Domain<dim> &domain = *interface.sides[side].domain;
+    const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
+    const double factor = (side == source ? 1 : -1) * p.weight[side];
+    if (factor == 0) {
+      i += interface.n_local(side);
+      continue;
+    }
+    const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side];
+    const double *values = pairing.values(side, q);
+    for (const unsigned int d : interface.components[side]) {
+      for (unsigned int c = 0; c < n_c; ++c) {
+        const unsigned int pair = (field.first_component[side] + c) * n + d;
+        const dealii::Tensor<1, dim> by_gradient =
+            factor * (pairing.N(side, q) * sides.response[side].by_gradient[pair]);
+        const double by_value = factor * (pairing.N(side, q) * sides.response[side].by_value[pair]);
+        double *mean = &mean_flux_of[c * n_local + i];
+        for (unsigned int a = 0; a < n_nodes; ++a)
+          mean[a] = by_gradient * gradients[a];
+        const bool varies_by_value = field.varies_by_value(side, d);
+        if (has_frozen_variation)
+          for (unsigned int a = 0; a < n_nodes; ++a)
+            variation_of[c * n_local + i + a] =
+                factor * (frozen[side][q * n * n + pair].by_gradient * gradients[a] +
+                          (varies_by_value ? frozen[side][q * n * n + pair].by_value * values[a] : 0.));
+        else if (theta != 0 && !varies_by_value)
+          std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
+        if (by_value != 0)
+          for (unsigned int a = 0; a < n_nodes; ++a)
+            mean[a] += by_value * values[a];
+        if (theta != 0 && varies_by_value && !has_frozen_variation)
+          std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
+      }
+      i += n_nodes;
+    }
+  }
+}
+
+template <int dim>
+void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const TiedField &field,
+                                      const unsigned int q)
+{
+  in_jump.clear();
+  field_unknowns.clear();
+  unsigned int i = 0;
+  for (const unsigned int side : {source, destination}) {
+    const double sign = side == source ? 1 : -1;
+    const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
+    const double *trial = interface.pairing().trial(side, q, field.index),
+                 *test = interface.pairing().test(side, q, field.index);
+    for (const unsigned int component : interface.components[side]) {
+      const unsigned int c = component - field.first_component[side]; // wraps if not of this field
+      for (unsigned int a = 0; a < n_nodes; ++a, ++i)
+        if (c < field.n_components) {
+          field_unknowns.push_back(i);
+          if (std::abs(trial[a]) > interface.least_in_jump || std::abs(test[a]) > interface.least_in_jump)
+            in_jump.push_back({i, c, sign * trial[a], sign * test[a]});
+        }
+    }
+  }
+}
+
+/// - ds.delta[B] - theta delta{A}.de
+template <int dim>
+void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField &field, const AtPoint &p,
+                               const Series &series, const unsigned int q,
+                               dealii::FullMatrix<double> &tangent)
+{
+  const double w = interface.pairing().weight(q);
+  const unsigned int n_local = tangent.n(), n_c = field.n_components;
+  if (!series.is_rigid) {
+    transmitted_of.assign(n_c * n_local, 0.);
+    for (unsigned int c = 0; c < n_c; ++c)
+      for (unsigned int d = 0; d < n_c; ++d) {
+        const double a = series.entry(series.a, c, d);
+        for (unsigned int j = 0; j < n_local; ++j)
+          transmitted_of[c * n_local + j] += a * mean_flux_of[d * n_local + j];
+      }
+  }
+  for (const InJump &row : in_jump) {
+    const double test = w * row.test;
+    const double *row_flux = &(series.is_rigid ? mean_flux_of : transmitted_of)[row.component * n_local];
+    double *entries = &tangent(row.i, 0);
+    for (unsigned int j = 0; j < n_local; ++j)
+      entries[j] -= test * row_flux[j];
+    const double penalty = p.gamma * test;
+    if (series.is_rigid) {
+      for (const InJump &column : in_jump)
+        if (column.component == row.component)
+          entries[column.i] += penalty * column.trial;
+    } else
+      for (const InJump &column : in_jump)
+        entries[column.i] += series.entry(series.a, row.component, column.component) * penalty * column.trial;
+  }
+  if (theta != 0)
+    add_variation_rows(field, series, w, tangent);
+  if (series.b_by_mean != 0)
+    add_change_of_joint(interface, field, p, series, q, tangent);
+}
+
+/// - theta delta{A}.(a.d[B] + b.d{A})
+template <int dim>
+void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &series, const double weight,
+                                      dealii::FullMatrix<double> &tangent) const
+{
+  const unsigned int n_local = tangent.n(), n_c = field.n_components;
+  for (const unsigned int row : field_unknowns) {
+    std::array<double, dim> variation, jump_factor;
+    for (unsigned int c = 0; c < n_c; ++c)
+      variation[c] = jump_factor[c] = theta_here * weight * variation_of[c * n_local + row];
+    double *entries = &tangent(row, 0);
+    if (!series.is_rigid)
+      for (unsigned int c = 0; c < n_c; ++c) {
+        double flux_factor = 0;
+        jump_factor[c] = 0;
+        for (unsigned int d = 0; d < n_c; ++d) {
+          jump_factor[c] += series.entry(series.a, c, d) * variation[d];
+          flux_factor += series.entry(series.b, c, d) * variation[d];
+        }
+        const double *mean = &mean_flux_of[c * n_local];
+        for (unsigned int j = 0; j < n_local; ++j)
+          entries[j] -= flux_factor * mean[j];
+      }
+    for (const InJump *column = in_jump.data(), *end = column + in_jump.size(); column != end;) {
+      const unsigned int c = column->component;
+      const double factor = jump_factor[c];
+      for (; column != end && column->component == c; ++column)
+        entries[column->i] -= factor * column->trial;
+    }
+  }
+}
+
+/// Of a scalar, with h' = dh/dB and dB the mean of both sides': b^2 h' (gamma [B] - {A}) (gamma delta[B] -
+/// theta delta{A}) dB.
+template <int dim>
+void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const TiedField &field,
+                                       const AtPoint &p, const Series &series, const unsigned int q,
+                                       dealii::FullMatrix<double> &tangent) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const double factor = pairing.weight(q) * series.b_by_mean * (p.gamma * jump[0] - mean_flux[0]) / 2;
+  const auto add_row = [&](const unsigned int row, const double test) {
+    unsigned int first = 0;
+    for (const unsigned int side : {source, destination}) {
+      const unsigned int n_nodes = interface.sides[side].domain->n_nodes();
+      const unsigned int column = first + interface.position(side, field.first_component[side]) * n_nodes;
+      for (unsigned int b = 0; b < n_nodes; ++b)
+        tangent(row, column + b) += factor * test * pairing.values(side, q)[b];
+      first += interface.n_local(side);
+    }
+  };
+  for (const InJump &row : in_jump)
+    add_row(row.i, p.gamma * row.test);
+  if (theta != 0)
+    for (const unsigned int row : field_unknowns)
+      add_row(row, -theta_here * variation_of[row]);
+}
+
+/// - theta e_c d2{A}_c(delta, d): the second derivative of the flux contracted with e.
+template <int dim>
+void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedField &field, const AtPoint &p,
+                                 const unsigned int q, dealii::FullMatrix<double> &tangent)
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  unsigned int first = 0;
+  for (const unsigned int side : {source, destination}) {
+    const Domain<dim> &domain = *interface.sides[side].domain;
+    const unsigned int n = domain.n_components(), n_nodes = domain.n_nodes();
+    const auto &components = interface.components[side];
+    if (p.weight[side] != 0 && !domain.material.has_linear_flux(field.field[side])) {
+      ++variations.second;
+      contraction.assign(n, dealii::Tensor<1, dim>());
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        contraction[field.first_component[side] + c] = -theta_here * (side == source ? 1 : -1) *
+                                                       p.weight[side] * pairing.weight(q) * mismatch[c] *
+                                                       pairing.N(side, q);
+      dealii::FullMatrix<double> &H = second_derivative;
+      domain.material.curvature(sides.state[side], contraction, H);
+
+      const double *values = pairing.values(side, q);
+      const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side];
+      for (unsigned int k = 0; k < components.size(); ++k) {
+        // delta{A} varies the tied field only
+        if (components[k] - field.first_component[side] >= field.n_components)
+          continue;
+        const bool varies_by_value = field.varies_by_value(side, components[k]);
+        for (unsigned int l = 0; l < components.size(); ++l)
+          for (unsigned int a = 0; a < n_nodes; ++a) {
+            const unsigned int row = components[k] * (1 + dim), column = components[l] * (1 + dim);
+            dealii::Tensor<1, dim>
+                g; // grad phi_a (and phi_a) times H, by gradient and by value of the column
+            double v = varies_by_value ? values[a] * H(row, column) : 0;
+            for (unsigned int L = 0; varies_by_value && L < dim; ++L)
+              g[L] = values[a] * H(row, column + 1 + L);
+            for (unsigned int J = 0; J < dim; ++J) {
+              v += gradients[a][J] * H(row + 1 + J, column);
+              for (unsigned int L = 0; L < dim; ++L)
+                g[L] += gradients[a][J] * H(row + 1 + J, column + 1 + L);
+            }
+            double *entries = &tangent(first + k * n_nodes + a, first + l * n_nodes);
+            for (unsigned int b = 0; b < n_nodes; ++b)
+              entries[b] += g * gradients[b];
+            for (unsigned int b = 0; v != 0 && b < n_nodes; ++b)
+              entries[b] += v * values[b];
+          }
+      }
+    }
+    first += interface.n_local(side);
+  }
+}
+
+template class Nitsche<2>;
+template class Nitsche<3>;
+
+namespace {
+
+const bool registered =
+    add_tie<Nitsche>("Nitsche", "Weak continuity by consistent flux terms and a penalty.");
+
+} // namespace
+
+} // namespace dovetail

@@ -20,6 +20,7 @@
 
 #include <dovetail/material/invariant_law.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/undefined.h>
 
 #include <array>
 #include <cmath>
@@ -39,23 +40,23 @@ public:
         W(section.documenting() ? "0" : in_isochoric_invariants(section.peek("Energy")),
           {section.dimension(), {"I1_bar", "I2_bar", "J"}})
   {
-    if (section.documenting() || W.depends_on_position() || W.depends_on_time())
+    if (section.documenting() || is_inhomogeneous())
       return;
-    const AtPoint rest{*this, {}, {{3, 3, 1}}};
-    const double shear = 2 * (rest({0}) + rest({1})), bulk = rest({2, 2}), stress = rest({2});
-    section.check(shear > 0 && bulk > 0, "Energy",
-                  "has the shear modulus " + std::to_string(shear) + " and the bulk modulus " +
-                      std::to_string(bulk) + " at rest (I1 = I2 = 3, J = 1), but both must be positive.");
-    section.check(
-        std::abs(stress) < 1e-9 * (shear + bulk), "Energy",
-        "has the stress " + std::to_string(stress) +
-            " at rest (I1 = I2 = 3, J = 1): its derivative by J must vanish there, with I1 = 3 J^(2/3) "
-            "and I2 = 3 J^(4/3).");
+    const std::string fault = fault_at_rest({});
+    section.check(fault.empty(), "Energy", fault + ".");
   }
 
   bool depends_on_time() const override { return W.depends_on_time(); }
 
 protected:
+  bool is_defined(const Deformation &deformation) const override
+  {
+    if (!is_inhomogeneous())
+      return true;
+    const std::string fault = fault_at_rest(deformation.place);
+    return fault.empty() || undefined("at " + in_words(deformation.place.X) + " the Energy " + fault, true);
+  }
+
   IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
   {
     const AtPoint at = here(invariants);
@@ -81,6 +82,27 @@ protected:
   }
 
 private:
+  bool is_inhomogeneous() const { return W.depends_on_position() || W.depends_on_time(); }
+
+  /// What is wrong with the energy of a body at rest; empty: nothing.
+  std::string fault_at_rest(const SolidLaw::Place &place) const
+  {
+    const AtPoint rest{*this, place, {{3, 3, 1}}};
+    const double shear = 2 * (rest({0}) + rest({1})), bulk = rest({2, 2}), stress = rest({2});
+    const std::string at_rest = " at rest (I1 = I2 = 3, J = 1)";
+    if (!(shear > 0 && bulk > 0 && std::isfinite(shear + bulk)))
+      return "has the shear modulus " + in_words(shear) + " and the bulk modulus " + in_words(bulk) +
+             at_rest + ", but both must be positive";
+    if (!(std::abs(stress) < 1e-9 * (shear + bulk)))
+      return "has the stress " + in_words(stress) + at_rest +
+             ": its derivative by J must vanish there, with I1 = 3 J^(2/3) and I2 = 3 J^(4/3)";
+    for (const unsigned int a : {0, 1})
+      for (const unsigned int b : {0, 1})
+        if (!std::isfinite(rest({a, b})))
+          return "has no second derivatives" + at_rest;
+    return {};
+  }
+
   /// Derivatives of W at one point.
   struct AtPoint
   {

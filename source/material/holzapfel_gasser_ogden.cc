@@ -75,10 +75,21 @@ public:
   {
     fibres.push_back(section.require_expression("First fibre", {section.dimension(), 3},
                                                 "Direction of any length; a formula of x, y, z, t [-]"));
-    if (section.is_set("Second fibre") || section.documenting())
-      fibres.push_back(section.read_expression("Second fibre", "", {section.dimension(), 3},
-                                               "That of the second family, if there is one [-]"));
+    const Expression second = section.read_expression("Second fibre", "", {section.dimension(), 3},
+                                                      "That of the second family, if there is one [-]");
+    if (!section.peek("Second fibre").empty())
+      fibres.push_back(second);
+    if (section.documenting())
+      return;
+    for (const Expression &fibre : fibres)
+      section.check(fibre.depends_on_position() || fibre.depends_on_time() ||
+                        std::isfinite(direction(fibre, {}).norm_square()),
+                    &fibre == &fibres.front() ? "First fibre" : "Second fibre",
+                    "is zero, which is no direction.");
   }
+
+  /// The stiffness of a fibre begins with a jump where it is stretched.
+  bool has_curvature() const override { return false; }
 
   bool depends_on_time() const override
   {
@@ -89,9 +100,9 @@ protected:
   bool is_defined(const Deformation &deformation) const override
   {
     for (const Expression &fibre : fibres)
-      if (!std::isfinite(direction(fibre, deformation).norm_square()))
-        return undefined("the direction of a fibre at " + in_words(deformation.place.X) +
-                         " is zero or no number");
+      if (!std::isfinite(direction(fibre, deformation.place).norm_square()))
+        return undefined(
+            "the direction of a fibre at " + in_words(deformation.place.X) + " is zero or no number", true);
     return true;
   }
 
@@ -100,7 +111,7 @@ protected:
   {
     matrix.elastic_response(deformation, P, D);
     for (const Expression &fibre : fibres) {
-      const Tensor<1, 3> a = direction(fibre, deformation), Fa = deformation.F * a;
+      const Tensor<1, 3> a = direction(fibre, deformation.place), Fa = deformation.F * a;
       const Slopes W(*this, deformation, a);
       P += 2 * W.first * outer_product(Fa, a);
       if (D != nullptr)
@@ -113,7 +124,7 @@ protected:
   {
     Tensor<4, 3> result = matrix.elastic_curvature(deformation, w);
     for (const Expression &fibre : fibres) {
-      const Tensor<1, 3> a = direction(fibre, deformation), Fa = deformation.F * a, wa = w * a;
+      const Tensor<1, 3> a = direction(fibre, deformation.place), Fa = deformation.F * a, wa = w * a;
       const Slopes W(*this, deformation, a);
       const double s = wa * Fa;
       add(8 * W.third * s * outer_product(Fa, Fa) +
@@ -142,11 +153,11 @@ private:
 
   static Tensor<2, 3> identity() { return dealii::unit_symmetric_tensor<3>(); }
 
-  static Tensor<1, 3> direction(const Expression &fibre, const Deformation &deformation)
+  static Tensor<1, 3> direction(const Expression &fibre, const SolidLaw::Place &place)
   {
     Tensor<1, 3> a;
     for (unsigned int i = 0; i < fibre.n_components(); ++i)
-      a[i] = fibre.value(deformation.place.X, deformation.place.t, i);
+      a[i] = fibre.value(place.X, place.t, i);
     return a / a.norm();
   }
 

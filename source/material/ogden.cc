@@ -28,6 +28,7 @@
 
 #include <dovetail/material/invariant_law.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/undefined.h>
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/base/symmetric_tensor.h>
@@ -104,7 +105,7 @@ public:
     section.check(shear > 0, "Moduli",
                   "give half of the sum of Moduli times Exponents, the shear modulus of small "
                   "strains, as " +
-                      std::to_string(shear) + ", which must be positive.");
+                      in_words(shear) + ", which must be positive.");
   }
 
 protected:

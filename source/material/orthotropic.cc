@@ -79,8 +79,12 @@ public:
         "the determinant of the compliances positive).");
     normal.reinit(3, 3);
     normal.invert(compliance);
-    if (!first.depends_on_position() && !second.depends_on_position() && !depends_on_time())
-      constant = at_axes({}, 0);
+    if (first.depends_on_position() || second.depends_on_position() || depends_on_time())
+      return;
+    constant = at_axes({}, 0);
+    section.check(constant.has_value(), "First axis",
+                  first.n_components() == 2 ? "is zero, which is no direction."
+                                            : "is zero or parallel to the Second axis, or that is zero.");
   }
 
   bool depends_on_time() const { return first.depends_on_time() || second.depends_on_time(); }
@@ -110,7 +114,8 @@ private:
     axes[1] /= axes[1].norm();
     axes[2] = cross_product_3d(axes[0], axes[1]);
     if (!std::isfinite(axes[2].norm_square())) {
-      undefined("the First axis and the Second axis at " + in_words(X) + " are zero, parallel or no numbers");
+      undefined("the First axis and the Second axis at " + in_words(X) + " are zero, parallel or no numbers",
+                true);
       return std::nullopt;
     }
     Tensor<4, 3> C;

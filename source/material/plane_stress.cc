@@ -11,17 +11,54 @@ namespace dovetail {
 
 using dealii::Tensor;
 
+PlaneStress::PlaneStress(std::unique_ptr<SolidLaw> law_in_space) : law(std::move(law_in_space))
+{
+  for (const InternalVariable &variable : law->internal_variables())
+    n_of_law += variable.n_components;
+}
+
+std::vector<InternalVariable> PlaneStress::internal_variables() const
+{
+  std::vector<InternalVariable> result = law->internal_variables();
+  if (n_of_law > 0)
+    result.push_back({"strain across"});
+  return result;
+}
+
+bool PlaneStress::find_thickness(Tensor<2, 3> &H, const double e, Response &response) const
+{
+  const Memory memory = response.memory;
+  if (n_of_law > 0)
+    response.memory = memory.slice(0, n_of_law);
+  const bool is_found =
+      begin(H, e, n_of_law > 0 ? memory.accepted[n_of_law] : 0, response) && search(H, e, response);
+  response.memory = memory;
+  if (n_of_law > 0)
+    memory.trial[n_of_law] = H[2][2];
+  return is_found;
+}
+
+/// A law may end where its material is not stretched across but would be pressed together: then the search
+/// begins where the volume does not change.
+bool PlaneStress::begin(Tensor<2, 3> &H, const double e, const double last_strain, Response &response) const
+{
+  const double J = (1 + H[0][0]) * (1 + H[1][1]) - H[0][1] * H[1][0];
+  const double without_change_of_volume = law->has_large_strain() ? 1 / J - 1 : -H[0][0] - H[1][1];
+  for (const double strain : {last_strain, without_change_of_volume}) {
+    H[2][2] = strain;
+    if (law->evaluate(H, e, true, response))
+      return true;
+  }
+  return false;
+}
+
 /// Newton's method, halved where the law is not defined and where the stress across does not become smaller
 /// (the stress of a law that yields grows less and less on both sides, so that whole steps may go to and fro
-/// for ever). It ends with a whole update that changes nothing any
-/// more, or that rounding alone keeps alive.
-bool PlaneStress::find_thickness(Tensor<2, 3> &H, const double e, Response &response) const
+/// for ever). It ends with a whole update that changes nothing any more, or that rounding alone keeps alive.
+bool PlaneStress::search(Tensor<2, 3> &H, const double e, Response &response) const
 {
   const unsigned int most_iterations = 50, most_halvings = 30;
   const double smallest_stretch = 1e-6, rounding = 1e-15, last_digits = 1e-12;
-  H[2][2] = 0;
-  if (!law->evaluate(H, e, true, response))
-    return false;
   double last_size = std::numeric_limits<double>::infinity();
   for (unsigned int iteration = 0; iteration < most_iterations; ++iteration) {
     double update = -response.P[2][2] / response.dP_dF[2][2][2][2];

@@ -396,7 +396,7 @@ void NonlinearStep<dim>::note_smallest_step(const double t, const double relativ
   if (std::exchange(has_noted_smallest_step, true))
     return;
   std::ostringstream words;
-  words.precision(3);
+  words.precision(6); // the last good step may be next to it
   words << "the step to t = " << t << " has the error " << relative_error
         << " of the range of its field, more than the Tolerance, but the Smallest step allows no smaller one";
   notes.add(words.str());

@@ -20,8 +20,11 @@ std::vector<unsigned int> lumped_components(const Domain<dim> &domain)
   for (unsigned int c = 0; c < domain.n_components(); ++c)
     if (domain.material.order_in_time(c) == 1)
       lumped.push_back(c);
+  const bool is_linear = std::all_of(lumped.begin(), lumped.end(), [&](const unsigned int c) {
+    return domain.layout().is_continuous(c) && domain.layout().element(c).degree == 1;
+  });
   domain.section.check(
-      lumped.empty() || domain.degree == 1, "Degree",
+      is_linear, "Degree",
       "is " + std::to_string(domain.degree) +
           ", but Lumped capacity = true in the subsection Steps is for the degree 1 only. Set "
           "Degree = 1, or Lumped capacity = false.");

@@ -34,6 +34,57 @@ std::optional<double> given_value(const Domain<dim> &domain, const Condition<dim
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
+namespace {
+
+/// Likewise; nothing if a formula refuses, which must not end one rank alone.
+template <int dim>
+std::optional<double> value_or_nothing(const Domain<dim> &domain, const Condition<dim> &condition,
+                                       const dealii::Point<dim> &X, const double t)
+{
+  try {
+    return given_value(domain, condition, X, t);
+  } catch (const UserError &) {
+    return {};
+  }
+}
+
+/// The influx into a body whose fields are zero.
+template <int dim>
+double influx_at_zero(const Domain<dim> &domain, const Condition<dim> &condition, const dealii::Point<dim> &X,
+                      const double t, const unsigned int component)
+{
+  State<dim> state(domain.n_components());
+  state.X = X;
+  state.t = t;
+  dealii::Tensor<1, dim> N;
+  for (unsigned int d = 0; d < dim; ++d)
+    N[d] = 1 / std::sqrt(dim); // any direction
+  Influx<dim> influx(condition.field.n_components, domain.n_components());
+  condition.influx(state, N, influx);
+  return influx.value[component];
+}
+
+/// Whether value(t) jumps between two times.
+template <typename Value>
+bool jumps(const Value &value, double begin, double end)
+{
+  double first = value(begin), last = value(end);
+  const double change = std::abs(last - first);
+  const unsigned int most_halvings = 20;
+  for (unsigned int halving = 0; halving < most_halvings; ++halving) {
+    const double middle = (begin + end) / 2, between = value(middle);
+    const bool is_first_half = std::abs(between - first) > std::abs(last - between);
+    (is_first_half ? end : begin) = middle;
+    (is_first_half ? last : first) = between;
+    // a smooth function loses half of its change in each halving
+    if (!(std::abs(last - first) > change / 2))
+      return false;
+  }
+  return true;
+}
+
+} // namespace
+
 template <int dim>
 GivenValues<dim>::GivenValues(const Model<dim> &model) : model(model)
 {
@@ -59,6 +110,11 @@ GivenValues<dim>::GivenValues(const Model<dim> &model) : model(model)
       for (const auto &X : nodes)
         places.push_back({domain.get(), condition.get(), X});
     }
+    for (const auto &[field, source] : domain->source().expressions)
+      if (source.depends_on_time())
+        for (const auto &cell : domain->mesh().active_cell_iterators())
+          if (cell->is_locally_owned())
+            sources.push_back({&source, cell->center()});
   }
 }
 
@@ -88,7 +144,7 @@ std::optional<ValueRange> GivenValues<dim>::range(const std::string &field, cons
   bool has_others = has_sources(field);
   for (const auto &[domain, condition, X] : places)
     if (condition->field.name == field && condition->is_active(t)) {
-      if (const auto value = given_value(*domain, *condition, X, t)) {
+      if (const auto value = value_or_nothing(*domain, *condition, X, t)) {
         smallest = std::min(smallest, *value);
         largest = std::max(largest, *value);
       } else
@@ -102,22 +158,20 @@ std::optional<ValueRange> GivenValues<dim>::range(const std::string &field, cons
 }
 
 template <int dim>
-bool GivenValues<dim>::jumps(const Place &place, const unsigned int component, double begin, double end)
+bool GivenValues<dim>::jump_at(const Place &place, const double begin, const double end) const
 {
-  const auto value = [&](const double t) { return place.condition->prescribed_value(place.X, t, component); };
-  double first = value(begin), last = value(end);
-  const double change = std::abs(last - first);
-  const unsigned int most_halvings = 20;
-  for (unsigned int halving = 0; halving < most_halvings; ++halving) {
-    const double middle = (begin + end) / 2, between = value(middle);
-    const bool is_first_half = std::abs(between - first) > std::abs(last - between);
-    (is_first_half ? end : begin) = middle;
-    (is_first_half ? last : first) = between;
-    // a smooth function loses half of its change in each halving
-    if (!(std::abs(last - first) > change / 2))
-      return false;
-  }
-  return true;
+  const Condition<dim> &condition = *place.condition;
+  if (!condition.is_active(begin) || !condition.is_active(end))
+    return false;
+  bool found = false;
+  for (const unsigned int c : condition.prescribed_components())
+    found =
+        found || jumps([&](const double t) { return condition.prescribed_value(place.X, t, c); }, begin, end);
+  for (unsigned int c = 0; condition.adds_flux() && c < condition.field.n_components; ++c)
+    found = found ||
+            jumps([&](const double t) { return influx_at_zero(*place.domain, condition, place.X, t, c); },
+                  begin, end);
+  return found;
 }
 
 template <int dim>
@@ -126,9 +180,10 @@ bool GivenValues<dim>::jump_between(const double begin, const double end) const
   bool found = false;
   try {
     for (const Place &place : places)
-      if (place.condition->is_active(begin) && place.condition->is_active(end))
-        for (const unsigned int component : place.condition->prescribed_components())
-          found = found || jumps(place, component, begin, end);
+      found = found || jump_at(place, begin, end);
+    for (const auto &[source, X] : sources)
+      for (unsigned int c = 0; c < source->n_components(); ++c)
+        found = found || jumps([&](const double t) { return source->value(X, t, c); }, begin, end);
   } catch (const UserError &) { // not defined somewhere in between; the step does not ask there
   }
   return dealii::Utilities::MPI::max(found ? 1 : 0, model.communicator) == 1;

@@ -391,14 +391,16 @@ typename NonlinearStep<dim>::Error NonlinearStep<dim>::error(const double t, con
 }
 
 template <int dim>
-void NonlinearStep<dim>::note_smallest_step(const double t, const double relative_error)
+void NonlinearStep<dim>::note_inexact_step(const double t, const double relative_error, const bool is_of_mesh)
 {
-  if (std::exchange(has_noted_smallest_step, true))
+  if (std::exchange(has_noted_inexact_step, true))
     return;
   std::ostringstream words;
-  words.precision(6); // the last good step may be next to it
+  words.precision(3);
   words << "the step to t = " << t << " has the error " << relative_error
-        << " of the range of its field, more than the Tolerance, but the Smallest step allows no smaller one";
+        << " of the range of its field, more than the Tolerance, but "
+        << (is_of_mesh ? "a smaller one has a larger error: cells are too large for what jumps there"
+                       : "the Smallest step allows no smaller one");
   notes.add(words.str());
 }
 
@@ -448,7 +450,7 @@ template <int dim>
 void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
 {
   std::ostringstream words;
-  words.precision(3);
+  words.precision(6); // the last good step may be next to it
   words << "the step to t = " << t << " did not converge: ";
   for (unsigned int i = 0; i < failure.size(); ++i)
     notes.add((i == 0 ? words.str() : "") + failure[i]);

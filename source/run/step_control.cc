@@ -123,7 +123,7 @@ double StepControl<dim>::end_of_next()
   if (cut_short > t)
     next = std::min(next, cut_short);
   const double end = step.end_before_switch(t, next);
-  cut_short = end < next ? next : 0;
+  cut_short = next - end > 1e-6 * size ? next : 0; // a switch may be where the step would end anyway
   return end;
 }
 
@@ -147,8 +147,8 @@ bool StepControl<dim>::is_exact_enough(const double next, const Vector &trial)
     return false;
   }
   rejected_error = 0;
-  if (ratio < 1 && !is_of_mesh)
-    step.note_smallest_step(next, error.relative);
+  if (ratio < 1)
+    step.note_inexact_step(next, error.relative, is_of_mesh);
   size_by_error = std::max(factor * h, factor < 1 ? 0 : size); // h may have been cut short
   if (std::abs(size_by_error - size) < smallest_change * size)
     size_by_error = size;
@@ -238,7 +238,7 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   size = steps.controls_errors() ? size_by_error : std::min(steps.size(), 2 * size);
   log.step_ends();
   results.forget_solution();
-  if (!results.is_due(n_good) && t != steps.end_time)
+  if (!results.is_due(n_good) && t < almost_end())
     return;
   results.write_pictures({step.system(), x, t, true});
   if (step.has_rates())

@@ -10,6 +10,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -35,8 +36,9 @@ public:
   /// any range. Collective.
   std::optional<ValueRange> range(const std::string &field, double t) const;
 
-  /// Whether a prescribed value jumps between two times: however often the interval is halved, more than
-  /// half of the change happens in one of the halves. Collective.
+  /// Whether a prescribed value, an influx or a given source (at the centres of cells) jumps between two
+  /// times: however often the interval is halved, more than half of the change happens in one of the halves.
+  /// Collective.
   bool jump_between(double begin, double end) const;
 
 private:
@@ -47,10 +49,11 @@ private:
     dealii::Point<dim> X;
   };
   bool has_sources(const std::string &field) const;
-  static bool jumps(const Place &place, unsigned int component, double begin, double end);
+  bool jump_at(const Place &place, double begin, double end) const;
 
   const Model<dim> &model;
   std::vector<Place> places;
+  std::vector<std::pair<const Expression *, dealii::Point<dim>>> sources; ///< that depend on time
 };
 
 } // namespace dovetail

@@ -59,8 +59,9 @@ public:
   };
   /// Of the step to time @p t that has led to @p x. Collective.
   Error error(double t, const Vector &x) const;
-  /// The smallest step that is allowed has that error, and is taken. Once.
-  void note_smallest_step(double t, double relative_error);
+  /// A step has that error and is taken: it is the smallest one that is allowed or, after a jump, the cells
+  /// are too large for a smaller one. Once.
+  void note_inexact_step(double t, double relative_error, bool is_of_mesh);
 
   /// Whether @p x solves the equations of time @p t as it is. Newton's method sees that for itself, unless
   /// weights and penalties of ties are frozen anew in each step: here they stay as they are. Collective.
@@ -129,7 +130,7 @@ private:
   std::unique_ptr<GivenValues<dim>> given;      ///< on the present meshes
   std::unique_ptr<RangeWatch<dim>> range_watch; ///< likewise
   std::map<std::string, ValueRange> ranges;     ///< of the fields so far, for errors
-  bool has_noted_smallest_step = false;
+  bool has_noted_inexact_step = false;
   mutable StepTime examined; ///< by step_to()
   Rates rates_of_last_good;
   std::unique_ptr<BlockSystem<dim>> present_system;

@@ -17,12 +17,13 @@ std::vector<unsigned int> lumped_components(const Domain<dim> &domain)
   std::vector<unsigned int> lumped;
   if (domain.section.top().peek("Steps", "Lumped capacity") != "true")
     return lumped;
-  for (unsigned int c = 0; c < domain.n_components(); ++c)
-    if (domain.material.order_in_time(c) == 1)
-      lumped.push_back(c);
-  const bool is_linear = std::all_of(lumped.begin(), lumped.end(), [&](const unsigned int c) {
-    return domain.layout().is_continuous(c) && domain.layout().element(c).degree == 1;
-  });
+  bool is_linear = true;
+  for (const Field &field : domain.fields())
+    for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
+      if (domain.material.order_in_time(c) == 1) {
+        lumped.push_back(c);
+        is_linear = is_linear && field.is_continuous && domain.degree + field.relative_degree == 1;
+      }
   domain.section.check(
       is_linear, "Degree",
       "is " + std::to_string(domain.degree) +

@@ -181,9 +181,11 @@ bool GivenValues<dim>::jump_between(const double begin, const double end) const
   try {
     for (const Place &place : places)
       found = found || jump_at(place, begin, end);
-    for (const auto &[source, X] : sources)
-      for (unsigned int c = 0; c < source->n_components(); ++c)
-        found = found || jumps([&](const double t) { return source->value(X, t, c); }, begin, end);
+    for (const auto &entry : sources) {
+      const auto &source = *entry.first;
+      for (unsigned int c = 0; c < source.n_components(); ++c)
+        found = found || jumps([&](const double t) { return source.value(entry.second, t, c); }, begin, end);
+    }
   } catch (const UserError &) { // not defined somewhere in between; the step does not ask there
   }
   return dealii::Utilities::MPI::max(found ? 1 : 0, model.communicator) == 1;

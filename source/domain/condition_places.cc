@@ -208,7 +208,7 @@ Nearest<dim> nearest_node(const Domain<dim> &domain, const Field &field, const d
     at_nodes.reinit(cell);
     domain.cell_dofs(domain.dof_cell(cell), dofs);
     for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
-      if (const auto dof = dofs[domain.layout().index(field.first_component, a)] - domain.first_dof;
+      if (const auto dof = dofs[domain.layout().index(field.first_component, a)] - domain.first_dof();
           owned.is_element(dof) && !hanging.is_constrained(dof))
         look_at(cell, at_nodes.quadrature_point(a), a);
   }

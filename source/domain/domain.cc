@@ -330,7 +330,7 @@ void Domain<dim>::cell_dofs(const cell_iterator &cell,
   cell->get_dof_indices(in_order_of_element);
   indices.resize(dofs_per_cell());
   for (unsigned int i = 0; i < indices.size(); ++i)
-    indices[i] = first_dof + in_order_of_element[cell_layout->system_index(i)];
+    indices[i] = first_dof() + in_order_of_element[cell_layout->system_index(i)];
 }
 
 template <int dim>
@@ -353,7 +353,7 @@ void Domain<dim>::add_hanging_nodes(ConstraintLines &lines) const
   for (const auto &line : hanging.get_lines())
     if (dofs.locally_owned_dofs().is_element(line.index))
       for (const auto &[master, weight] : line.entries)
-        lines[first_dof + line.index].entries.emplace_back(first_dof + master, weight);
+        lines[first_dof() + line.index].entries.emplace_back(first_dof() + master, weight);
 }
 
 /// A body of revolution neither overlaps itself nor opens on its axis: u_r = 0. All points on the axis lie on
@@ -373,7 +373,7 @@ void Domain<dim>::add_axis(ConstraintLines &lines) const
         for (unsigned int a = 0; a < at_nodes->n_quadrature_points; ++a)
           if (const auto dof = indices[cell_layout->index(field.first_component, a)];
               is_on_axis(at_nodes->quadrature_point(a)) &&
-              dofs.locally_owned_dofs().is_element(dof - first_dof))
+              dofs.locally_owned_dofs().is_element(dof - first_dof()))
             if (const auto [line, is_new] = lines.try_emplace(dof); is_new)
               line->second.is_of_condition = true;
       }
@@ -426,7 +426,7 @@ void Domain<dim>::add_values(const double t, ConstraintLines &lines) const
     const auto add = [&](const unsigned int a) {
       for (const unsigned int c : components) {
         const auto dof = indices[cell_layout->index(first + c, a)];
-        if (!dofs.locally_owned_dofs().is_element(dof - first_dof) || lines.count(dof) > 0)
+        if (!dofs.locally_owned_dofs().is_element(dof - first_dof()) || lines.count(dof) > 0)
           continue;
         ConstraintLine &line = lines[dof];
         line.inhomogeneity = condition->prescribed_value(at_nodes->quadrature_point(a), t, c);
@@ -470,7 +470,7 @@ void Domain<dim>::add_planes(const double t, ConstraintLines &lines) const
       cell_dofs(dof_cell(face.cell), indices);
       for (unsigned int a = 0; a < at_nodes->n_quadrature_points; ++a) {
         if (!element.has_support_on_face(a, face.number) ||
-            !dofs.locally_owned_dofs().is_element(indices[cell_layout->index(first, a)] - first_dof) ||
+            !dofs.locally_owned_dofs().is_element(indices[cell_layout->index(first, a)] - first_dof()) ||
             is_covered(*this, condition->field, face, a, t))
           continue;
         std::array<dealii::types::global_dof_index, dim> node_unknowns;

@@ -16,7 +16,7 @@ Numbering::Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, c
   dealii::types::global_dof_index n_dofs = 0;
   for (unsigned int d = 0; d < domains.size(); ++d) {
     Domain<dim> &domain = *domains[d];
-    domain.first_dof = n_dofs;
+    domain.number_from(n_dofs);
     std::vector<dealii::types::global_dof_index> sizes;
     if (domain.fields().size() == 1)
       sizes = {domain.dof_handler().n_dofs()};
@@ -46,8 +46,8 @@ Numbering::Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, c
   for (const auto &domain : domains) {
     const dealii::IndexSet relevant_to_domain =
         dealii::DoFTools::extract_locally_relevant_dofs(domain->dof_handler());
-    owned.add_indices(domain->dof_handler().locally_owned_dofs(), domain->first_dof);
-    relevant.add_indices(relevant_to_domain, domain->first_dof);
+    owned.add_indices(domain->dof_handler().locally_owned_dofs(), domain->first_dof());
+    relevant.add_indices(relevant_to_domain, domain->first_dof());
   }
   owned.compress();
   relevant.compress();

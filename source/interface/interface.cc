@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <limits>
 
 namespace dovetail {
@@ -270,7 +269,7 @@ void Interface<dim>::pair(const MPI_Comm &communicator)
     });
   geometry->extend(shares);
   memory.set_points(*geometry, sides, communicator);
-  report_uncovered(communicator);
+  check_coverage(communicator);
 }
 
 template <int dim>
@@ -332,7 +331,7 @@ bool Interface<dim>::has_conditions(const unsigned int side) const
 }
 
 template <int dim>
-void Interface<dim>::report_uncovered(const MPI_Comm &communicator) const
+void Interface<dim>::check_coverage(const MPI_Comm &communicator)
 {
   const Coverage &coverage = pairing().coverage();
   std::ostringstream message;
@@ -355,8 +354,16 @@ void Interface<dim>::report_uncovered(const MPI_Comm &communicator) const
           << " of the face size), or set Uncovered = allow if this is meant.";
   if (uncovered == "error")
     section.fail("Uncovered", "is error: " + message.str());
-  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-    std::cerr << "Warning: interface " << name << ": " << message.str() << std::endl;
+  sentences.push_back(message.str());
+}
+
+template <int dim>
+std::vector<std::string> Interface<dim>::notes() const
+{
+  std::vector<std::string> all = sentences;
+  for (const std::string &sentence : method->notes())
+    all.push_back(sentence);
+  return all;
 }
 
 template <int dim>

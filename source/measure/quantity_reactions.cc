@@ -38,7 +38,7 @@ public:
     dealii::TrilinosWrappers::MPI::Vector owned(dof_handler.locally_owned_dofs(), communicator);
     for (const Field &field : this->domain.fields())
       for (const auto &[dof, at_node] : reactions.at_nodes(this->domain, field))
-        owned(dof - this->domain.first_dof) = at_node.force;
+        owned(dof - this->domain.first_dof()) = at_node.force;
     owned.compress(dealii::VectorOperation::insert);
     forces.reinit(dof_handler.locally_owned_dofs(),
                   dealii::DoFTools::extract_locally_relevant_dofs(dof_handler), communicator);
@@ -52,7 +52,7 @@ public:
       double sum = 0;
       for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
         sum += point.shape_values()[layout.first_shape(c) + a] *
-               forces(point.dofs()[layout.index(c, a)] - this->domain.first_dof);
+               forces(point.dofs()[layout.index(c, a)] - this->domain.first_dof());
       numbers.push_back(sum);
     }
   }

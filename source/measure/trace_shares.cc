@@ -46,7 +46,7 @@ TraceShares<dim>::TraceShares(const Domain<dim> &domain, const Field &field, con
 template <int dim>
 double TraceShares<dim>::first_share(const dealii::types::global_dof_index dof, const double force) const
 {
-  const auto i = dof - domain.first_dof;
+  const auto i = dof - domain.first_dof();
   const double sum = area[0](i) + area[1](i);
   return sum > 0 ? flux[0](i) + (force - flux[0](i) - flux[1](i)) * (area[0](i) / sum) : 0.;
 }
@@ -75,8 +75,8 @@ void TraceShares<dim>::add_areas(const Part &part)
               double square = 0;
               for (const unsigned int q : values.quadrature_point_indices())
                 square += values.shape_value(a, q) * values.shape_value(a, q) * domain.measure(values, q);
-              area[node_part](dofs[domain.layout().index(field.first_component + c, a)] - domain.first_dof) +=
-                  square;
+              area[node_part](dofs[domain.layout().index(field.first_component + c, a)] -
+                              domain.first_dof()) += square;
             }
   }
   for (Weights &weights : area)
@@ -117,7 +117,7 @@ void TraceShares<dim>::add_fluxes(const Vector &solution, const double t, const 
             const unsigned int component = field.first_component + c, i = layout.index(component, a);
             nodes.push_back(
                 {{i, component, layout.shape_of_node(component, a), static_cast<unsigned int>(node_part)}});
-            const auto dof = dofs[i] - domain.first_dof;
+            const auto dof = dofs[i] - domain.first_dof();
             has_common = has_common || (ghosted[0](dof) > 0 && ghosted[1](dof) > 0);
           }
     if (nodes.empty() || !has_common)
@@ -127,7 +127,7 @@ void TraceShares<dim>::add_fluxes(const Vector &solution, const double t, const 
     for (const unsigned int q : values.quadrature_point_indices()) {
       const std::vector<double> &A_N = flux_on_face.evaluate(values, q, unknowns);
       for (const auto &[i, component, shape, node_part] : nodes)
-        flux[node_part](dofs[i] - domain.first_dof) +=
+        flux[node_part](dofs[i] - domain.first_dof()) +=
             A_N[component] * values.shape_value(shape, q) * domain.measure(values, q);
     }
   }

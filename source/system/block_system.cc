@@ -756,7 +756,7 @@ std::vector<std::string> BlockSystem<dim>::notes() const
         sentences.push_back(domain->name + ": " + note);
   for (const auto &interface : model.interfaces)
     if (interface->is_active(time))
-      for (const std::string &sentence : interface->tie().notes())
+      for (const std::string &sentence : interface->notes())
         sentences.push_back(interface->name + ": " + sentence);
   if (const auto n = dealii::Utilities::MPI::sum(unconstrained.size(), model.communicator); n > 0)
     sentences.push_back("constraints of interfaces that meet led back to themselves and were dropped at " +

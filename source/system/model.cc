@@ -231,7 +231,7 @@ Vector Model<dim>::refine(const std::vector<std::vector<bool>> &marked, const Ve
   Vector refined(numbering->split(numbering->owned), communicator); // multipliers begin at zero
   for (unsigned int d = 0; d < domains.size(); ++d)
     for (const auto dof : domains[d]->dof_handler().locally_owned_dofs())
-      refined(domains[d]->first_dof + dof) = parts[d](dof);
+      refined(domains[d]->first_dof() + dof) = parts[d](dof);
   refined.compress(dealii::VectorOperation::insert);
   pair();
   return refined;

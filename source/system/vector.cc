@@ -17,7 +17,7 @@ dealii::TrilinosWrappers::MPI::Vector domain_vector(const Domain<dim> &domain, c
   dealii::TrilinosWrappers::MPI::Vector owned(owned_dofs, communicator),
       result(owned_dofs, relevant_dofs, communicator);
   for (const auto dof : owned_dofs)
-    owned(dof) = ghosted(domain.first_dof + dof);
+    owned(dof) = ghosted(domain.first_dof() + dof);
   owned.compress(dealii::VectorOperation::insert);
   result = owned;
   return result;

@@ -141,7 +141,7 @@ std::map<Index, GapLine> gap_constraints(const std::map<Index, GapConstraint> &c
     return lines;
   RankMap<std::vector<Index>> dofs_of_rank;
   for (const auto &[dof, rank] :
-       owners(asked, destination.first_dof, destination.dof_handler().locally_owned_dofs(), communicator))
+       owners(asked, destination.first_dof(), destination.dof_handler().locally_owned_dofs(), communicator))
     dofs_of_rank[rank].push_back(dof);
   for (unsigned int i = 0; i < n_sweeps; ++i) {
     const auto answers = ask(dofs_of_rank, lines, constraints, communicator, work);

@@ -151,7 +151,7 @@ std::vector<dealii::types::global_dof_index> Mortar<dim>::owned_nodes(const Inte
       for (unsigned int c = 0; c < field.n_components; ++c)
         for (unsigned int a = 0; a < field.n_nodes[destination]; ++a)
           if (const Index dof = dofs[domain.layout().index(field.first_component[destination] + c, a)];
-              element.has_support_on_face(a, face) && owned.is_element(dof - domain.first_dof))
+              element.has_support_on_face(a, face) && owned.is_element(dof - domain.first_dof()))
             nodes.insert(dof);
     }
   return {nodes.begin(), nodes.end()};
@@ -214,7 +214,7 @@ void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &con
     GapConstraint &constraint = constrained[dof];
     const auto add = [own, &to](GapLine &line, const Index other, const double weight) {
       const bool is_of_destination =
-          other >= to.first_dof && other < to.first_dof + to.dof_handler().n_dofs();
+          other >= to.first_dof() && other < to.first_dof() + to.dof_handler().n_dofs();
       (is_of_destination ? line.from_destination : line.from_source)[other] -= weight / own;
     };
     for (const auto &[other, weight] : row.weights)

@@ -173,9 +173,9 @@ void MultiplierSpace<dim>::find_components(Face &face, const std::vector<Index> 
       std::vector<std::map<Index, double>> node_weights(n);
       for (unsigned int a = 0; a < n; ++a) {
         const Index dof = cell_dofs[domain.layout().index(domain_component, face.nodes[a])];
-        if (hanging.is_constrained(dof - domain.first_dof)) {
-          for (const auto &[master, weight] : *hanging.get_constraint_entries(dof - domain.first_dof))
-            node_weights[a][domain.first_dof + master] += weight;
+        if (hanging.is_constrained(dof - domain.first_dof())) {
+          for (const auto &[master, weight] : *hanging.get_constraint_entries(dof - domain.first_dof()))
+            node_weights[a][domain.first_dof() + master] += weight;
         } else
           node_weights[a][dof] = 1;
       }
@@ -277,7 +277,7 @@ std::map<Index, bool> MultiplierSpace<dim>::decide(const TieConstraints &constra
   for (const auto &dof_share : shares)
     all.insert(dof_share.first);
   const Domain<dim> &domain = *interface.sides[destination].domain;
-  owner_of = owners(all, domain.first_dof, domain.dof_handler().locally_owned_dofs(), communicator);
+  owner_of = owners(all, domain.first_dof(), domain.dof_handler().locally_owned_dofs(), communicator);
   RankMap<std::map<Index, Shares>> questions;
   for (const auto &[dof, share] : shares)
     questions[owner_of.at(dof)][dof] = share;
@@ -551,7 +551,7 @@ void MultiplierSpace<dim>::add_own_gradient(const typename Pairing<dim>::Group &
   for (unsigned int k = 0; k < source_weight.size(); ++k)
     if (source_weight[k] != 0)
       row.source_gain[dof_of(source, k)] -= source_weight[k];
-  const Index first = interface.sides[destination].domain->first_dof;
+  const Index first = interface.sides[destination].domain->first_dof();
   const auto add = [&row](const Index dof, const double weight) {
     row.weights[dof] += weight;
     row.destination_weight += weight;

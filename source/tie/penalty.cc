@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <sstream>
 
 namespace dovetail {
@@ -306,7 +305,7 @@ void Penalty<dim>::freeze(const Interface<dim> &interface, const double t, const
   if (first_gamma.empty())
     for (const AtPoint &at_point : points)
       first_gamma.push_back(at_point.gamma);
-  warn_if_not_coercive(interface, communicator);
+  note_if_not_coercive(interface, communicator);
 }
 
 /// The penalty of the beginning of a step may be far too small at its end, where a conductivity k(T) has
@@ -443,7 +442,7 @@ void Penalty<dim>::note_margin(const unsigned int field_index, const typename Pa
 }
 
 template <int dim>
-void Penalty<dim>::warn_if_not_coercive(const Interface<dim> &interface, const MPI_Comm &communicator)
+void Penalty<dim>::note_if_not_coercive(const Interface<dim> &interface, const MPI_Comm &communicator)
 {
   if (has_warned || lambda.empty())
     return;
@@ -469,8 +468,6 @@ void Penalty<dim>::warn_if_not_coercive(const Interface<dim> &interface, const M
     message << ", or Theta = -1, which needs none.";
   }
   sentences.push_back(message.str());
-  if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
-    std::cerr << "Warning: interface " << interface.name << ": " << message.str() << std::endl;
 }
 
 /// Measured (prm/benchmarks/stability): ten times the automatic penalty costs a digit of the flux, a hundred

@@ -152,7 +152,7 @@ std::vector<typename Pointwise<dim>::Node> Pointwise<dim>::nodes_of(const Interf
       domain.cell_dofs(domain.dof_cell(cell), dofs);
       for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
         if (const auto first = dofs[layout.index(components[0], a)];
-            element.has_support_on_face(a, face) && owned.is_element(first - domain.first_dof)) {
+            element.has_support_on_face(a, face) && owned.is_element(first - domain.first_dof())) {
           Node &node = nodes[first];
           node.query.X = at_nodes.quadrature_point(a) + side.shift;
           node.query.N += at_face.normal_vector(0); // the mean of the faces that meet here
@@ -208,9 +208,9 @@ void Pointwise<dim>::add_own_gradient(const Domain<dim> &domain, const Node &nod
       if (std::abs(weight) <= 1e-14)
         continue;
       const auto dof = dofs[layout.index(component, a)];
-      if (hanging.is_constrained(dof - domain.first_dof))
-        for (const auto &[master, master_weight] : *hanging.get_constraint_entries(dof - domain.first_dof))
-          entries[domain.first_dof + master] += weight * master_weight;
+      if (hanging.is_constrained(dof - domain.first_dof()))
+        for (const auto &[master, master_weight] : *hanging.get_constraint_entries(dof - domain.first_dof()))
+          entries[domain.first_dof() + master] += weight * master_weight;
       else
         entries[dof] += weight;
     }

@@ -91,8 +91,8 @@ void check(const std::string &name, const std::string &left, const std::string &
       keeps_given = keeps_given && line.entries.empty() && line.inhomogeneity == old->second.inhomogeneity;
     } else
       keeps_given = keeps_given && line.inhomogeneity == 0 && !line.entries.empty() &&
-                    dof >= model.domains[1]->first_dof && model.numbering->owned.is_element(dof) &&
-                    line.entries[0].first < model.domains[1]->first_dof;
+                    dof >= model.domains[1]->first_dof() && model.numbering->owned.is_element(dof) &&
+                    line.entries[0].first < model.domains[1]->first_dof();
   }
   keeps_given = keeps_given && n_given == given.size();
   if (is_rank_0())

@@ -34,7 +34,7 @@ namespace dovetail {
 /// for another one; cell_layout.h says how the local unknowns of a cell and shape functions are ordered.
 ///
 /// The unknowns of the domain are numbered field by field; in the vector of all unknowns they follow those of
-/// the domains before it, from first_dof on (set by Numbering).
+/// the domains before it, from first_dof() on.
 template <int dim>
 class Domain
 {
@@ -144,7 +144,13 @@ public:
   dealii::TrilinosWrappers::MPI::Vector refine(const std::vector<bool> &marked,
                                                const dealii::TrilinosWrappers::MPI::Vector &ghosted);
 
-  dealii::types::global_dof_index first_dof = 0;
+  /// Of all unknowns, the first that is of this domain. @pre number_from(), which Numbering calls
+  dealii::types::global_dof_index first_dof() const
+  {
+    Assert(begin_of_unknowns != dealii::numbers::invalid_dof_index, dealii::ExcNotInitialized());
+    return begin_of_unknowns;
+  }
+  void number_from(const dealii::types::global_dof_index index) { begin_of_unknowns = index; }
 
   std::vector<Cover<dim>> covers; ///< of its boundary, by interfaces
   WeakPenalties weak_penalties;   ///< of values that are prescribed weakly, set at the beginning of a step
@@ -175,6 +181,7 @@ private:
   unsigned int degree_of_mapping = 1;
   std::unique_ptr<CellLayout<dim>> cell_layout;
   dealii::DoFHandler<dim> dofs;
+  dealii::types::global_dof_index begin_of_unknowns = dealii::numbers::invalid_dof_index;
   std::vector<std::unique_ptr<Condition<dim>>> all_conditions;
   std::vector<BoundaryFace> faces;
   PlaneNormals<dim> normals;

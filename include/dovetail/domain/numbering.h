@@ -30,7 +30,7 @@ struct Block
 };
 
 /// Order: [ u_left T_left | u_right | lambda_seam … ], domains and interfaces as in the scene, fields as in
-/// the material. Sets first_dof of the domains.
+/// the material. Calls Domain::number_from().
 class Numbering
 {
 public:

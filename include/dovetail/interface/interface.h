@@ -46,6 +46,8 @@ public:
   GapExtension gap_extension() const { return options.gap_extension; }
 
   Tie<dim> &tie() const { return *method; }
+  /// What a user should know of the geometry and of the tie.
+  std::vector<std::string> notes() const;
   bool has_toggle() const { return !toggle.empty(); }
   /// The tie, where its points lie, and what joins them: "Nitsche, Theta = 1, …, segments on the source".
   std::string description() const;
@@ -100,10 +102,11 @@ private:
   void read_jump();
   void find_components();
   double distance_of_sides(const MPI_Comm &communicator) const;
-  void report_uncovered(const MPI_Comm &communicator) const;
+  void check_coverage(const MPI_Comm &communicator);
 
   typename Pairing<dim>::Options options;
   std::string uncovered;                             ///< error, warn or allow
+  std::vector<std::string> sentences;                ///< notes on the geometry
   std::array<unsigned int, 2> n_unknowns = {{0, 0}}; ///< of a group, by side
   bool has_jump = false;
   Expression given_jump;

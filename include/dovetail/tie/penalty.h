@@ -93,7 +93,7 @@ private:
   void note_bound(unsigned int field_index, const typename Pairing<dim>::Group &group, AtPoint &chosen) const;
   void note_margin(unsigned int field_index, const typename Pairing<dim>::Group &group, const AtPoint &chosen,
                    double unit);
-  void warn_if_not_coercive(const Interface<dim> &interface, const MPI_Comm &communicator);
+  void note_if_not_coercive(const Interface<dim> &interface, const MPI_Comm &communicator);
   /// By which factor the penalties of a field have grown, and by which they have shrunk.
   struct Change
   {

@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The heat of a material: the temperature, its conduction and, in transient scenes, the heat stored
+// The heat of a material: the temperature, its conduction, the heat produced and, in transient scenes, the
+// heat stored,
 //
-//     S = rho c(T, X, t) dT/dt
+//     S = -q(T, X, t) + rho c(T, X, t) dT/dt
 //
 //     subsection Heat
 //       set Type          = Fourier
-//       set Conductivity  = 15             # W/(m K)
-//       set Density       = 7800           # kg/m^3
-//       set Heat capacity = 420 + 0.2*T    # J/(kg K)
+//       set Conductivity  = 15              # W/(m K)
+//       set Density       = 7800            # kg/m^3
+//       set Heat capacity = 420 + 0.2*T     # J/(kg K)
+//       set Heat source   = 1e5*exp(-T/500) # W/m^3
 //     end
 
 #include <dovetail/material/capacity_term.h>
 #include <dovetail/material/diffusion_term.h>
 #include <dovetail/material/material_part.h>
+#include <dovetail/material/reaction_term.h>
 #include <dovetail/material/transient.h>
 #include <dovetail/scene/catalogue.h>
 
@@ -55,11 +58,17 @@ public:
         "Heat capacity per mass, which may depend on x, y, z, t and every scalar of the material, for "
         "transient scenes [J/(kg K)]",
         symbols_of(all));
+    const Expression source = section.read_expression("Heat source", "0", {1},
+                                                      "Heat produced in the material, which may depend on x, "
+                                                      "y, z, t and every scalar of the material [W/m^3]",
+                                                      symbols_of(all));
     const auto own =
         std::find_if(all.begin(), all.end(), [](const Field &field) { return field.law == "heat"; });
     if (!law)
       return;
     terms.push_back(std::make_unique<DiffusionTerm<dim>>(*own, all, std::move(law), section.peek("Type")));
+    if (!source.is_zero())
+      terms.push_back(std::make_unique<ReactionTerm<dim>>(*own, all, section, "Heat source", source));
     if (!is_transient(section))
       return;
     const auto check_given = [&](const bool is_given, const std::string &entry) {

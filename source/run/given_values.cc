@@ -20,6 +20,8 @@ std::optional<double> given_value(const Domain<dim> &domain, const Condition<dim
   double value = 0;
   if (!condition.prescribed_components().empty())
     value = condition.prescribed_value(X, t, 0);
+  else if (const auto equilibrium = condition.equilibrium_value(X, t); equilibrium || !condition.is_linear())
+    return equilibrium;
   else {
     State<dim> state(domain.n_components());
     state.X = X;

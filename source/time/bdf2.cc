@@ -17,56 +17,53 @@
 //       set Scheme = BDF2
 //     end
 
-#include <dovetail/time/time_scheme.h>
+#include "bdf2.h"
 
 namespace dovetail {
 
-class Bdf2 : public TimeScheme
+namespace {
+
+constexpr double largest_ratio = 2 + 1e-10;
+
+TimeScheme::Vector rest(const std::vector<TimeScheme::Vector> &before, const double w, const double h)
 {
-public:
-  explicit Bdf2(const Section & /*steps*/) {}
+  TimeScheme::Vector sum = before[0];
+  sum *= -(1 + w) / h;
+  if (w > 0)
+    sum.add(w * w / ((1 + w) * h), before[1]);
+  return sum;
+}
 
-  std::string description() const override { return "BDF2, of order 2"; }
-  unsigned int order() const override { return 2; }
+} // namespace
 
-  Rates rates(const StepTime &step) const override
-  {
-    const double h = step.size, w = ratio(step);
-    Rates result;
-    result.by_value = (1 + 2 * w) / ((1 + w) * h);
-    result.rest = rest(memory().states, w, h);
-    if (!memory().rates.empty()) {
-      result.second_by_value = result.by_value * result.by_value;
-      result.second_rest = rest(memory().rates, w, h);
-      result.second_rest.add(result.by_value, result.rest);
-    }
-    return result;
+Rates Bdf2::first_rates(const StepTime &step) const
+{
+  const double h = step.size, w = ratio(step);
+  Rates result;
+  result.by_value = (1 + 2 * w) / ((1 + w) * h);
+  result.rest = rest(memory().states, w, h);
+  return result;
+}
+
+Rates Bdf2::rates(const StepTime &step) const
+{
+  Rates result = first_rates(step);
+  if (!memory().rates.empty()) {
+    result.second_by_value = result.by_value * result.by_value;
+    result.second_rest = rest(memory().rates, ratio(step), step.size);
+    result.second_rest.add(result.by_value, result.rest);
   }
+  return result;
+}
 
-protected:
-  unsigned int n_states() const override { return 2; }
-
-private:
-  static constexpr double largest_ratio = 2 + 1e-10;
-
-  /// 0 in a step of backward Euler.
-  double ratio(const StepTime &step) const
-  {
-    if (n_known(step) < 2)
-      return 0;
-    const double w = step.size / memory().sizes[0];
-    return w > largest_ratio ? 0 : w;
-  }
-
-  static Vector rest(const std::vector<Vector> &before, const double w, const double h)
-  {
-    Vector sum = before[0];
-    sum *= -(1 + w) / h;
-    if (w > 0)
-      sum.add(w * w / ((1 + w) * h), before[1]);
-    return sum;
-  }
-};
+/// 0 in a step of backward Euler.
+double Bdf2::ratio(const StepTime &step) const
+{
+  if (n_known(step) < 2)
+    return 0;
+  const double w = step.size / memory().sizes[0];
+  return w > largest_ratio ? 0 : w;
+}
 
 namespace {
 [[maybe_unused]] const bool registered = TimeSchemeCatalogue::add<Bdf2>(

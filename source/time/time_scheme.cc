@@ -9,21 +9,20 @@ namespace dovetail {
 
 void TimeScheme::start(const Vector &x)
 {
-  remembered = {StepTime(), {}, {x}, {}};
+  remembered = {StepTime(), {}, {x}, {}, {}};
 }
 
 void TimeScheme::start(const Vector &x, const Vector &rate)
 {
-  remembered = {StepTime(), {}, {x}, {rate}};
+  remembered = {StepTime(), {}, {x}, {rate}, {}};
 }
 
 void TimeScheme::accept_step(const StepTime &step, const Vector &x)
 {
   const unsigned int n = n_known(step);
   if (!remembered.rates.empty()) {
-    const Rates step_rates = rates(step);
-    Vector rate = step_rates.rest;
-    rate.add(step_rates.by_value, x);
+    Vector rate;
+    find_rates(step, x, rate, remembered.second_rates);
     remembered.rates.resize(n);
     remember(rate, remembered.rates);
   }
@@ -33,6 +32,14 @@ void TimeScheme::accept_step(const StepTime &step, const Vector &x)
   remembered.sizes.insert(remembered.sizes.begin(), step.size);
   remembered.sizes.resize(remembered.states.size() - 1);
   remembered.last = step;
+}
+
+void TimeScheme::find_rates(const StepTime &step, const Vector &x, Vector &rate,
+                            std::vector<Vector> & /*second_rates*/) const
+{
+  const Rates at_end = rates(step);
+  rate = at_end.rest;
+  rate.add(at_end.by_value, x);
 }
 
 StepError TimeScheme::local_error(const StepTime &step, const Vector &x) const

@@ -3,7 +3,8 @@
 //
 // Conditions and body forces on a cell: the tangent at random states against central differences of the
 // residual (relative error at most 1e-7), with a pressure that follows the deformed boundary, a spring, a
-// centrifugal force at the deformed position, and values by Nitsche's method, for which the second
+// centrifugal force at the deformed position, radiation and convection whose coefficients depend on the
+// temperature, and values by Nitsche's method, for which the second
 // derivatives of the laws count. Without the pressure a small-strain body has a symmetric tangent of the
 // displacement, and the penalty alone makes it positive on every cell: its smallest eigenvalue is zero or
 // positive, also for flat cells and nu = 0.49.
@@ -37,7 +38,7 @@ std::string scene(const std::string &solid, const unsigned int degree, const boo
                     set("Material", "steel") + set("Degree", std::to_string(degree)) +
                         set("Acceleration", dim == 2 ? "1; 2" : "1; 2; 3") + set("Angular velocity", "1.5") +
                         set("Boundary conditions",
-                            std::string("clamp, warm, soil") + (with_pressure ? ", gas" : "")) +
+                            std::string("clamp, warm, soil, glow, air") + (with_pressure ? ", gas" : "")) +
                         box(dim == 2 ? "3, 1 : 0, 0 : 3, 0.1" : "3, 1, 1 : 0, 0, 0 : 3, 0.2, 1") +
                         condition("clamp", weak("displacement", dim == 2 ? "0, 2" : "0, 2, 4", affine)) +
                         condition("warm", weak("temperature", "1, 2", "3 + x")) +
@@ -45,7 +46,13 @@ std::string scene(const std::string &solid, const unsigned int degree, const boo
                                               set("Coefficient", dim == 2 ? "2; 1 + x" : "2; 1; 1 + x")) +
                         (with_pressure ? condition("gas", set("Type", "pressure") + set("Boundary ids", "3") +
                                                               set("Expression", "0.3 + x"))
-                                       : ""));
+                                       : "") +
+                        condition("glow", set("Type", "radiation") + set("Field", "temperature") +
+                                              set("Boundary ids", "0") + set("Coefficient", "0.2*T") +
+                                              set("Ambient", "1") + set("Offset", "0.5")) +
+                        condition("air", set("Type", "convection") + set("Field", "temperature") +
+                                             set("Boundary ids", "3") + set("Coefficient", "1 + T^2") +
+                                             set("Ambient", "x")));
 }
 
 /// The relative skew part of the displacement's block and its smallest eigenvalue over the largest.

@@ -8,64 +8,17 @@
 //
 // ranks: 1 2
 
-#include <dovetail/scene/scene_text.h>
-#include <dovetail/time/time_scheme.h>
-
-#include <deal.II/base/mpi.h>
-
-#include <cmath>
-#include <cstdio>
-#include <iostream>
+#include "one_unknown.h"
 
 namespace {
 
-using namespace dovetail;
-using Vector = Rates::Vector;
-
-/// One unknown on each rank has the value.
-Vector state(const double value)
-{
-  const unsigned int n = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD),
-                     rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
-  dealii::IndexSet owned(n);
-  owned.add_index(rank);
-  Vector x(std::vector<dealii::IndexSet>{owned}, MPI_COMM_WORLD);
-  x(rank) = value;
-  x.compress(dealii::VectorOperation::insert);
-  return x;
-}
-
-double value(const Vector &x)
-{
-  return x(dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD));
-}
-
-void report(const std::string &what, const bool is_true)
-{
-  const bool is_everywhere = dealii::Utilities::MPI::min(is_true ? 1 : 0, MPI_COMM_WORLD) == 1;
-  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-    std::cout << what << ": " << (is_everywhere ? "ok" : "not so") << std::endl;
-}
-
-void print(const std::string &what, const double number)
-{
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g", number);
-  if (dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0)
-    std::cout << what << ": " << text << std::endl;
-}
+using namespace test;
 
 std::unique_ptr<TimeScheme> bdf2()
 {
   auto scheme = make_time_scheme(SceneText::root(SceneText::from_prm("")).subsection("Steps"));
   scheme->estimate_errors();
   return scheme;
-}
-
-/// Sizes from 0.7 to 1.3 of the mean, without an order.
-double end_of_step(const unsigned int i, const unsigned int n)
-{
-  return i == n ? 1 : (i + 0.25 * std::sin(5. * i)) / n;
 }
 
 /// The error at t = 1 of dx/dt = -x from 1, in n steps.
@@ -94,21 +47,6 @@ double ratio_of_estimate(const unsigned int n)
   const Rates rates = scheme->rates(step);
   const double x = -value(rates.rest) / (1 + rates.by_value);
   return value(scheme->local_error(step, state(std::exp(-1.))).state_error) / (x - std::exp(-1.));
-}
-
-/// The error of d2x/dt2 = -x from x = 0 with the rate 1.
-double error_of_oscillation(const unsigned int n)
-{
-  const auto scheme = bdf2();
-  scheme->start(state(0), state(1));
-  double x = 0;
-  for (unsigned int i = 1; i <= n; ++i) {
-    const StepTime step = scheme->step_to(end_of_step(i, n));
-    const Rates rates = scheme->rates(step);
-    x = -value(rates.second_rest) / (1 + rates.second_by_value);
-    scheme->accept_step(step, state(x));
-  }
-  return x - std::sin(1.);
 }
 
 void check_polynomials()
@@ -148,5 +86,6 @@ int main(int argc, char **argv)
   check_polynomials();
   print("order of a decay", std::log2(error_of_decay(40) / error_of_decay(80)));
   report("estimated error", std::abs(ratio_of_estimate(80) - 1) < 0.05);
-  print("order of an oscillation", std::log2(error_of_oscillation(80) / error_of_oscillation(160)));
+  print("order of an oscillation",
+        std::log2(error_of_oscillation(*bdf2(), 80) / error_of_oscillation(*bdf2(), 160)));
 }

@@ -90,6 +90,12 @@ public:
                       Influx<dim> & /*influx*/) const
   {
   }
+  /// The value of a scalar at which the influx vanishes, if it is known; where all influxes are affine in the
+  /// state it is found without.
+  virtual std::optional<double> equilibrium_value(const dealii::Point<dim> & /*X*/, double /*t*/) const
+  {
+    return {};
+  }
   virtual bool sees_gradients() const { return false; } ///< else those of the state are zero
   virtual bool is_linear() const { return true; }       ///< the influx is affine in the state
   virtual bool is_symmetric() const { return true; }    ///< its derivative is

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The reaction of a scalar.
+// What produces a scalar: a reaction, a source of heat.
 
 #pragma once
 
 #include <dovetail/material/diffusion_term.h>
 #include <dovetail/scene/section.h>
+
+#include <boost/algorithm/string/case_conv.hpp>
 
 namespace dovetail {
 
@@ -25,7 +27,7 @@ public:
   bool is_linear() const override { return reaction.is_affine_in_scalars(); }
   bool is_symmetric() const override { return never_grows; }
   bool depends_on_time() const override { return reaction.depends_on_time(); }
-  std::string description() const override { return "reaction"; }
+  std::string description() const override { return boost::to_lower_copy(entry); }
 
   bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const override;
 

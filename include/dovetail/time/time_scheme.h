@@ -22,10 +22,11 @@ struct TimeMemory
 {
   using Vector = Rates::Vector;
 
-  StepTime last;              ///< good step; of size 0 at the beginning
-  std::vector<double> sizes;  ///< of the last good steps, the newest first
-  std::vector<Vector> states; ///< solutions of the last good steps, the newest first
-  std::vector<Vector> rates;  ///< of these; empty if no term asks for second rates
+  StepTime last;                    ///< good step; of size 0 at the beginning
+  std::vector<double> sizes;        ///< of the last good steps, the newest first
+  std::vector<Vector> states;       ///< solutions of the last good steps, the newest first
+  std::vector<Vector> rates;        ///< of these; empty if no term asks for second rates
+  std::vector<Vector> second_rates; ///< what a scheme knows of them after the last good step
 };
 
 /// What one step adds to the error of the solution, as far as the states of the steps before tell.
@@ -73,6 +74,10 @@ public:
   void restore(TimeMemory memory) { remembered = std::move(memory); } ///< from a checkpoint
 
 protected:
+  /// The rate at the end of a step to @p x, which memory().rates keeps, and what memory().second_rates keeps.
+  /// Called only if some term asks for second rates.
+  virtual void find_rates(const StepTime &step, const Vector &x, Vector &rate,
+                          std::vector<Vector> &second_rates) const;
   virtual unsigned int n_states() const = 0; ///< how many good steps rates() looks back on
   /// How many of them belong to the curve of a step.
   unsigned int n_known(const StepTime &step) const { return step.starts_anew ? 1 : remembered.states.size(); }

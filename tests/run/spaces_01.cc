@@ -7,7 +7,7 @@
 // every tie: polynomials of these degrees are exact, and a smooth solution has the rates p + 1, p and p. What
 // a discontinuous field cannot do is wrong input.
 //
-// ranks: 1, 2, 3
+// ranks: 1, 3
 
 #include "../system/scene_model.h"
 

@@ -113,7 +113,7 @@ Units::Units(const std::string &text)
       for (const auto &[name, factor] : known_bases[i])
         names.push_back(name);
       throw UserError("has '" + words[i] + "' as the unit of " +
-                      std::array<const char *, 4>{{"length", "mass", "time", "temperature"}}[i] +
+                      std::array<const char *, 4>{{"lengths", "masses", "times", "temperatures"}}[i] +
                       ". Known are " + comma_separated(names) + ".");
     }
   if (words.size() != 4)

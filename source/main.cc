@@ -4,6 +4,7 @@
 // The command line: arguments, one catch, the dimension dispatched once.
 
 #include <dovetail/output/launcher.h>
+#include <dovetail/output/mesh_report.h>
 #include <dovetail/output/new_file.h>
 #include <dovetail/run/simulation.h>
 #include <dovetail/scene/scene_text.h>
@@ -39,6 +40,7 @@ const char *const usage = R"(Dovetail: heat and solids on several bodies whose m
   dovetail --check scene.prm                  read, make meshes and pairings, print the plan, solve nothing
   dovetail --set 'PATH=value' … scene.prm     override an entry, for instance 'Interface seam/Theta=-1'
   dovetail --study scene.prm                  error against run time over the levels and variants of subsection Study
+  dovetail --mesh FILE                        what a mesh file holds: cells, extents, names, quality; a preview for ParaView
   dovetail --parameters                       every entry of a scene, as Markdown
   dovetail --version | --help
 
@@ -50,7 +52,7 @@ struct Arguments
 {
   bool help = false, version = false, parameters = false, check = false, study = false;
   std::vector<std::string> overrides;
-  std::string scene;
+  std::string scene, mesh;
 };
 
 Arguments parse(const int argc, char **argv)
@@ -72,13 +74,17 @@ Arguments parse(const int argc, char **argv)
       if (i + 1 == argc)
         throw UserError("--set needs an argument, for instance --set 'Interface seam/Theta=-1'.");
       arguments.overrides.push_back(argv[++i]);
+    } else if (word == "--mesh") {
+      if (i + 1 == argc)
+        throw UserError("--mesh needs the name of a mesh file.");
+      arguments.mesh = argv[++i];
     } else if (word == "--resume")
       throw UserError("The option " + word + " is not available yet.");
     else if (!word.empty() && word[0] == '-')
-      throw UserError(
-          "The option '" + word + "' is not known. " +
-          did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set", "--study"}) +
-          " See dovetail --help.");
+      throw UserError("The option '" + word + "' is not known. " +
+                      did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set",
+                                          "--study", "--mesh"}) +
+                      " See dovetail --help.");
     else if (!arguments.scene.empty())
       throw UserError("Two scenes are given, " + arguments.scene + " and " + word + "; run them one by one.");
     else
@@ -108,8 +114,27 @@ std::string needs_scene(const Arguments &arguments)
   return arguments.scene;
 }
 
+/// An error is one of all ranks.
+void report_on_first_rank(const std::string &mesh_file, const bool is_first_rank)
+{
+  std::string problem;
+  if (is_first_rank)
+    try {
+      report_on_mesh(mesh_file, std::cout);
+    } catch (const std::exception &error) {
+      problem = error.what();
+    }
+  problem = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, problem);
+  if (!problem.empty())
+    throw UserError(problem);
+}
+
 Status run(const Arguments &arguments, const bool is_first_rank)
 {
+  if (!arguments.mesh.empty()) {
+    report_on_first_rank(arguments.mesh, is_first_rank);
+    return done;
+  }
   if (arguments.version || arguments.help || arguments.parameters) {
     if (!is_first_rank)
       return done;

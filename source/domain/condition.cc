@@ -46,9 +46,8 @@ std::set<dealii::types::boundary_id> read_boundary_ids(const Section &section, c
 {
   if (scope.place == Scope::point)
     return {};
-  const auto ids = section.require<std::vector<unsigned int>>(
-      "Boundary ids", "The boundary ids of the mesh on which the condition acts [-]",
-      Patterns::List(Patterns::Integer(0), 1));
+  const auto ids = section.require_boundary_ids(
+      "Boundary ids", "The boundaries of the mesh on which the condition acts, by ids or names [-]");
   return {ids.begin(), ids.end()};
 }
 

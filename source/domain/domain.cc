@@ -204,8 +204,13 @@ void Domain<dim>::check_boundary_id(const dealii::types::boundary_id id, const S
           << ")";
     known += words.str();
   }
-  asking.fail(entry, "has the boundary id " + std::to_string(id) + ", which the mesh of domain " + name +
-                         " does not have. It has " + known + ".");
+  asking.fail(entry,
+              "has the boundary id " + std::to_string(id) + ", which the mesh of domain " + name +
+                  " does not have. It has " + known + "." +
+                  (measures.size() == 1 && measures.count(0) > 0 && section.subsection("Mesh").is_set("File")
+                       ? " The file marks no boundary: in Gmsh, give boundaries physical groups, in "
+                         "Abaqus, surfaces."
+                       : ""));
 }
 
 /// A component that is prescribed on a boundary id has no other condition there. Influxes add up, and a plane

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Gmsh's .msh, versions 2 and 4.1 (Gmsh reference manual, "MSH file format"). The id of an element is its
-// first tag (version 2) or the physical group of its entity (version 4.1), 0 without one.
+// Gmsh's .msh, versions 2 and 4.1, text and binary (Gmsh reference manual, "MSH file format"). The id of an
+// element is its first tag (version 2) or the physical group of its entity (version 4.1), 0 without one.
+// Physical groups name volumes and boundaries. Without any of them the entities' numbers are names of
+// volumes.
 
 #include <dovetail/domain/mesh_text.h>
 
 #include <array>
+#include <cmath>
 #include <map>
 
 namespace dovetail {
@@ -35,6 +38,7 @@ public:
     read_format();
     while (!text.peek().empty())
       read_section(std::string(text.word()));
+    name_groups();
     text.check(has_nodes && has_elements,
                "the file ends without $" + std::string(has_nodes ? "Elements" : "Nodes"));
     return collector.finish();
@@ -51,10 +55,54 @@ private:
     text.check(is_version_4 || (version >= 2 && version < 3),
                "the version of the format is not known. In Gmsh, save the mesh as 'Version 4.1 ASCII' or "
                "'Version 2 ASCII'");
-    text.check(text.integer("0 or 1, the type of the file", 0, 1) == 0,
-               "the file is binary. In Gmsh, save the mesh as 'Version 4.1 ASCII'");
-    text.integer("the size of a number", 4, 16);
+    is_binary = text.integer("0 or 1, the type of the file", 0, 1) == 1;
+    const auto size = text.integer("the size of a number", 4, 16);
+    if (is_binary) {
+      text.rest_of_line();
+      text.begin_bytes();
+      text.check(size == 8 && text.bytes<std::int32_t>("the number 1") == 1,
+                 "the file was written on another kind of computer, its bytes have another order or size. In "
+                 "Gmsh, save the mesh as 'Version 4.1 ASCII'");
+    }
     text.expect("$EndMeshFormat");
+    collector.file.format =
+        "Gmsh " + std::string(is_version_4 ? "4.1" : "2.2") + (is_binary ? ", binary" : ", text");
+  }
+
+  // ---- numbers, of which a binary file of version 2 has only small ones
+
+  std::int64_t checked(const std::int64_t number, const std::string &what, const std::int64_t smallest,
+                       const std::int64_t largest) const
+  {
+    text.check(number >= smallest && number <= largest,
+               "expected " + what + ", found '" + std::to_string(number) + "'");
+    return number;
+  }
+
+  std::int64_t small(const std::string &what, const std::int64_t smallest, const std::int64_t largest)
+  {
+    return is_binary ? checked(text.bytes<std::int32_t>(what), what, smallest, largest)
+                     : text.integer(what, smallest, largest);
+  }
+
+  std::int64_t large(const std::string &what, const std::int64_t smallest, const std::int64_t largest)
+  {
+    return is_binary && is_version_4 ? checked(text.bytes<std::int64_t>(what), what, smallest, largest)
+                                     : small(what, smallest, largest);
+  }
+
+  std::size_t count(const std::string &what)
+  {
+    return is_binary ? text.to_count(large(what, 0, largest_mesh_number), what) : text.count(what);
+  }
+
+  double number(const std::string &what)
+  {
+    if (!is_binary)
+      return text.number(what);
+    const double value = text.bytes<double>(what);
+    text.check(std::isfinite(value), "expected " + what + ", found a number that is not finite");
+    return value;
   }
 
   void read_section(const std::string &name)
@@ -63,17 +111,48 @@ private:
                "expected the begin of a section, '$…', found '" + name.substr(0, 40) + "'");
     text.check(name != "$PartitionedEntities",
                "the mesh is partitioned. Save it without partitions: the ranks divide it themselves");
+    if (is_binary)
+      text.rest_of_line();
     if (name == "$Entities" && is_version_4)
       read_entities();
     else if (name == "$Nodes")
       read_nodes();
     else if (name == "$Elements")
       read_elements();
+    else if (name == "$PhysicalNames")
+      read_names();
     else {
       skip(name);
       return;
     }
     text.expect("$End" + name.substr(1));
+  }
+
+  /// dimension, number, "name"; text also in a binary file
+  void read_names()
+  {
+    for (auto n = text.count("the number of names"); n > 0; --n) {
+      const auto group_dim = text.integer("the dimension of a physical group", 0, 3);
+      const auto tag = std::abs(text.integer("a physical group", -largest_mesh_id, largest_mesh_id));
+      const std::string rest(text.rest_of_line());
+      const auto begin = rest.find('"'), end = rest.rfind('"');
+      text.check(begin != end, "expected the name of a physical group in quotation marks");
+      names[{group_dim, tag}] = rest.substr(begin + 1, end - begin - 1);
+    }
+  }
+
+  void name_groups()
+  {
+    auto &file = collector.file;
+    for (const auto &[group, name] : names)
+      if (group.first == dim - 1)
+        file.boundary_names[name].push_back(group.second);
+    auto &volumes = cells_of_group.empty() ? cells_of_entity : cells_of_group;
+    for (const auto &[tag, cells] : volumes)
+      if (const auto name = names.find({dim, tag}); name != names.end() && !cells_of_group.empty())
+        file.volumes[name->second] = cells;
+    for (auto &[tag, cells] : volumes)
+      file.volumes.emplace(std::to_string(tag), std::move(cells));
   }
 
   void skip(const std::string &name)
@@ -86,44 +165,46 @@ private:
   void read_entities()
   {
     std::array<std::size_t, 4> n;
-    for (auto &count : n)
-      count = text.count("a number of entities");
+    for (auto &n_of_dim : n)
+      n_of_dim = count("a number of entities");
     for (unsigned int d = 0; d < 4; ++d)
       for (std::size_t i = 0; i < n[d]; ++i) {
-        const auto tag = text.integer("the tag of an entity", INT32_MIN, INT32_MAX);
+        const auto tag = small("the tag of an entity", INT32_MIN, INT32_MAX);
         for (unsigned int c = 0; c < (d == 0 ? 3 : 6); ++c)
-          text.number("a coordinate of an entity");
+          number("a coordinate of an entity");
         auto &groups = physical_groups[{d, tag}];
-        for (auto k = text.count("the number of physical groups"); k > 0; --k)
-          groups.push_back(std::abs(text.integer("a physical group", -largest_mesh_id, largest_mesh_id)));
+        for (auto k = count("the number of physical groups"); k > 0; --k)
+          groups.push_back(std::abs(small("a physical group", -largest_mesh_id, largest_mesh_id)));
         if (d > 0)
-          for (auto k = text.count("the number of bounding entities"); k > 0; --k)
-            text.integer("a bounding entity", INT32_MIN, INT32_MAX);
+          for (auto k = count("the number of bounding entities"); k > 0; --k)
+            small("a bounding entity", INT32_MIN, INT32_MAX);
       }
   }
 
-  void read_node(const std::int64_t number, const unsigned int n_parameters)
+  void read_node(const std::int64_t node, const unsigned int n_parameters)
   {
     dealii::Point<3> position;
     for (unsigned int d = 0; d < 3; ++d)
-      position[d] = text.number("a coordinate of the node " + std::to_string(number));
+      position[d] = number("a coordinate of the node " + std::to_string(node));
     for (unsigned int p = 0; p < n_parameters; ++p)
-      text.number("a parameter of the node " + std::to_string(number));
-    collector.add_node(number, position);
+      number("a parameter of the node " + std::to_string(node));
+    collector.add_node(node, position);
   }
 
-  std::int64_t read_node_number() { return text.integer("the number of a node", 1, largest_mesh_number); }
+  std::int64_t read_node_number() { return large("the number of a node", 1, largest_mesh_number); }
 
   /// At the top of a section of nodes or elements: the numbers of blocks (version 2: one) and of these
   /// things.
   std::pair<std::size_t, std::size_t> read_sizes(const std::string &thing)
   {
-    const std::size_t n_blocks = is_version_4 ? text.count("the number of blocks of " + thing + "s") : 1;
-    const std::size_t n = text.count("the number of " + thing + "s");
+    const std::size_t n_blocks = is_version_4 ? count("the number of blocks of " + thing + "s") : 1;
+    const std::size_t n =
+        is_version_4 ? count("the number of " + thing + "s") : text.count("the number of " + thing + "s");
+    if (is_binary && !is_version_4)
+      text.rest_of_line(); // the bytes begin in the next one
     for (unsigned int i = 0; is_version_4 && i < 2; ++i)
-      text.integer("the smallest and largest number of " +
-                       (thing == "element" ? "an " + thing : "a " + thing),
-                   0, largest_mesh_number);
+      large("the smallest and largest number of " + (thing == "element" ? "an " + thing : "a " + thing), 0,
+            largest_mesh_number);
     return {n_blocks, n};
   }
 
@@ -136,10 +217,10 @@ private:
       for (std::size_t i = 0; i < n_nodes; ++i)
         read_node(read_node_number(), 0);
     for (std::size_t block = 0; is_version_4 && block < n_blocks; ++block) {
-      const auto entity_dim = text.integer("the dimension of an entity", 0, 3);
-      text.integer("the tag of an entity", INT32_MIN, INT32_MAX);
-      const bool is_parametric = text.integer("0 or 1, whether nodes have parameters", 0, 1) == 1;
-      std::vector<std::int64_t> numbers(text.count("the number of nodes of a block"));
+      const auto entity_dim = small("the dimension of an entity", 0, 3);
+      small("the tag of an entity", INT32_MIN, INT32_MAX);
+      const bool is_parametric = small("0 or 1, whether nodes have parameters", 0, 1) == 1;
+      std::vector<std::int64_t> numbers(count("the number of nodes of a block"));
       for (auto &number : numbers)
         number = read_node_number();
       for (const auto number : numbers)
@@ -156,8 +237,8 @@ private:
     has_elements = true;
     const auto [n_blocks, n_elements] = read_sizes("element");
     if (!is_version_4)
-      for (std::size_t i = 0; i < n_elements; ++i)
-        read_element_of_version_2();
+      for (std::size_t i = 0; i < n_elements;)
+        i += is_binary ? read_block_of_version_2(n_elements - i) : read_element_of_version_2();
     std::size_t n = is_version_4 ? 0 : n_elements;
     for (std::size_t block = 0; is_version_4 && block < n_blocks; ++block)
       n += read_block_of_elements();
@@ -165,49 +246,54 @@ private:
                                     " elements and has " + std::to_string(n));
   }
 
-  void read_element_of_version_2()
+  std::size_t read_element_of_version_2()
   {
     const auto number = text.integer("the number of an element", 0, largest_mesh_number);
     const GmshType &type = read_type();
-    std::int64_t id = 0;
-    const auto n_tags = text.integer("the number of tags of an element", 0, 1000);
+    read_tagged_element(number, type, text.integer("the number of tags of an element", 0, 1000));
+    return 1;
+  }
+
+  /// Type, number of elements and of tags, then the elements.
+  std::size_t read_block_of_version_2(const std::size_t n_left)
+  {
+    const GmshType &type = read_type();
+    const auto n = small("the number of elements of a block", 1, n_left);
+    const auto n_tags = small("the number of tags of an element", 0, 1000);
+    for (std::int64_t i = 0; i < n; ++i)
+      read_tagged_element(small("the number of an element", 0, INT32_MAX), type, n_tags);
+    return n;
+  }
+
+  void read_tagged_element(const std::int64_t number, const GmshType &type, const std::int64_t n_tags)
+  {
+    std::int64_t id = 0, entity = 0;
     for (std::int64_t t = 0; t < n_tags; ++t) {
-      const auto tag = text.integer("a tag of the element " + std::to_string(number), INT32_MIN, INT32_MAX);
-      if (t == 0)
-        id = std::abs(tag);
+      const auto tag = small("a tag of the element " + std::to_string(number), INT32_MIN, INT32_MAX);
+      (t == 0 ? id : entity) = t < 2 ? std::abs(tag) : entity;
     }
-    read_element(number, type, id);
+    read_element(number, type, id == 0 ? std::vector<std::int64_t>() : std::vector<std::int64_t>{id}, entity);
   }
 
   std::size_t read_block_of_elements()
   {
-    const auto entity_dim = text.integer("the dimension of an entity", 0, 3);
-    const auto tag = text.integer("the tag of an entity", INT32_MIN, INT32_MAX);
+    const auto entity_dim = small("the dimension of an entity", 0, 3);
+    const auto tag = small("the tag of an entity", INT32_MIN, INT32_MAX);
     const GmshType &type = read_type();
     text.check(type.dim == entity_dim, "an entity of dimension " + std::to_string(entity_dim) +
                                            " has elements of dimension " + std::to_string(type.dim));
-    const std::size_t n = text.count("the number of elements of a block");
-    const auto id = n > 0 && type.dim + 1 >= dim ? id_of_entity(entity_dim, tag) : 0;
-    for (std::size_t i = 0; i < n; ++i)
-      read_element(text.integer("the number of an element", 0, largest_mesh_number), type, id);
-    return n;
-  }
-
-  std::int64_t id_of_entity(const unsigned int entity_dim, const std::int64_t tag) const
-  {
+    const std::size_t n = count("the number of elements of a block");
     const auto found = physical_groups.find({entity_dim, tag});
-    if (found == physical_groups.end() || found->second.empty())
-      return 0;
-    text.check(found->second.size() == 1,
-               "the entity " + std::to_string(tag) + " of dimension " + std::to_string(entity_dim) +
-                   " is in " + std::to_string(found->second.size()) +
-                   " physical groups, but a cell or face has one id. Leave it in one group");
-    return found->second[0];
+    for (std::size_t i = 0; i < n; ++i)
+      read_element(large("the number of an element", 0, largest_mesh_number), type,
+                   found == physical_groups.end() ? std::vector<std::int64_t>() : found->second,
+                   std::abs(tag));
+    return n;
   }
 
   const GmshType &read_type()
   {
-    const auto number = text.integer("the type of an element", 1, INT32_MAX);
+    const auto number = small("the type of an element", 1, INT32_MAX);
     const auto found = gmsh_types.find(number);
     text.check(found != gmsh_types.end(),
                "elements of Gmsh's type " + std::to_string(number) +
@@ -216,7 +302,9 @@ private:
     return found->second;
   }
 
-  void read_element(const std::int64_t number, const GmshType &type, const std::int64_t id)
+  /// A face in several groups is there once for each; a cell has the id of the first.
+  void read_element(const std::int64_t number, const GmshType &type, const std::vector<std::int64_t> &groups,
+                    const std::int64_t entity)
   {
     std::vector<unsigned int> nodes(type.n_nodes);
     for (auto &node : nodes)
@@ -225,14 +313,23 @@ private:
     text.check(!is_cell_or_face || type.n_vertices == type.dim + 1 || type.n_vertices == (1u << type.dim),
                "the element " + std::to_string(number) +
                    " is a wedge or a pyramid. All cells must be tetrahedra, or all hexahedra");
-    collector.add_element(number, type.dim, id, nodes);
+    if (type.dim == dim) {
+      for (const auto group : groups)
+        cells_of_group[group].push_back(collector.file.cells.size());
+      cells_of_entity[entity].push_back(collector.file.cells.size());
+    }
+    collector.add_element(number, type.dim, groups.empty() ? 0 : groups[0], nodes);
+    for (std::size_t g = 1; g < groups.size() && type.dim + 1 == dim; ++g)
+      collector.add_element(number, type.dim, groups[g], nodes);
   }
 
   MeshText &text;
   MeshCollector collector;
   const unsigned int dim;
-  bool is_version_4 = false, has_nodes = false, has_elements = false;
-  std::map<std::pair<unsigned int, std::int64_t>, std::vector<std::int64_t>> physical_groups;
+  bool is_version_4 = false, is_binary = false, has_nodes = false, has_elements = false;
+  std::map<std::pair<unsigned int, std::int64_t>, std::vector<std::int64_t>> physical_groups; ///< of entities
+  std::map<std::pair<unsigned int, std::int64_t>, std::string> names;                         ///< of groups
+  std::map<std::int64_t, std::vector<std::size_t>> cells_of_group, cells_of_entity;
 };
 
 } // namespace

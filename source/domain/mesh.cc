@@ -59,27 +59,54 @@ private:
 
 /// The first rank reads the file and examines what it holds; all get it, or the same error.
 template <int dim>
-MeshFile read_on_one_rank(const Section &section, const std::string &file_name, const MPI_Comm &communicator)
+MeshFile read_on_one_rank(const Section &section, const std::string &file_name,
+                          const std::vector<std::string> &volumes, const MPI_Comm &communicator)
 {
   MeshFile content;
-  std::string problem;
+  std::string entry = "File", problem;
   if (dealii::Utilities::MPI::this_mpi_process(communicator) == 0) {
     std::error_code error;
     if (!std::filesystem::exists(file_name, error))
-      problem = "', which cannot be read. Relative paths start at the working directory.";
+      problem =
+          "', which cannot be read. A relative path starts beside the scene or in the working directory.";
     else
       try {
         content = read_mesh_file(file_name, dim);
+        entry = "Volume";
+        if (!volumes.empty())
+          select_volumes(volumes, content);
+        entry = "File";
         examine<dim>(content);
       } catch (const MeshError &fault) {
-        problem = std::string("', which cannot be used: ") + fault.what();
+        problem = entry == "File" ? std::string("', which cannot be used: ") + fault.what() : fault.what();
       } catch (const std::bad_alloc &) {
         problem = "', which does not fit into the memory.";
       }
   }
+  entry = dealii::Utilities::MPI::broadcast(communicator, entry);
   problem = dealii::Utilities::MPI::broadcast(communicator, problem);
-  section.check(problem.empty(), "File", "names '" + file_name + problem);
+  section.check(problem.empty(), entry, (entry == "File" ? "names '" + file_name : "") + problem);
   return dealii::Utilities::MPI::broadcast(communicator, content);
+}
+
+/// "1 : flank, 3 : bore" names boundary ids; a name may stand for several.
+BoundaryNames read_names_of_boundaries(const Section &section)
+{
+  BoundaryNames names;
+  for (const std::string &text :
+       section.read<std::vector<std::string>>("Boundary names", {},
+                                              "Names for boundary ids, for instance 1 : flank, 3 : bore; "
+                                              "names of a file are known without it [-]")) {
+    const auto parts = dealii::Utilities::split_string_list(text, ':');
+    const bool is_good = parts.size() == 2 && Patterns::Integer(0).match(parts[0]) && !parts[1].empty();
+    section.check(is_good, "Boundary names",
+                  "has '" + text +
+                      "', but must be a list of 'boundary id : name', for instance 1 : flank, 3 : "
+                      "bore.");
+    if (is_good)
+      names[parts[1]].push_back(std::stoul(parts[0]));
+  }
+  return names;
 }
 
 template <int structdim>
@@ -105,14 +132,17 @@ dealii::Point<dim> in_dim(const dealii::Point<3> &X)
 }
 
 template <int dim>
-void read_file(const Section &section, const std::string &file_name, const MPI_Comm &communicator,
-               dealii::Triangulation<dim> &mesh, NodesOnEdges<dim> &nodes_on_edges, std::string &note)
+void read_file(const Section &section, const std::string &file_name, const std::vector<std::string> &volumes,
+               const MPI_Comm &communicator, dealii::Triangulation<dim> &mesh,
+               NodesOnEdges<dim> &nodes_on_edges, std::string &note)
 {
   section.check(is_known_mesh_format(file_name), "File",
                 "names '" + file_name +
                     "', whose format is not known. Use .msh (Gmsh 2.2 or 4.1), .inp "
-                    "(Abaqus or AVS UCD), .vtk or .unv.");
-  const MeshFile content = read_on_one_rank<dim>(section, file_name, communicator);
+                    "(Abaqus or AVS UCD), .vtk or .unv, or one that meshio converts (.vtu, .exo, .med, .bdf, "
+                    ".xdmf, .mesh, .cgns).");
+  const MeshFile content = read_on_one_rank<dim>(section, file_name, volumes, communicator);
+  section.name_boundaries(content.boundary_names);
   note = content.note;
   std::vector<dealii::Point<dim>> vertices;
   vertices.reserve(content.nodes.size());
@@ -153,8 +183,14 @@ template <int dim>
 void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, dealii::Triangulation<dim> &mesh,
                       NodesOnEdges<dim> &nodes_on_edges, std::string &note)
 {
-  const auto file_name = section.read<std::string>(
-      "File", "", "The file of the mesh: .msh (Gmsh 2.2 or 4.1), .inp (Abaqus or AVS UCD), .vtk or .unv [-]");
+  const auto file_name = section.read_file_name(
+      "File",
+      "The file of the mesh: .msh (Gmsh 2.2 or 4.1), .inp (Abaqus or AVS UCD), .vtk or .unv; others are "
+      "converted by the Python module meshio, if it is installed [-]");
+  const auto volumes = section.read<std::vector<std::string>>(
+      "Volume", {},
+      "The cells of the file that make this body: names of volumes (Gmsh: physical groups; Abaqus: sets of "
+      "elements, instances, parts, materials) or material ids; empty: all cells [-]");
   const auto generator = section.read<std::string>(
       "Generator", "", "Instead of a file: the name of a function in deal.II's GridGenerator [-]");
   const auto arguments =
@@ -168,6 +204,7 @@ void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, deal
                 "and Generator exclude each other: give one.");
   section.check(!file_name.empty() || !generator.empty(), "",
                 "a mesh needs either File or Generator (with Arguments).");
+  section.check(volumes.empty() || !file_name.empty(), "Volume", "needs a File: a generator makes one body.");
   if (file_name.empty()) {
     const MeshGenerator<dim> mesh_generator(section, generator, arguments);
     const double n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator);
@@ -175,7 +212,7 @@ void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, deal
     mesh_generator.make(mesh);
     section.check(mesh.n_active_cells() > 0, "Generator", "gives a mesh without cells.");
   } else
-    read_file(section, file_name, communicator, mesh, nodes_on_edges, note);
+    read_file(section, file_name, volumes, communicator, mesh, nodes_on_edges, note);
 }
 
 /// A distributed mesh together with the coarse mesh it came from: some of deal.II's manifolds refer to it.
@@ -213,8 +250,8 @@ public:
              "Cells with their centre in one of these boxes are refined further; a box has the form smallest "
              ": largest coordinates in the final position, for instance 0; 0 : 1; 0.5, 2; 0 : 3; 0.5 [m]"))
       boxes.push_back(read_box(text));
-    const auto ids = section.read<std::vector<unsigned int>>(
-        "Refine at boundary ids", {}, "Cells with a face on these boundary ids are refined further, too [-]");
+    const auto ids = section.read_boundary_ids(
+        "Refine at boundary ids", "Cells with a face on these boundary ids are refined further, too [-]");
     boundary_ids.insert(ids.begin(), ids.end());
     n_refinements = section.read<unsigned int>(
         "Local refinements", 1, "Number of further refinements in these boxes and at these boundary ids [-]",
@@ -318,6 +355,7 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   auto mesh = std::make_unique<MeshWithOrigin<dim>>(communicator);
   NodesOnEdges<dim> nodes_on_edges;
   make_coarse_mesh(section, communicator, mesh->origin, nodes_on_edges, mesh->note);
+  section.name_boundaries(read_names_of_boundaries(section));
   const bool converts = section.choose("Cells", {"as they are", "simplices"}, 0,
                                        "simplices: divide quadrilaterals into triangles and hexahedra into "
                                        "tetrahedra, after Refinements [-]") == 1;

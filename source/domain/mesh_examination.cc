@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <sstream>
 
 namespace dovetail {
@@ -312,7 +313,8 @@ private:
                         " is turned over in one part of it and not in the other: the Jacobian "
                         "changes its sign. Are two of its nodes swapped, or is one out of place?");
       if (!is_positive && !is_negative)
-        throw MeshError(words_of(c) + std::string(" is flat, it has no ") + (dim == 2 ? "area." : "volume."));
+        throw MeshError(words_of(c) + std::string(" is flat, it has no ") + (dim == 2 ? "area." : "volume.") +
+                        " Merge nodes that lie together, or make the mesh anew there.");
       if (is_negative)
         turn(mesh.cells.nodes_of(c));
     }
@@ -428,27 +430,69 @@ private:
   void choose_faces_of_boundary()
   {
     std::map<std::array<unsigned int, 4>, std::size_t> chosen;
+    std::vector<std::set<unsigned int>> ids; // of the chosen ones
     MeshElements boundary;
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
       const unsigned int n = n_vertices_of_element(dim - 1, mesh.faces.n_nodes(f));
       const std::vector<unsigned int> vertices(mesh.faces.nodes_of(f), mesh.faces.nodes_of(f) + n);
       const Face face = {sort_vertices(vertices), 0, 0};
       const auto found = std::lower_bound(all_faces.begin(), all_faces.end(), face);
-      if (found == all_faces.end() || found->sorted != face.sorted)
-        throw MeshError(words_of_face(vertices) + " (element " + std::to_string(mesh.faces.numbers[f]) +
-                        ") is no face of a cell. The mesh of the boundary does not fit that of the body.");
-      const bool is_inside = found + 1 != all_faces.end() && (found + 1)->sorted == face.sorted;
-      if (is_inside)
+      const bool is_of_cell = found != all_faces.end() && found->sorted == face.sorted;
+      if (!is_of_cell && !mesh.is_part)
+        throw MeshError(
+            words_of_face(vertices) + " (element " + std::to_string(mesh.faces.numbers[f]) +
+            ") is no face of a cell. The mesh of the boundary does not fit that of the body. If it "
+            "is a shell or an inner line, leave it out, or choose the body by Volume.");
+      const bool is_inside = is_of_cell && found + 1 != all_faces.end() && (found + 1)->sorted == face.sorted;
+      if (!is_of_cell || is_inside)
         continue;
-      const auto [known, is_new] = chosen.emplace(face.sorted, f);
-      if (is_new)
-        boundary.add(mesh.faces.numbers[f], mesh.faces.ids[f], vertices);
-      else if (mesh.faces.ids[known->second] != mesh.faces.ids[f])
-        throw MeshError(words_of_face(vertices) + " has two boundary ids, " +
-                        std::to_string(mesh.faces.ids[known->second]) + " and " +
-                        std::to_string(mesh.faces.ids[f]) + ". Leave it in one group.");
+      if (chosen.emplace(face.sorted, boundary.size()).second) {
+        ids.emplace_back();
+        boundary.add(mesh.faces.numbers[f], 0, vertices);
+      }
+      if (mesh.faces.ids[f] > 0)
+        ids[chosen.at(face.sorted)].insert(mesh.faces.ids[f]);
     }
     mesh.faces = std::move(boundary);
+    number_boundaries(ids);
+  }
+
+  /// A face with several ids gets a new one, for which all their names, and they themselves, stand as well.
+  void number_boundaries(const std::vector<std::set<unsigned int>> &ids)
+  {
+    std::map<std::set<unsigned int>, unsigned int> together;
+    std::map<unsigned int, std::set<unsigned int>> meant; // by an id of the file
+    unsigned int largest = 0;
+    for (const auto &of_face : ids) {
+      if (of_face.size() > 1)
+        together.emplace(of_face, 0);
+      for (const unsigned int id : of_face)
+        largest = std::max(largest, id);
+    }
+    for (auto &[several, id] : together) {
+      if (largest >= std::numeric_limits<int>::max() - together.size())
+        throw MeshError("it has faces with several boundary ids and the id " + std::to_string(largest) +
+                        ", behind which there is no room for more. Take smaller ids.");
+      id = ++largest;
+    }
+    for (std::size_t f = 0; f < ids.size(); ++f) {
+      mesh.faces.ids[f] = ids[f].empty() ? 0 : ids[f].size() == 1 ? *ids[f].begin() : together.at(ids[f]);
+      for (const unsigned int id : ids[f])
+        meant[id].insert(mesh.faces.ids[f]);
+    }
+    auto names = std::move(mesh.boundary_names);
+    mesh.boundary_names.clear();
+    for (const auto &[id, all] : meant)
+      if (all != std::set<unsigned int>{id})
+        mesh.boundary_names[std::to_string(id)].assign(all.begin(), all.end());
+    for (const auto &[name, its_ids] : names) {
+      std::set<unsigned int> all;
+      for (const unsigned int id : its_ids)
+        if (const auto found = meant.find(id); found != meant.end())
+          all.insert(found->second.begin(), found->second.end());
+      if (!all.empty())
+        mesh.boundary_names[name].assign(all.begin(), all.end());
+    }
   }
 
   /// Nodes of the boundary at the same place, up to rounding. They do not belong to one face, so the body is
@@ -480,12 +524,14 @@ private:
       if (places[i].first == places[i - 1].first && n++ == 0)
         first = i;
     if (n > 0)
-      mesh.note = std::to_string(n) + (n == 1 ? " node of the mesh stands" : " nodes of the mesh stand") +
-                  " where another one does, for instance the nodes " +
-                  numbers_of({places[first - 1].second, places[first].second}) + " at " +
-                  place_of({places[first].second}) +
-                  ": the body has a crack there, nothing passes through it. If that is not meant, merge such "
-                  "nodes (Gmsh: Coherence Mesh)";
+      mesh.note +=
+          (mesh.note.empty() ? "" : "; ") + std::to_string(n) +
+          (n == 1 ? " node of the mesh stands" : " nodes of the mesh stand") +
+          " where another one does, for instance the nodes " +
+          numbers_of({places[first - 1].second, places[first].second}) + " at " +
+          place_of({places[first].second}) +
+          ": the body has a crack there, nothing passes through it. If that is not meant, merge such "
+          "nodes (Gmsh: Coherence Mesh)";
   }
 
   /// The vertex of deal.II at which the vertices of a quadrilateral or hexahedron of a file stand.

@@ -4,9 +4,11 @@
 #include <dovetail/domain/mesh_file.h>
 #include <dovetail/domain/mesh_text.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 
 namespace dovetail {
@@ -37,6 +39,34 @@ using Reader = MeshFile (*)(MeshText &, unsigned int);
 const std::map<std::string, Reader> readers = {
     {".msh", read_gmsh}, {".vtk", read_vtk}, {".unv", read_unv}, {".inp", read_inp}};
 
+/// Of the formats that meshio reads those of solids.
+const std::set<std::string> suffixes_of_meshio = {".vtu",  ".e",     ".ex2",  ".exo",  ".med",
+                                                  ".bdf",  ".nas",   ".fem",  ".xdmf", ".xmf",
+                                                  ".mesh", ".meshb", ".cgns", ".h5m",  ".su2"};
+
+/// A new directory, taken away at the end.
+class TemporaryDirectory
+{
+public:
+  TemporaryDirectory()
+  {
+    std::string pattern = (std::filesystem::temp_directory_path() / "dovetail_XXXXXX").string();
+    if (mkdtemp(pattern.data()) == nullptr)
+      throw MeshError("no directory can be made for its conversion in " +
+                      std::filesystem::temp_directory_path().string() + ". Set TMPDIR to one with room.");
+    path = pattern;
+  }
+  ~TemporaryDirectory()
+  {
+    std::error_code error;
+    std::filesystem::remove_all(path, error);
+  }
+  TemporaryDirectory(const TemporaryDirectory &) = delete;
+  TemporaryDirectory &operator=(const TemporaryDirectory &) = delete;
+
+  std::string path;
+};
+
 std::string suffix_of(const std::string &file_name)
 {
   return std::filesystem::path(file_name).extension().string();
@@ -46,13 +76,27 @@ std::string suffix_of(const std::string &file_name)
 
 bool is_known_mesh_format(const std::string &file_name)
 {
-  return readers.count(suffix_of(file_name)) > 0;
+  return readers.count(suffix_of(file_name)) > 0 || suffixes_of_meshio.count(suffix_of(file_name)) > 0;
 }
 
 MeshFile read_mesh_file(const std::string &file_name, const unsigned int dim)
 {
+  if (suffixes_of_meshio.count(suffix_of(file_name)) > 0) {
+    content_of(file_name);
+    const TemporaryDirectory directory;
+    const std::string converted = directory.path + "/mesh.msh";
+    convert_by_meshio(file_name, converted);
+    MeshText text(content_of(converted));
+    MeshFile mesh = read_gmsh(text, dim);
+    mesh.format = suffix_of(file_name) + ", converted by meshio";
+    mesh.note = file_name + " was converted by the Python module meshio";
+    return mesh;
+  }
   MeshText text(content_of(file_name));
-  return readers.at(suffix_of(file_name))(text, dim);
+  MeshFile mesh = readers.at(suffix_of(file_name))(text, dim);
+  if (mesh.format.empty())
+    mesh.format = suffix_of(file_name);
+  return mesh;
 }
 
 } // namespace dovetail

@@ -117,15 +117,20 @@ double MeshText::number(const std::string &what)
 
 std::size_t MeshText::count(const std::string &what)
 {
-  const std::size_t n = integer(what, 0, largest_mesh_number);
-  check(n <= (content.size() - position) / 2 + 1,
+  return to_count(integer(what, 0, largest_mesh_number), what);
+}
+
+std::size_t MeshText::to_count(const std::int64_t n, const std::string &what) const
+{
+  check(n >= 0 && std::size_t(n) <= (content.size() - position) / 2 + 1,
         what + " is " + std::to_string(n) + ", more than what is left of the file can hold");
   return n;
 }
 
 void MeshText::fail(const std::string &message) const
 {
-  throw MeshError("line " + std::to_string(line_of_last) + ": " + message + ".");
+  throw MeshError((has_bytes ? "byte " + std::to_string(position) : "line " + std::to_string(line_of_last)) +
+                  ": " + message + ".");
 }
 
 void MeshCollector::add_node(const std::int64_t number, const dealii::Point<3> &position)
@@ -157,10 +162,19 @@ MeshFile MeshCollector::finish()
 {
   if (file.cells.size() == 0)
     throw MeshError(
-        dim == 2
-            ? "it has no triangles or quadrilaterals."
-            : "it has no tetrahedra or hexahedra" +
-                  std::string(file.faces.size() > 0 ? ", only faces: is it made for Dimension = 2?" : "."));
+        dim == 2 ? "it has no triangles or quadrilaterals." +
+                       std::string(file.faces.size() > 0
+                                       ? " In Gmsh, mesh in two dimensions and, if curves have "
+                                         "physical groups, give the surfaces one, too: only what is "
+                                         "in a group is saved."
+                                       : "")
+                 : "it has no tetrahedra or hexahedra" +
+                       std::string(
+                           file.faces.size() > 0
+                               ? ", only faces: is it made for Dimension = 2? Else, in Gmsh, mesh in three "
+                                 "dimensions and, if surfaces have physical groups, give the volumes one, "
+                                 "too: only what is in a group is saved."
+                               : "."));
   return std::move(file);
 }
 

@@ -3,11 +3,16 @@
 //
 // I-DEAS' universal files (.unv): data sets between lines of -1, of which 2411 holds the nodes, 2412 the
 // elements, 2467 or 2477 the groups (Universal File Datasets, Structural Dynamics Research Laboratory,
-// University of Cincinnati). The name of a group is the id of its elements, 0 without one.
+// University of Cincinnati). A group whose name is a number gives its
+// elements this id, others the next free one; the id is 0 without a group.
 
 #include <dovetail/domain/mesh_text.h>
 
+#include <deal.II/base/utilities.h>
+
+#include <algorithm>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 namespace dovetail {
@@ -27,7 +32,7 @@ const std::map<std::int64_t, UnvType> unv_types = {
 class UnvReader
 {
 public:
-  UnvReader(MeshText &text, const unsigned int dim) : text(text), collector(text, dim) {}
+  UnvReader(MeshText &text, const unsigned int dim) : text(text), collector(text, dim), dim(dim) {}
 
   MeshFile read()
   {
@@ -107,9 +112,9 @@ private:
       read_integers(7);
       const std::size_t n_entities = text.count("the number of elements of a group");
       text.rest_of_line();
-      const std::string name(text.peek());
-      const auto id = text.to_integer(text.word(), "the name of a group, which must be a whole number", 0,
-                                      largest_mesh_id);
+      const std::string name = dealii::Utilities::trim(std::string(text.rest_of_line()));
+      text.check(!name.empty(), "expected the name of a group");
+      groups.emplace_back(name, std::vector<std::size_t>());
       for (std::size_t i = 0; i < n_entities; ++i) {
         const auto type = text.integer("the type of an entity of a group", 0, INT32_MAX);
         const auto number = text.integer("the number of an entity of a group", 0, largest_mesh_number);
@@ -119,26 +124,66 @@ private:
         const auto found = index.find(number);
         text.check(found != index.end(), "the group " + name + " has the element " + std::to_string(number) +
                                              ", which does not exist");
-        elements[found->second].id = id;
+        groups.back().second.push_back(found->second);
       }
     }
   }
 
+  /// Groups whose names are numbers have these ids, others the next that are free.
+  void name_groups()
+  {
+    const auto is_number = [](const std::string &name) {
+      return name.find_first_not_of("0123456789") == std::string::npos;
+    };
+    std::set<std::int64_t> taken = {0};
+    for (const auto &[name, members] : groups)
+      if (is_number(name))
+        taken.insert(text.to_integer(name, "a group", 0, largest_mesh_id));
+    std::int64_t next = 1;
+    for (const auto &[name, members] : groups) {
+      while (!is_number(name) && taken.count(next) > 0)
+        ++next;
+      const unsigned int id = is_number(name) ? text.to_integer(name, "a group", 0, largest_mesh_id) : next;
+      taken.insert(id);
+      if (!is_number(name))
+        names[name] = id;
+      for (const std::size_t element : members)
+        elements[element].ids.push_back(id);
+    }
+  }
+
+  /// A face in several groups is there once for each; a cell has the id of the last.
   void add_elements()
   {
-    for (const Element &element : elements)
-      collector.add_element(element.number, element.dim, element.id, element.nodes);
+    name_groups();
+    for (const Element &element : elements) {
+      if (element.dim == dim)
+        for (const auto &[name, id] : names)
+          if (std::count(element.ids.begin(), element.ids.end(), id) > 0)
+            collector.file.volumes[name].push_back(collector.file.cells.size());
+      collector.add_element(element.number, element.dim, element.ids.empty() ? 0 : element.ids.back(),
+                            element.nodes);
+      for (std::size_t i = 0; i + 1 < element.ids.size() && element.dim + 1 == dim; ++i)
+        collector.add_element(element.number, element.dim, element.ids[i], element.nodes);
+    }
+    for (const auto &[name, id] : names)
+      if (collector.file.volumes.count(name) == 0)
+        collector.file.boundary_names[name] = {id};
   }
 
   struct Element
   {
     std::int64_t number = 0;
-    unsigned int dim = 0, id = 0;
-    std::vector<unsigned int> nodes;
+    unsigned int dim = 0;
+    std::vector<unsigned int> ids = {}; ///< of its groups
+    std::vector<unsigned int> nodes = {};
   };
 
+  std::vector<std::pair<std::string, std::vector<std::size_t>>> groups; ///< by name
+  std::map<std::string, unsigned int> names;                            ///< that are no numbers
   MeshText &text;
   MeshCollector collector;
+  const unsigned int dim;
   std::vector<Element> elements;
   std::unordered_map<std::int64_t, std::size_t> index;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/run/magnitudes.h>
 #include <dovetail/run/simulation.h>
 
 #include <dovetail/domain/formulas.h>
@@ -8,6 +9,7 @@
 #include <dovetail/run/initial_values.h>
 #include <dovetail/scene/plugins.h>
 #include <dovetail/scene/study_options.h>
+#include <dovetail/scene/units.h>
 
 namespace dovetail {
 
@@ -28,6 +30,21 @@ unsigned int read_dimension(const Section &scene)
   scene.check(thickness > 0, "Thickness", "must be positive.");
   scene.check(thickness == 1 || (dimension == "2" && geometry < 2), "Thickness",
               "belongs to plane strain and plane stress in two dimensions only.");
+  scene.read<std::string>(
+      "Materials file", "",
+      "Files with subsections Material NAME in SI: what the scene does not say about its Materials is taken "
+      "from "
+      "there and converted to its Units; Type = none leaves out a part, Solid or Heat [-]");
+  const auto units = scene.read<std::string>(
+      "Units", "",
+      "The units of length, mass, time and temperature of all numbers in the scene and of its results, for "
+      "instance mm, t, s, K; empty: any consistent set [-]");
+  if (!units.empty())
+    try {
+      Units{units};
+    } catch (const UserError &error) {
+      scene.fail("Units", error.what());
+    }
   load_plugins(scene);
   return dimension == "2" ? 2 : 3;
 }
@@ -86,7 +103,10 @@ template <int dim>
 Plan Simulation<dim>::introduce()
 {
   log.title(text->file_name());
+  if (const std::string units = scene.peek("Units"); !units.empty())
+    log.line("units: " + units);
   log.summary(model);
+  notes.add(notes_on_magnitudes(model, scene));
   const Plan planned = plan();
   log.plan(planned);
   return planned;
@@ -104,6 +124,8 @@ template <int dim>
 bool Simulation<dim>::run()
 {
   results.begin(introduce());
+  if (const std::string units = scene.peek("Units"); !units.empty())
+    results.report().add("units", units);
   step.make_system(steps.size());
   Vector x = step.system().owned_vector();
   set_initial_values(model, steps.size(), x);

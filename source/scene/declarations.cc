@@ -4,6 +4,8 @@
 #include "declarations.h"
 #include "scene_tree.h"
 
+#include <dovetail/scene/expression.h>
+
 #include <algorithm>
 #include <ostream>
 
@@ -168,7 +170,14 @@ void Declarations::print_reference(std::ostream &out) const
   out << "# All entries of a scene\n\n"
          "`NAME` stands for a name from a list: `set Domains = left, right` announces the subsections\n"
          "`Domain left` and `Domain right`. Elements of lists are separated by ',' and components by ';'.\n"
-         "Any consistent set of units can be used. Each meaning ends with the unit in brackets.\n";
+         "Any consistent set of units can be used. Each meaning ends with the unit in brackets.\n"
+         "Names of files are relative to the file in which they stand, to the scene, or to the working\n"
+         "directory, whichever has them first; the same holds for `include FILE`.\n\n"
+         "## Formulas\n\n"
+         "A formula may use x, y, z (material coordinates), t, the scalars that its range names, and\n\n"
+         "| written | meaning |\n|---|---|\n";
+  for (const auto &[name, meaning] : Expression::functions())
+    out << "| `" << escape_bars(name) << "` | " << escape_bars(meaning) << " |\n";
   for (const Section &section : sections)
     if (section.variant.empty())
       for (const Section &variant : sections)

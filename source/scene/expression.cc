@@ -230,6 +230,44 @@ unsigned int Expression::Implementation::add_to_tape(const std::string &formula,
   return *number;
 }
 
+std::vector<std::string> Expression::names_of_functions()
+{
+  std::vector<std::string> names;
+  mu::Parser parser;
+  Expression().implementation->define_names(parser);
+  for (const auto &function : parser.GetFunDef())
+    names.push_back(function.first);
+  return names;
+}
+
+const std::vector<std::pair<std::string, std::string>> &Expression::functions()
+{
+  static const std::vector<std::pair<std::string, std::string>> all = {
+      {"+, -, *, /, ^", "as usual; ^ associates to the right, and -x^2 is -(x^2)"},
+      {"<, <=, >, >=, ==, !=", "1 where it holds, else 0"},
+      {"&&, ||", "and, or"},
+      {"a ? b : c", "b where a is not 0, else c"},
+      {"if(a, b, c)", "the same"},
+      {"table(a, x_1, y_1, x_2, y_2, ...)", "the monotone cubic through the pairs (Fritsch, Carlson 1980; "
+                                            "Fritsch, Butland 1984), constant outside; "
+                                            "the x grow"},
+      {"table(a, file.csv)", "the same with the pairs from a file of two columns, separated by commas, "
+                             "semicolons or blanks; the first "
+                             "line may be a heading, # begins a comment"},
+      {"min(a, ...), max(a, ...)", "smallest and largest of any number of arguments"},
+      {"sum(a, ...), avg(a, ...)", "sum and mean of any number of arguments"},
+      {"abs(a), sign(a)", "magnitude; -1, 0 or 1"},
+      {"rint(a), floor(a), ceil(a)", "the nearest, next lower and next higher whole number"},
+      {"sqrt(a), pow(a, b)", "square root; a to the power of b"},
+      {"exp(a), ln(a), log(a)", "exponential; natural logarithm (both names)"},
+      {"log2(a), log10(a)", "logarithms to the bases 2 and 10"},
+      {"sin(a), cos(a), tan(a)", "of an angle in radians"},
+      {"asin(a), acos(a), atan(a), atan2(a, b)", "in radians; atan2 is the angle of the point (b, a)"},
+      {"sinh(a), cosh(a), tanh(a), asinh(a), acosh(a), atanh(a)", "hyperbolic functions and their inverses"},
+      {"pi, _pi, _e, inf", "3.14159..., 2.71828..., infinity"}};
+  return all;
+}
+
 Expression::Expression() : Expression(1) {}
 
 Expression::Expression(const unsigned int n_components) : Expression("0", Variables())

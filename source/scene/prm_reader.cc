@@ -55,6 +55,12 @@ std::vector<LogicalLine> logical_lines(const std::string &text)
   return lines;
 }
 
+/// Under which the place of an included file is known.
+std::string key_of_included(const std::string &name, const std::string &includes_it)
+{
+  return includes_it + '\n' + name;
+}
+
 void collect_files(const std::string &file, FileTexts &texts)
 {
   if (texts.texts.count(file) > 0 || texts.obstacles.count(file) > 0)
@@ -67,8 +73,11 @@ void collect_files(const std::string &file, FileTexts &texts)
   content << std::ifstream(file).rdbuf();
   texts.texts[file] = content.str();
   for (const LogicalLine &line : logical_lines(texts.texts[file]))
-    if (line.keyword == "include")
-      collect_files(line.rest, texts);
+    if (line.keyword == "include") {
+      const std::string place = first_that_exists(line.rest, {file});
+      texts.places[key_of_included(line.rest, file)] = place;
+      collect_files(place, texts);
+    }
 }
 
 class PrmParser
@@ -83,7 +92,7 @@ private:
   void open_subsection(const std::string &name, const Location &location);
   void close_subsection(const Location &location);
   void set_entry(const std::string &assignment, const Location &location);
-  void include(const std::string &file, const Location &location);
+  void include(const std::string &name, const Location &location);
   bool is_being_read(const std::string &file) const;
 
   SceneTree &tree;
@@ -175,13 +184,17 @@ void PrmParser::set_entry(const std::string &assignment, const Location &locatio
   tree.set(path, {name, value, location});
 }
 
-void PrmParser::include(const std::string &file, const Location &location)
+void PrmParser::include(const std::string &name, const Location &location)
 {
+  const auto place = texts.places.find(key_of_included(name, location.file));
+  const std::string file = place == texts.places.end() ? name : place->second;
   if (is_being_read(file))
     throw UserError(location.text() + ": '" + file + "' includes itself.");
   if (const auto found = texts.obstacles.find(file); found != texts.obstacles.end())
-    throw UserError(location.text() + ": the file '" + file + "' " + found->second +
-                    " Its path is relative to the directory in which the program was started.");
+    throw UserError(
+        location.text() + ": the file '" + file + "' " + found->second +
+        " A relative path starts beside the file that includes it or in the directory in which the program "
+        "was started.");
   parse_file(file);
 }
 

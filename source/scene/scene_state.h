@@ -17,6 +17,8 @@ struct SceneState
   SceneTree tree;
   Declarations declarations;
   bool is_documenting = false;
+  FileTexts tables;                                    ///< that formulas name, by their paths
+  std::map<std::string, BoundaryNames> boundary_names; ///< by the sections of the domains, "Domain left"
 
   /// "Interface seam, scene.prm line 41: ", of the entry @p name if the scene has it, else of the section.
   std::string where(const std::string &path, const std::string &name = "") const;

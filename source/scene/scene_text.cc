@@ -3,10 +3,6 @@
 
 #include "scene_state.h"
 
-#include <deal.II/base/mpi.h>
-
-#include <boost/serialization/map.hpp>
-
 #include <algorithm>
 
 namespace dovetail {
@@ -16,15 +12,6 @@ namespace {
 bool ends_with(const std::string &text, const std::string &end)
 {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-/// What was read on rank 0 is parsed on all ranks, so that all find the same errors.
-FileTexts read_and_broadcast(const std::string &file)
-{
-  if (!dealii::Utilities::MPI::job_supports_mpi())
-    return read_files(file);
-  const bool is_root = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
-  return dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, is_root ? read_files(file) : FileTexts(), 0);
 }
 
 std::string quoted(const std::string &kind, const std::string &name)
@@ -86,7 +73,8 @@ SceneText::~SceneText() = default;
 std::shared_ptr<SceneText> SceneText::from_file(const std::string &file_name,
                                                 const std::vector<std::string> &overrides)
 {
-  const FileTexts texts = read_and_broadcast(file_name);
+  const FileTexts texts =
+      read_files_on_first_rank(file_name); // parsed on all, so that all find the same errors
   if (const auto found = texts.obstacles.find(file_name); found != texts.obstacles.end())
     throw UserError("The scene '" + file_name + "' " + found->second);
 
@@ -95,6 +83,8 @@ std::shared_ptr<SceneText> SceneText::from_file(const std::string &file_name,
       ends_with(file_name, ".json") ? parse_json(file_name, texts) : parse_prm(file_name, texts);
   for (const std::string &assignment : overrides)
     apply_override(implementation->tree, assignment);
+  read_materials_files(implementation->tree);
+  implementation->tables = read_tables(implementation->tree);
   return std::shared_ptr<SceneText>(new SceneText(std::move(implementation)));
 }
 

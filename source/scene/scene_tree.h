@@ -31,6 +31,7 @@ public:
   {
     std::string name, value;
     Location location;
+    bool is_in_si = false; ///< from a file of materials, to be converted to the Units of the scene
   };
 
   struct Subsection
@@ -64,15 +65,16 @@ private:
   std::unordered_map<std::string, std::size_t> places; ///< of the subsections, by path
 };
 
-/// By the names of files: their texts, and why some cannot be read, as of obstacle_to_reading().
+/// By the paths of files: their texts, and why some cannot be read, as of obstacle_to_reading(); and the
+/// paths of included files by who includes them under which name.
 struct FileTexts
 {
-  std::map<std::string, std::string> texts, obstacles;
+  std::map<std::string, std::string> texts, obstacles, places = {};
 
   template <typename Archive>
   void serialize(Archive &archive, const unsigned int)
   {
-    archive &texts &obstacles;
+    archive &texts &obstacles &places;
   }
 };
 
@@ -88,6 +90,34 @@ SceneTree parse_json(const std::string &file, const FileTexts &texts);
 
 /// Apply "PATH=value" as given by --set; without a value an entry that is there is taken away.
 void apply_override(SceneTree &tree, const std::string &assignment);
+
+/// Take from the files that `Materials file` names what the scene does not say about its Materials
+/// (materials_file.cc). Collective.
+void read_materials_files(SceneTree &tree);
+
+/// The path of a file: beside one of the other @p files, else as it is, in the working directory.
+std::string first_that_exists(const std::string &name, const std::vector<std::string> &files);
+
+/// The same for a file that is named at @p from: beside that file, beside the scene, in the working
+/// directory, as the first rank sees it. Collective.
+std::string find_file(const std::string &name, const Location &from, const SceneTree &tree);
+
+/// The text of a .prm file and of all files it includes, for all ranks. Collective.
+FileTexts read_files_on_first_rank(const std::string &file);
+/// The texts of these files, for all ranks. Collective.
+FileTexts read_on_first_rank(const std::vector<std::string> &files);
+
+/// The texts of all tables that the formulas of a scene name, table(T, file.csv); the entries get the paths
+/// where these files were found. Collective.
+FileTexts read_tables(SceneTree &tree);
+
+/// The value of an entry in SI, whose unit ends the @p description in brackets, in the Units of the scene.
+std::string converted_from_si(const SceneTree::Entry &entry, const std::string &description,
+                              const SceneTree &tree);
+
+/// A formula with the numbers of its tables in the place of their files.
+/// @throw UserError naming file and line
+std::string with_tables(const std::string &formula, const FileTexts &tables);
 
 /// @throw UserError if @p path is too deep.
 void check_depth(const std::string &path, const Location &location);

@@ -7,6 +7,7 @@
 #include <deal.II/base/utilities.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <set>
@@ -105,13 +106,13 @@ std::string formula_range(const bool is_scalar, const unsigned int dim,
 
 Expression parse_expression(const Section &section, const std::string &name, const std::string &text,
                             const std::vector<unsigned int> &n_components,
-                            const std::vector<std::string> &scalars)
+                            const std::vector<std::string> &scalars, const FileTexts &tables)
 {
   if (text.empty())
     return Expression(n_components.front());
   Expression expression;
   try {
-    expression = Expression(text, {section.dimension(), scalars});
+    expression = Expression(with_tables(text, tables), {section.dimension(), scalars});
   } catch (const UserError &error) {
     section.fail(name, error.what());
   }
@@ -139,26 +140,88 @@ Point<3> parse_point(const Section &section, const std::string &name, const std:
   return point;
 }
 
+bool is_id(const std::string &text)
+{
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos &&
+         Patterns::Integer(0).match(text);
+}
+
+std::string in_small_letters(std::string text)
+{
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](const unsigned char letter) { return std::tolower(letter); });
+  return text;
+}
+
+/// The boundary ids that the @p text names, an id or a name; capitals count only where names differ by them.
+std::vector<unsigned int> ids_of_boundary(const Section &section, const std::string &entry,
+                                          const std::string &text, const BoundaryNames &names,
+                                          const std::string &domain)
+{
+  if (const auto found = names.find(text); found != names.end())
+    return found->second;
+  if (is_id(text))
+    return {static_cast<unsigned int>(std::stoul(text))};
+  std::vector<std::string> known, similar;
+  for (const auto &[name, ids] : names) {
+    if (!is_id(name))
+      known.push_back(name);
+    if (in_small_letters(name) == in_small_letters(text))
+      similar.push_back(name);
+  }
+  if (similar.size() == 1)
+    return names.at(similar[0]);
+  section.check(!known.empty(), entry,
+                "has '" + text + "', but the boundaries of the mesh of domain " + domain +
+                    " have no names. Give their boundary ids, or name these by Boundary names in the "
+                    "subsection Mesh.");
+  section.fail(entry, "has '" + text + "', which is no boundary of the mesh of domain " + domain +
+                          ". Its names are " + comma_separated(known) + ". " + did_you_mean(text, known));
+}
+
+/// Of the list @p text.
+std::vector<unsigned int> parse_boundary_ids(const Section &section, const std::string &entry,
+                                             const std::string &text, const BoundaryNames &names,
+                                             const std::string &domain)
+{
+  std::set<unsigned int> ids;
+  std::set<std::string> parts;
+  for (const std::string &part : split_string_list(text, ',')) {
+    section.check(parts.insert(part).second, entry,
+                  "is '" + text + "' and names " + (is_id(part) ? "a boundary id" : "a boundary") +
+                      " twice.");
+    for (const unsigned int id : ids_of_boundary(section, entry, part, names, domain))
+      ids.insert(id);
+  }
+  return {ids.begin(), ids.end()};
+}
+
 Section::BoundaryReference parse_boundary(const Section &section, const std::string &name,
-                                          const std::string &text)
+                                          const std::string &text,
+                                          const std::map<std::string, BoundaryNames> &names)
 {
   const std::size_t colon = text.rfind(':');
   const std::string domain = trim(text.substr(0, colon));
   const std::string ids = colon == std::string::npos ? "" : trim(text.substr(colon + 1));
-  const Patterns::List pattern(Patterns::Integer(0), 1);
-  section.check(!domain.empty() && pattern.match(ids), name,
+  const auto parts = split_string_list(ids, ',');
+  const bool has_names = names.count("Domain " + domain) > 0;
+  const bool is_list = !parts.empty() && std::none_of(parts.begin(), parts.end(), [&](const auto &part) {
+    return part.empty() || part[0] == '-' || (names.empty() && !is_id(part));
+  });
+  section.check(!domain.empty() && is_list, name,
                 "is '" + text +
                     "', but must be 'domain : boundary ids', for instance 'left : 1' or 'left : 0, 2'.");
   section.check(domain.find(':') == std::string::npos, name, "is '" + text + "', but must have one ':'.");
-  if (section.documenting())
-    return {};
+  if (section.documenting() || (!has_names && !is_id(parts[0])))
+    return {domain, {}}; // who asks knows that there is no such domain
+  return {domain, parse_boundary_ids(section, name, ids,
+                                     has_names ? names.at("Domain " + domain) : BoundaryNames(), domain)};
+}
 
-  Section::BoundaryReference reference{domain,
-                                       to_value<std::vector<unsigned int>>(section, name, ids, pattern)};
-  const std::set<unsigned int> unique_ids(reference.ids.begin(), reference.ids.end());
-  section.check(unique_ids.size() == reference.ids.size(), name,
-                "is '" + text + "' and names a boundary id twice.");
-  return reference;
+/// "Domain left" of "Domain left/Mesh".
+std::string first_name(const std::string &path)
+{
+  return path.substr(0, path.find('/'));
 }
 
 /// A description without its unit in brackets: "The material of this body".
@@ -232,6 +295,13 @@ std::string Section::declare(const std::string &name, const std::optional<std::s
                              const std::string &description, const std::string &range) const
 {
   const SceneTree::Entry *entry = state().tree.find(section_path, name);
+  if (entry != nullptr && entry->is_in_si && !documenting()) {
+    SceneTree::Entry converted = *entry;
+    converted.value = converted_from_si(*entry, description, state().tree);
+    converted.is_in_si = false;
+    state().tree.set(section_path, converted);
+    entry = state().tree.find(section_path, name);
+  }
   const std::string value = entry ? entry->value : default_text.value_or("");
   state().declarations.add({section_path, variant_name, name, default_text, range, description, value});
 
@@ -277,7 +347,7 @@ Expression Section::read_expression(const std::string &name, const std::string &
 {
   const std::string range = formula_range(n_components.back() == 1, dimension(), scalars);
   const std::string value = declare(name, default_text, description, range);
-  return parse_expression(*this, name, value, n_components, scalars);
+  return parse_expression(*this, name, value, n_components, scalars, state().tables);
 }
 
 Expression Section::require_expression(const std::string &name, const std::vector<unsigned int> &n_components,
@@ -286,7 +356,7 @@ Expression Section::require_expression(const std::string &name, const std::vecto
 {
   const std::string range = formula_range(n_components.back() == 1, dimension(), scalars);
   const std::string value = declare(name, {}, description, range);
-  return parse_expression(*this, name, value, n_components, scalars);
+  return parse_expression(*this, name, value, n_components, scalars, state().tables);
 }
 
 Point<3> Section::read_point(const std::string &name, const Point<3> &default_value,
@@ -320,14 +390,53 @@ std::vector<std::string> Section::announce(const std::string &plural, const std:
 Section::BoundaryReference Section::require_boundary(const std::string &name,
                                                      const std::string &description) const
 {
-  return parse_boundary(*this, name, declare(name, {}, description, "'domain : boundary ids'"));
+  return parse_boundary(*this, name, declare(name, {}, description, "'domain : boundary ids or names'"),
+                        state().boundary_names);
 }
 
 Section::BoundaryReference Section::read_boundary(const std::string &name,
                                                   const std::string &description) const
 {
-  const std::string value = declare(name, "", description, "'domain : boundary ids'");
-  return value.empty() ? BoundaryReference() : parse_boundary(*this, name, value);
+  const std::string value = declare(name, "", description, "'domain : boundary ids or names'");
+  return value.empty() ? BoundaryReference() : parse_boundary(*this, name, value, state().boundary_names);
+}
+
+std::vector<unsigned int> Section::require_boundary_ids(const std::string &name,
+                                                        const std::string &description) const
+{
+  declare(name, {}, description, "boundary ids or names");
+  return read_boundary_ids(name, description);
+}
+
+std::vector<unsigned int> Section::read_boundary_ids(const std::string &name,
+                                                     const std::string &description) const
+{
+  const std::string value = declare(name, "", description, "boundary ids or names");
+  if (value.empty() || documenting())
+    return {};
+  const std::string domain = first_name(section_path);
+  const auto names = state().boundary_names.find(domain);
+  return parse_boundary_ids(*this, name, value,
+                            names == state().boundary_names.end() ? BoundaryNames() : names->second,
+                            domain.substr(std::min(domain.size(), domain.find(' ') + 1)));
+}
+
+void Section::name_boundaries(const BoundaryNames &names) const
+{
+  BoundaryNames &known = state().boundary_names[first_name(section_path)];
+  for (const auto &[name, ids] : names)
+    known[name] = ids;
+}
+
+std::string Section::read_file_name(const std::string &name, const std::string &description) const
+{
+  if (const SceneTree::Entry *entry = state().tree.find(section_path, name);
+      entry != nullptr && !entry->value.empty() && !documenting()) {
+    SceneTree::Entry found = *entry;
+    found.value = find_file(entry->value, entry->location, state().tree);
+    state().tree.set(section_path, found);
+  }
+  return read<std::string>(name, "", description);
 }
 
 Section Section::top() const

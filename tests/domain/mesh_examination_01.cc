@@ -50,7 +50,7 @@ const std::string header = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
 void show_broken_files()
 {
   show<2>("empty", read_gmsh, "");
-  show<2>("binary", read_gmsh, "$MeshFormat\n4.1 1 8\n");
+  show<2>("binary, cut off", read_gmsh, "$MeshFormat\n4.1 1 8\n");
   show<2>("version", read_gmsh, "$MeshFormat\n1.0 0 8\n$EndMeshFormat\n");
   show<2>("block larger than the section", read_gmsh,
           header + "$Nodes\n1 2 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n$EndNodes\n");
@@ -82,7 +82,7 @@ void show_broken_files()
   show<2>("abaqus, dimension", read_abaqus,
           "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n*ELEMENT, TYPE=C3D4\n1, 1,2,3,4\n");
   show<2>("unv, end", read_unv, "    -1\n  2411\n  1 1 1 11\n 0.0D+00 0.0D+00 0.0D+00\n");
-  show<2>("unv, name of a group", read_unv,
+  show<2>("unv, group with a name", read_unv,
           "-1\n2411\n1 1 1 1\n0 0 0\n2 1 1 1\n1 0 0\n3 1 1 1\n0 1 0\n-1\n-1\n2412\n1 41 1 1 7 3\n1 2 3\n-1\n"
           "-1\n2467\n1 0 0 0 0 0 0 1\nouter wall\n8 1 0 0\n-1\n");
 }

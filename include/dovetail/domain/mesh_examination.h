@@ -19,7 +19,9 @@ namespace dovetail {
 /// * no two cells have the same nodes, at most two cells share a face, from its two sides and with their
 /// nodes
 ///   in the same order round it: cells that lie on the same side overlap;
-/// * a face with an id is a face of a cell, and has one id. Faces between two cells lose theirs.
+/// * a face with an id is a face of a cell (of the whole file). Faces between two cells lose theirs. Faces
+/// with several ids get a new one, and boundary_names say which ids each name and each id of the file stands
+/// for.
 ///
 /// Nodes that no cell has are no error. Nodes of the boundary at the same place are none either, since a body
 /// may have a crack, but the mesh gets a note.

@@ -8,7 +8,10 @@
 
 #include <deal.II/base/point.h>
 
+#include <boost/serialization/map.hpp>
+
 #include <cstdint>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -61,22 +64,36 @@ struct MeshFile
   /// 02, 03, 12, 13, 23 of the cell's vertices. Empty where all cells are straight. Found by examine().
   std::vector<dealii::Point<3>> nodes_on_edges;
 
-  std::string note; ///< a sentence about what is remarkable, by examine()
+  std::map<std::string, std::vector<unsigned int>> boundary_names; ///< ids of the faces that have the name
+  /// Cells by the names of volumes, which may be numbers: of the whole file, on the rank that reads it.
+  std::map<std::string, std::vector<std::size_t>> volumes;
+  bool is_part = false; ///< of the file: it has faces of other cells, too
+
+  std::string format; ///< "Gmsh 4.1, binary", for messages
+  std::string note;   ///< sentences about what is remarkable, by who reads and by examine()
 
   template <class Archive>
   void serialize(Archive &archive, const unsigned int)
   {
-    archive &nodes &node_numbers &cells &faces &nodes_on_edges &note;
+    archive &nodes &node_numbers &cells &faces &nodes_on_edges &boundary_names &note;
   }
 };
 
 /// Read .msh (Gmsh 2.2 or 4.1), .inp (Abaqus or AVS UCD), .vtk or .unv, and believe nothing in it: counts,
-/// numbers, types and ranges are checked.
+/// numbers, types and ranges are checked. Files of some other formats are converted by the Python module
+/// meshio, if it is installed; the note says so.
 /// @throw MeshError, which names the line.
 MeshFile read_mesh_file(const std::string &file_name, unsigned int dim);
 
-/// Whether the ending of a name is that of a format which read_mesh_file() knows.
+/// Whether the ending of a name is that of a format which read_mesh_file() knows or gives to meshio.
 bool is_known_mesh_format(const std::string &file_name);
+
+/// Keep the cells of these volumes, each the name of a volume or a material id, and all faces.
+/// @throw MeshError with the names that there are
+void select_volumes(const std::vector<std::string> &names, MeshFile &mesh);
+
+/// Convert a file into one of Gmsh's format at @p result. @throw MeshError
+void convert_by_meshio(const std::string &file_name, const std::string &result);
 
 class MeshText;
 

@@ -8,6 +8,7 @@
 
 #include <dovetail/domain/mesh_file.h>
 
+#include <cstring>
 #include <string_view>
 #include <unordered_map>
 
@@ -36,6 +37,21 @@ public:
   /// holds.
   std::size_t count(const std::string &what);
 
+  /// From now on there are bytes between the words: messages name the byte, not the line.
+  void begin_bytes() { has_bytes = true; }
+  /// The next bytes as a number of this type.
+  template <typename Number>
+  Number bytes(const std::string &what)
+  {
+    check(content.size() - position >= sizeof(Number), "expected " + what + ", found the end of the file");
+    Number number;
+    std::memcpy(&number, content.data() + position, sizeof(Number));
+    position += sizeof(Number);
+    return number;
+  }
+  /// How many things follow, as of the section's head.
+  std::size_t to_count(std::int64_t n, const std::string &what) const;
+
   std::int64_t to_integer(std::string_view word, const std::string &what, std::int64_t smallest,
                           std::int64_t largest) const;
   double to_number(std::string_view word, const std::string &what) const;
@@ -52,6 +68,7 @@ private:
   std::string content;
   std::size_t position = 0, line = 1;
   std::size_t line_of_last = 1; ///< word or rest of a line that was taken
+  bool has_bytes = false;
 };
 
 /// The largest numbers of elements and nodes, and of material and boundary ids.

@@ -12,6 +12,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -21,8 +22,8 @@ namespace dovetail {
 /// Known besides muParser's own: pi, inf, ln and log (natural), log10, if(a,b,c), min, max, abs, sign, floor,
 /// ceil,
 /// &&, ||, a ? b : c, and table(argument, x_1, y_1, x_2, y_2, …), the monotone cubic through the pairs,
-/// constant outside. Derivatives are exact. A component that uses no variable is evaluated once. Copies share
-/// nothing that changes.
+/// constant outside; all of them in functions(). Derivatives are exact. A component that uses no variable is
+/// evaluated once. Copies share nothing that changes.
 class Expression
 {
 public:
@@ -34,6 +35,11 @@ public:
     std::vector<std::string> scalars;
   };
   using Scalars = dealii::ArrayView<const double>; ///< their values, in this order
+
+  /// The functions and operators that a formula may use, each with its meaning.
+  static const std::vector<std::pair<std::string, std::string>> &functions();
+  /// Their names as the evaluator knows them, without operators.
+  static std::vector<std::string> names_of_functions();
 
   /// The constant zero with one component.
   Expression();

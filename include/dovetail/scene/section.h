@@ -12,6 +12,7 @@
 #include <deal.II/base/patterns.h>
 #include <deal.II/base/point.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +24,9 @@ namespace Patterns = dealii::Patterns;
 
 class SceneText;
 struct SceneState;
+
+/// The boundary ids that have a name. An id in digits may be a name, too, where it stands for several.
+using BoundaryNames = std::map<std::string, std::vector<unsigned int>>;
 
 /// One subsection of a scene. Reading an entry declares it: name, default, pattern and description (which
 /// ends in its unit in brackets) stand in the one line that stores the value. What nobody has read when the
@@ -76,7 +80,7 @@ public:
   std::vector<std::string> announce(const std::string &plural, const std::string &singular,
                                     const std::string &description) const;
 
-  /// A boundary reference "domain : 0, 1".
+  /// A boundary reference "domain : 0, clamp".
   struct BoundaryReference
   {
     std::string domain;
@@ -85,6 +89,18 @@ public:
   BoundaryReference require_boundary(const std::string &name, const std::string &description) const;
   /// As above; an empty domain name if the entry is not set.
   BoundaryReference read_boundary(const std::string &name, const std::string &description) const;
+  /// Boundaries "clamp, 3" of the domain whose section this is, or in whose section it lies.
+  std::vector<unsigned int> require_boundary_ids(const std::string &name,
+                                                 const std::string &description) const;
+  std::vector<unsigned int> read_boundary_ids(const std::string &name, const std::string &description) const;
+  /// From now on names stand for ids in all references to the boundary of the domain whose section this is,
+  /// or in whose section it lies.
+  void name_boundaries(const BoundaryNames &names) const;
+
+  /// The path of an input file, which the entry @p name gives; empty if it does not. A relative one is looked
+  /// for beside the file in which the entry stands, beside the scene, then in the working directory. What is
+  /// found is what used.prm shows. Collective.
+  std::string read_file_name(const std::string &name, const std::string &description) const;
 
   Section top() const; ///< the whole scene
   /// The subsection @p name below this one (created empty if the scene does not have it).

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Units of the materials' files: SI, where a scene may have any consistent set. The units of entries stand in
+// brackets at the end of their descriptions, [W/(m K)]. Factors: Bureau international des poids et mesures,
+// The International System of Units (2019); inch, foot and pound by definition.
+
+#include "scene_tree.h"
+
+#include <dovetail/scene/units.h>
+#include <dovetail/scene/user_error.h>
+
+#include <deal.II/base/utilities.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <vector>
+
+namespace dovetail {
+
+namespace {
+
+using Powers = std::vector<int>; ///< of length, mass, time and temperature
+
+/// In m, kg, s, K.
+const std::map<std::string, Powers> known_units = {
+    {"m", {1, 0, 0, 0}},   {"kg", {0, 1, 0, 0}},   {"s", {0, 0, 1, 0}},  {"K", {0, 0, 0, 1}},
+    {"N", {1, 1, -2, 0}},  {"Pa", {-1, 1, -2, 0}}, {"J", {2, 1, -2, 0}}, {"W", {2, 1, -3, 0}},
+    {"rad", {0, 0, 0, 0}}, {"-", {0, 0, 0, 0}},    {"1", {0, 0, 0, 0}}};
+
+const std::array<std::map<std::string, double>, 4> known_bases = {
+    {{{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"um", 1e-6}, {"km", 1e3}, {"in", 0.0254}, {"ft", 0.3048}},
+     {{"kg", 1}, {"g", 1e-3}, {"t", 1e3}, {"mg", 1e-6}, {"lb", 0.45359237}},
+     {{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}, {"h", 3600}},
+     {{"K", 1}}}};
+
+/// A product of units and of quotients in parentheses: "W/(m K)", "kg/m^3", "1/K". Returns no value for what
+/// it does not know.
+class UnitParser
+{
+public:
+  explicit UnitParser(const std::string &text) : text(text) {}
+
+  std::optional<Powers> parse()
+  {
+    Powers powers(4, 0);
+    add_product(1, powers);
+    return is_known && position == text.size() ? std::optional(powers) : std::nullopt;
+  }
+
+private:
+  void add_product(const int sign, Powers &powers)
+  {
+    int side = sign;
+    while (is_known && position < text.size() && text[position] != ')') {
+      if (text[position] == ' ')
+        ++position;
+      else if (text[position] == '/') {
+        ++position;
+        add_factor(-side, powers);
+      } else
+        add_factor(side, powers);
+    }
+  }
+
+  void add_factor(const int sign, Powers &powers)
+  {
+    if (position < text.size() && text[position] == '(') {
+      ++position;
+      add_product(sign, powers);
+      is_known = is_known && position < text.size() && text[position++] == ')';
+      return;
+    }
+    const std::size_t end = std::min(text.find_first_of(" /()^", position), text.size());
+    const auto unit = known_units.find(text.substr(position, end - position));
+    is_known = is_known && unit != known_units.end();
+    position = end;
+    int power = 1;
+    if (position < text.size() && text[position] == '^') {
+      char *after = nullptr;
+      power = std::strtol(text.c_str() + position + 1, &after, 10);
+      position = after - text.c_str();
+    }
+    for (unsigned int i = 0; is_known && i < 4; ++i)
+      powers[i] += sign * power * unit->second[i];
+  }
+
+  const std::string text;
+  std::size_t position = 0;
+  bool is_known = true;
+};
+
+std::string digits_of(const double value)
+{
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.15g", value);
+  return text;
+}
+
+} // namespace
+
+Units::Units(const std::string &text)
+{
+  const auto words = dealii::Utilities::split_string_list(text, ',');
+  for (unsigned int i = 0; i < 4 && i < words.size(); ++i)
+    if (const auto base = known_bases[i].find(words[i]); base != known_bases[i].end())
+      in_si[i] = base->second;
+    else {
+      std::vector<std::string> names;
+      for (const auto &[name, factor] : known_bases[i])
+        names.push_back(name);
+      throw UserError("has '" + words[i] + "' as the unit of " +
+                      std::array<const char *, 4>{{"lengths", "masses", "times", "temperatures"}}[i] +
+                      ". Known are " + comma_separated(names) + ".");
+    }
+  if (words.size() != 4)
+    throw UserError("needs four units: of length, mass, time and temperature, for instance mm, t, s, K.");
+}
+
+std::optional<double> Units::from_si(const std::string &unit) const
+{
+  const auto powers = UnitParser(unit).parse();
+  if (!powers)
+    return {};
+  double factor = 1;
+  for (unsigned int i = 0; i < 4; ++i)
+    factor *= std::pow(in_si[i], -(*powers)[i]);
+  return factor;
+}
+
+std::string converted_from_si(const SceneTree::Entry &entry, const std::string &description,
+                              const SceneTree &tree)
+{
+  const SceneTree::Entry *units = tree.find("", "Units");
+  if (units == nullptr || units->value.empty())
+    return entry.value;
+  const auto bracket = description.rfind('[');
+  const std::string unit = description.substr(bracket + 1, description.rfind(']') - bracket - 1);
+  std::optional<double> factor;
+  try {
+    factor = Units(units->value).from_si(unit);
+  } catch (const UserError &error) {
+    throw UserError("The scene, " + units->location.text() + ": Units " + error.what());
+  }
+  if (!factor)
+    throw UserError(entry.location.text() + ": '" + entry.name + "' has the unit [" + unit +
+                    "], which cannot be converted to the Units of the scene. Set the entry in the scene.");
+  if (std::abs(*factor - 1) < 1e-14)
+    return entry.value;
+  std::string numbers; // of a list
+  for (const std::string &word : dealii::Utilities::split_string_list(entry.value, ',')) {
+    char *end = nullptr;
+    const double value = std::strtod(word.c_str(), &end);
+    if (end == word.c_str() || *end != 0) // a formula
+      return digits_of(*factor) + " * (" + entry.value + ")";
+    numbers += (numbers.empty() ? "" : ", ") + digits_of(value * *factor);
+  }
+  return numbers;
+}
+
+} // namespace dovetail

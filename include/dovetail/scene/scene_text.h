@@ -19,9 +19,9 @@ namespace dovetail {
 /// read through a Section, so that used.prm and the reference of all entries can be written.
 ///
 /// .prm: deal.II's grammar (`subsection`/`end`, `set a = b`, `#` comments, `\` continuation, `include FILE`
-/// relative to the working directory). An entry set twice in one file, or a subsection opened twice, is an
-/// error; a file may override what it includes. .json: the same tree as nested objects with strings (numbers
-/// and booleans are accepted as values); arrays and duplicate keys are errors.
+/// beside the file or in the working directory). An entry set twice in one file, or a subsection opened
+/// twice, is an error; a file may override what it includes. .json: the same tree as nested objects with
+/// strings (numbers and booleans are accepted as values); arrays and duplicate keys are errors.
 class SceneText
 {
 public:

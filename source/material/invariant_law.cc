@@ -244,9 +244,7 @@ VolumetricEnergy Volumetric::times(const double kappa, const double J_minus_1) c
 
 double require_bulk_modulus(const Section &section)
 {
-  const double kappa = section.require<double>("Bulk modulus", "kappa (three-dimensional) [Pa]");
-  section.check(kappa > 0, "Bulk modulus", "must be positive.");
-  return kappa;
+  return read_bulk_modulus(section, "kappa (three-dimensional) [Pa]");
 }
 
 double IsochoricInvariants::first_minus_3() const

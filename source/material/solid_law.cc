@@ -22,6 +22,17 @@ bool is_mixed(const Section &solid)
   return solid.peek("Formulation") == "mixed";
 }
 
+double read_bulk_modulus(const Section &solid, const std::string &description)
+{
+  if (is_mixed(solid) && solid.peek("Bulk modulus") == "inf") {
+    solid.require<std::string>("Bulk modulus", description);
+    return std::numeric_limits<double>::infinity();
+  }
+  const double kappa = solid.require<double>("Bulk modulus", description);
+  solid.check(kappa > 0, "Bulk modulus", "must be positive.");
+  return kappa;
+}
+
 IsotropicModuli::IsotropicModuli(const Section &section) : is_mixed(dovetail::is_mixed(section))
 {
   const std::string technical = one_set(section, "Young modulus", "Poisson ratio");
@@ -44,10 +55,9 @@ IsotropicModuli::IsotropicModuli(const Section &section) : is_mixed(dovetail::is
   }
   if (!invariant.empty() || section.documenting()) {
     shear = section.require<double>("Shear modulus", "mu, instead of Young modulus and Poisson ratio [Pa]");
-    bulk = section.require<double>(
-        "Bulk modulus", "kappa (three-dimensional), instead of Young modulus and Poisson ratio [Pa]");
+    bulk = read_bulk_modulus(section,
+                             "kappa (three-dimensional), instead of Young modulus and Poisson ratio [Pa]");
     section.check(shear > 0, "Shear modulus", "must be positive.");
-    section.check(bulk > 0, "Bulk modulus", "must be positive.");
   }
 }
 

@@ -103,6 +103,9 @@ private:
   bool is_mixed;
 };
 
+/// The entry `Bulk modulus`; with `Formulation = mixed` it may be inf: the volume is kept.
+double read_bulk_modulus(const Section &solid, const std::string &description);
+
 /// Whether the volume has a field of its own: the entry `Formulation`.
 bool is_mixed(const Section &solid);
 

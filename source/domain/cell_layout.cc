@@ -99,6 +99,14 @@ std::unique_ptr<dealii::FESystem<dim>> make_system(const Elements<dim> &elements
   return std::make_unique<dealii::FESystem<dim>>(elements, multiplicities);
 }
 
+/// A pressure that keeps the volume is stable beside displacements of one degree more if it is discontinuous
+/// with all polynomials (FE_DGP) on hypercubes, continuous on simplices (Taylor & Hood 1973; Boffi, Brezzi &
+/// Fortin 2013, chapter 8).
+bool has_continuous_element(const Field &field, const bool simplices)
+{
+  return field.is_continuous || (simplices && field.law == "volume");
+}
+
 /// The coefficients of 1: the projection.
 template <int dim>
 std::vector<double> coefficients_of_unit(const dealii::FiniteElement<dim> &element)
@@ -126,7 +134,7 @@ std::vector<double> coefficients_of_unit(const dealii::FiniteElement<dim> &eleme
 template <int dim>
 unsigned int CellLayout<dim>::lowest_degree(const Field &field, const bool simplices)
 {
-  const int lowest = field.is_continuous || simplices ? 1 : 0; // of the field
+  const int lowest = field.is_continuous || simplices || field.law == "volume" ? 1 : 0; // of the field
   return std::max(1, lowest - field.relative_degree);
 }
 
@@ -150,13 +158,14 @@ CellLayout<dim>::CellLayout(const std::vector<Field> &fields, const unsigned int
 template <int dim>
 unsigned int CellLayout<dim>::find_space(const Field &field, const unsigned int degree, const bool simplices)
 {
+  const bool is_continuous = has_continuous_element(field, simplices);
   for (unsigned int s = 0; s < spaces.size(); ++s)
-    if (spaces[s].relative_degree == field.relative_degree && spaces[s].is_continuous == field.is_continuous)
+    if (spaces[s].relative_degree == field.relative_degree && spaces[s].is_continuous == is_continuous)
       return s;
   Space space;
-  space.element = make_scalar<dim>(degree + field.relative_degree, field.is_continuous, simplices);
+  space.element = make_scalar<dim>(degree + field.relative_degree, is_continuous, simplices);
   space.relative_degree = field.relative_degree;
-  space.is_continuous = field.is_continuous;
+  space.is_continuous = is_continuous;
   space.first_shape = number_of_shapes;
   space.unit = coefficients_of_unit(*space.element);
   number_of_shapes += space.element->n_dofs_per_cell();

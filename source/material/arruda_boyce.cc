@@ -42,6 +42,8 @@ public:
     network_modulus = moduli.shear / (2 * at_rest);
   }
 
+  const Volumetric *volume() const override { return &U; }
+
 protected:
   IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
   {

@@ -34,6 +34,8 @@ public:
   {
   }
 
+  const Volumetric *volume() const override { return &U; }
+
 protected:
   bool is_defined(const Deformation &deformation) const override
   {

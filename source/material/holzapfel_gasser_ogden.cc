@@ -44,6 +44,8 @@ class GroundMatrix : public InvariantLaw
 public:
   explicit GroundMatrix(const Section &section) : moduli(section), U(section, moduli.bulk) {}
 
+  const Volumetric *volume() const override { return &U; }
+
   using InvariantLaw::elastic_curvature;
   using InvariantLaw::elastic_response;
 
@@ -90,6 +92,8 @@ public:
 
   /// The stiffness of a fibre begins with a jump where it is stretched.
   bool has_curvature() const override { return false; }
+
+  const Volumetric *volume() const override { return matrix.volume(); }
 
   bool depends_on_time() const override
   {

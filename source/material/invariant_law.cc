@@ -210,7 +210,7 @@ void add_change_of_energy(const IsochoricEnergy &W, const InvariantKinematics &k
 } // namespace
 
 Volumetric::Volumetric(const Section &section, const double kappa)
-    : kappa(kappa),
+    : kappa(kappa), is_separate(is_mixed(section)),
       choice(section.choose(
           "Volumetric", {"Simo-Taylor", "quadratic", "logarithmic", "Miehe", "Liu", "Ogden"}, 0,
           "U(J)/kappa: (J^2 - 1 - 2 ln J)/4, (J - 1)^2/2, (ln J)^2/2, J - ln J - 1, J ln J - J + 1 or, with "
@@ -221,7 +221,7 @@ Volumetric::Volumetric(const Section &section, const double kappa)
         section.read<double>("Volumetric exponent", 9, "b in Ogden's U(J) [-]", Patterns::Double(1e-300));
 }
 
-VolumetricEnergy Volumetric::at(const double J_minus_1) const
+VolumetricEnergy Volumetric::times(const double kappa, const double J_minus_1) const
 {
   const double J = 1 + J_minus_1, log_J = std::log1p(J_minus_1), power = std::exp(-exponent * log_J);
   switch (choice) {
@@ -244,9 +244,7 @@ VolumetricEnergy Volumetric::at(const double J_minus_1) const
 
 double require_bulk_modulus(const Section &section)
 {
-  const double kappa = section.require<double>("Bulk modulus", "kappa (three-dimensional) [Pa]");
-  section.check(kappa > 0, "Bulk modulus", "must be positive.");
-  return kappa;
+  return read_bulk_modulus(section, "kappa (three-dimensional) [Pa]");
 }
 
 double IsochoricInvariants::first_minus_3() const

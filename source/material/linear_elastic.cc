@@ -15,7 +15,7 @@
 //       set Poisson ratio = 0.3
 //     end
 
-#include <dovetail/material/solid_law.h>
+#include <dovetail/material/invariant_law.h>
 #include <dovetail/scene/catalogue.h>
 #include <dovetail/scene/undefined.h>
 
@@ -30,18 +30,18 @@ using dealii::Tensor;
 class LinearElastic : public SolidLaw
 {
 public:
-  explicit LinearElastic(const Section &section) : moduli(section)
+  explicit LinearElastic(const Section &section) : moduli(section), U(moduli.bulk)
   {
     const auto I = dealii::unit_symmetric_tensor<3>();
     tangent = moduli.lame() * outer_product(I, I) + 2 * moduli.shear * dealii::identity_tensor<3>();
-    thermal = -3 * moduli.bulk * I;
+    thermal = -3 * moduli.bulk_of_stress() * I;
   }
 
   bool evaluate(const Tensor<2, 3> &H, double e, bool with_derivatives, Response &response) const override
   {
     const double mu = moduli.shear;
     response.P = mu * (H + transpose(H));
-    const double pressure = moduli.lame() * trace(H) - 3 * moduli.bulk * e;
+    const double pressure = moduli.lame() * trace(H) - 3 * moduli.bulk_of_stress() * e;
     for (unsigned int i = 0; i < 3; ++i)
       response.P[i][i] += pressure;
     if (with_derivatives) {
@@ -56,10 +56,12 @@ public:
     return {};
   }
 
+  const Volumetric *volume() const override { return &U; }
   bool is_linear() const override { return true; }
 
 private:
   const IsotropicModuli moduli;
+  const Volumetric U;
   Tensor<4, 3> tangent;
   Tensor<2, 3> thermal;
 };

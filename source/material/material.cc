@@ -169,7 +169,11 @@ double Material<dim>::solid_density() const
 template <int dim>
 Tensor<2, 3> Material<dim>::cauchy_stress(const State<dim> &state) const
 {
-  return solid_term().cauchy_stress(state);
+  Tensor<2, 3> sigma; // in a mixed formulation a sum
+  for (const auto &term : terms)
+    if (const auto *solid = dynamic_cast<const SolidTerm<dim> *>(term.get()))
+      sigma += solid->cauchy_stress(state);
+  return sigma;
 }
 
 template <int dim>

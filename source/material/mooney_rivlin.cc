@@ -34,6 +34,8 @@ public:
                   "and C01 must not be negative, and their sum must be positive.");
   }
 
+  const Volumetric *volume() const override { return &U; }
+
 protected:
   IsochoricEnergy isochoric(const IsochoricInvariants &) const override
   {

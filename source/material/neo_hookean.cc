@@ -24,6 +24,8 @@ class NeoHookean : public InvariantLaw
 public:
   explicit NeoHookean(const Section &section) : moduli(section), U(section, moduli.bulk) {}
 
+  const Volumetric *volume() const override { return &U; }
+
 protected:
   IsochoricEnergy isochoric(const IsochoricInvariants &) const override
   {

@@ -108,6 +108,8 @@ public:
                       in_words(shear) + ", which must be positive.");
   }
 
+  const Volumetric *volume() const override { return &U; }
+
 protected:
   // D_iJkL = delta_ik S_JL + F_iA F_kB C_AJBL
   void elastic_response(const Deformation &deformation, Tensor<2, 3> &P, Tensor<4, 3> *D) const override

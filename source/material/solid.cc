@@ -13,6 +13,7 @@
 #include <dovetail/material/plane_stress.h>
 #include <dovetail/material/solid_term.h>
 #include <dovetail/material/transient.h>
+#include <dovetail/material/volume_term.h>
 #include <dovetail/scene/catalogue.h>
 
 #include <algorithm>
@@ -34,7 +35,10 @@ public:
     const std::string type = section.peek("Type");
     if (!section.documenting() && (type.empty() || type == "none"))
       return {};
-    return {{"displacement", dim, 0, "solid", "", "velocity"}};
+    const Field displacement = {"displacement", dim, 0, "solid", "", "velocity"};
+    if (section.documenting() || !is_mixed(section))
+      return {displacement};
+    return {displacement, {"pressure", 1, 0, "volume", "pressure", "", -1, false}};
   }
 
   void add_terms(const std::vector<Field> &all, typename MaterialPart<dim>::Terms &terms) const override
@@ -43,7 +47,9 @@ public:
         section, "none", "The law of the stress; none: the material has no displacement [-]");
     if (!law && !section.documenting())
       return;
-    section.choose("Formulation", {"displacement"}, 0, "Unknowns of the solid [-]");
+    const bool mixed = section.choose("Formulation", {"displacement", "mixed"}, 0,
+                                      "Unknowns of the solid; mixed: displacement and pressure, for bodies "
+                                      "whose volume hardly changes; needs Degree = 2 or higher [-]") == 1;
     const double density = section.read<double>(
         "Density", 0,
         "Mass per undeformed volume, for body forces by acceleration and rotation, and for inertia [kg/m^3]");
@@ -71,9 +77,22 @@ public:
       law = std::make_unique<PlaneStress>(std::move(law));
       type += ", plane stress";
     }
-    terms.push_back(std::make_unique<SolidTerm<dim>>(all.front(), std::move(law), expansion,
-                                                     geometry == "axisymmetric",
-                                                     name.substr(name.find(' ') + 1), type, density));
+    const Volumetric *volume = law->volume();
+    if (mixed)
+      check_mixed(all, volume, geometry);
+    const bool is_axisymmetric = geometry == "axisymmetric", is_large = law->has_large_strain();
+    const std::string name_of_material = name.substr(name.find(' ') + 1);
+    auto solid = std::make_unique<SolidTerm<dim>>(all.front(), std::move(law), expansion, is_axisymmetric,
+                                                  name_of_material, type, density);
+    const SolidTerm<dim> &stress = *solid;
+    terms.push_back(std::move(solid));
+    if (mixed) {
+      terms.push_back(
+          std::make_unique<SolidTerm<dim>>(all.front(), std::make_unique<PressureStress>(is_large),
+                                           typename SolidTerm<dim>::Expansion{all[1].first_component, 1, 0},
+                                           is_axisymmetric, name_of_material, "pressure", density));
+      terms.push_back(std::make_unique<VolumeTerm<dim>>(all[1], stress, *volume, expansion, is_axisymmetric));
+    }
     if (!has_inertia(section))
       return;
     section.check(density > 0, section.is_set("Density") ? "Density" : "",
@@ -83,6 +102,20 @@ public:
   }
 
 private:
+  void check_mixed(const std::vector<Field> &all, const Volumetric *volume, const std::string &geometry) const
+  {
+    section.check(geometry != "plane stress", "Formulation",
+                  "is mixed, but in plane stress the thickness follows the volume, so that nothing locks. "
+                  "Remove the entry.");
+    section.check(
+        volume != nullptr, "Formulation",
+        "is mixed, but the energy of this Type has no part of its own for the change of volume. Set "
+        "Formulation = displacement, or take linear elastic or a hyperelastic law with Volumetric.");
+    section.check(std::count_if(all.begin(), all.end(),
+                                [](const Field &field) { return field.name == "pressure"; }) == 1,
+                  "Formulation", "is mixed, which has a field pressure: give the species another name.");
+  }
+
   const Section section;
 };
 

@@ -3,6 +3,8 @@
 
 #include <dovetail/material/solid_law.h>
 
+#include <limits>
+
 namespace dovetail {
 
 namespace {
@@ -15,7 +17,23 @@ std::string one_set(const Section &section, const std::string &first, const std:
 }
 } // namespace
 
-IsotropicModuli::IsotropicModuli(const Section &section)
+bool is_mixed(const Section &solid)
+{
+  return solid.peek("Formulation") == "mixed";
+}
+
+double read_bulk_modulus(const Section &solid, const std::string &description)
+{
+  if (is_mixed(solid) && solid.peek("Bulk modulus") == "inf") {
+    solid.require<std::string>("Bulk modulus", description);
+    return std::numeric_limits<double>::infinity();
+  }
+  const double kappa = solid.require<double>("Bulk modulus", description);
+  solid.check(kappa > 0, "Bulk modulus", "must be positive.");
+  return kappa;
+}
+
+IsotropicModuli::IsotropicModuli(const Section &section) : is_mixed(dovetail::is_mixed(section))
 {
   const std::string technical = one_set(section, "Young modulus", "Poisson ratio");
   const std::string invariant = one_set(section, "Shear modulus", "Bulk modulus");
@@ -29,16 +47,17 @@ IsotropicModuli::IsotropicModuli(const Section &section)
     const double nu = section.require<double>(
         "Poisson ratio", "Ratio of lateral and axial strain in a tension test, between -1 and 1/2 [-]");
     section.check(E > 0, "Young modulus", "must be positive.");
-    section.check(nu > -1 && nu < 0.5, "Poisson ratio", "must be greater than -1 and less than 0.5.");
+    section.check(nu > -1 && (is_mixed ? nu <= 0.5 : nu < 0.5), "Poisson ratio",
+                  is_mixed ? "must be greater than -1 and not greater than 0.5."
+                           : "must be greater than -1 and less than 0.5.");
     shear = E / (2 * (1 + nu));
-    bulk = E / (3 * (1 - 2 * nu));
+    bulk = nu == 0.5 ? std::numeric_limits<double>::infinity() : E / (3 * (1 - 2 * nu));
   }
   if (!invariant.empty() || section.documenting()) {
     shear = section.require<double>("Shear modulus", "mu, instead of Young modulus and Poisson ratio [Pa]");
-    bulk = section.require<double>(
-        "Bulk modulus", "kappa (three-dimensional), instead of Young modulus and Poisson ratio [Pa]");
+    bulk = read_bulk_modulus(section,
+                             "kappa (three-dimensional), instead of Young modulus and Poisson ratio [Pa]");
     section.check(shear > 0, "Shear modulus", "must be positive.");
-    section.check(bulk > 0, "Bulk modulus", "must be positive.");
   }
 }
 

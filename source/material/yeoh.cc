@@ -37,6 +37,8 @@ public:
     section.check(C10 > 0, "C10", "must be positive: half of the shear modulus of small strains.");
   }
 
+  const Volumetric *volume() const override { return &U; }
+
 protected:
   IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
   {

@@ -41,9 +41,13 @@ public:
 private:
   void make(const GroupOperator &K);
 
+  /// Pivots off the diagonal need more space than the analysis foresees, in per cent.
+  static constexpr int space_for_pivots = 1000;
+
   const GroupFacts &facts;
   std::unique_ptr<Epetra_LinearProblem> problem; ///< the factors refer to it
   std::unique_ptr<Amesos_BaseSolver> factors;
+  Teuchos::ParameterList list;
 };
 
 namespace {
@@ -65,12 +69,11 @@ void Direct::make(const GroupOperator &K)
       factors.reset(Amesos().Create(package, *problem));
       break;
     }
-  Teuchos::ParameterList list;
+  list = Teuchos::ParameterList();
   list.set("OutputLevel", 0);
   list.set("PrintTiming", false);
-  if (facts
-          .has_multipliers) // pivots off the diagonal need more space than the analysis foresees, in per cent
-    list.sublist("mumps").set("ICNTL(14)", 1000);
+  if (facts.has_multipliers)
+    list.sublist("mumps").set("ICNTL(14)", space_for_pivots);
   factors->SetParameters(list);
 }
 
@@ -79,7 +82,14 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
   forget();
   ranks.run("factorisation", [&]() { make(K); });
   ranks.run("analysis", [&]() { check(factors->SymbolicFactorization()); });
-  ranks.run("factors", [&]() { check(factors->NumericFactorization()); });
+  ranks.run("factors", [&]() {
+    if (factors->NumericFactorization() == 0)
+      return;
+    list.sublist("mumps").set("ICNTL(14)", space_for_pivots);
+    factors->SetParameters(list);
+    check(factors->SymbolicFactorization());
+    check(factors->NumericFactorization());
+  });
 }
 
 unsigned int Direct::solve(const GroupOperator &, GroupVector &x, const GroupVector &b, const double)

@@ -330,6 +330,11 @@ find_unrestrained_mode(const Model<dim> &model, const std::string &field, const 
         ++i;
       }
     }
+  if (std::any_of(groups.begin(), groups.end(), [&](const auto &group) {
+        const Block &block = model.numbering->blocks()[group.blocks[0]];
+        return !model.domains[block.domain_index]->fields()[block.field_index].is_continuous;
+      }))
+    return {}; // nothing restrains it from outside: a pressure is found by the displacements
   const auto [energy, mass] = energies(groups, tangent, model.communicator);
   const unsigned int n = energy.m();
 

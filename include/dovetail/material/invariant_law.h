@@ -79,14 +79,26 @@ class Volumetric
 public:
   /// Reads `Volumetric`, and `Volumetric exponent`. @param kappa [Pa]
   Volumetric(const Section &section, double kappa);
-  VolumetricEnergy at(double J_minus_1) const;
+  /// `quadratic`, of a law that has no choice.
+  explicit Volumetric(double kappa) : kappa(kappa), is_separate(false), choice(1) {}
+  /// Zero with `Formulation = mixed`.
+  VolumetricEnergy at(const double J_minus_1) const
+  {
+    return is_separate ? VolumetricEnergy() : times(kappa, J_minus_1);
+  }
   VolumetricEnergy at(const IsochoricInvariants &invariants) const
   {
     return at(invariants.deformation.J_minus_1);
   }
 
+  VolumetricEnergy per_bulk_modulus(const double J_minus_1) const { return times(1., J_minus_1); }
+  double compressibility() const { return 1 / kappa; } ///< [1/Pa]
+
 private:
+  VolumetricEnergy times(double factor, double J_minus_1) const;
+
   const double kappa;
+  const bool is_separate;
   const unsigned int choice;
   double exponent = 0;
 };

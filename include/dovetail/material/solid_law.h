@@ -15,6 +15,8 @@
 
 namespace dovetail {
 
+class Volumetric;
+
 /// The first Piola-Kirchhoff stress P(F, e) of a solid, F = I + H in material coordinates and e = alpha (T -
 /// T0) the free thermal strain [-]. A law gets the displacement gradient H = grad u itself: F would round it
 /// at 1e-16 whatever its size, and P at 1e-16 of the modulus, which is all of it under a small load. Knows no
@@ -75,6 +77,10 @@ public:
   /// dP/dF is, and it is not negative at rest: there is an energy, or an incremental one.
   virtual bool is_symmetric() const { return true; }
 
+  /// The part kappa U(J) of its energy if that stands by itself, so that `Formulation = mixed` may leave it
+  /// to a field of pressure: then P is without it. nullptr: it does not.
+  virtual const Volumetric *volume() const { return nullptr; }
+
   /// P is affine in (F, e): one solve, no curvature.
   virtual bool is_linear() const { return false; }
   /// It knows the deformed body: P is force per undeformed area, a pressure follows the boundary. Else (small
@@ -89,8 +95,18 @@ struct IsotropicModuli
 {
   explicit IsotropicModuli(const Section &section);
   double shear; ///< mu [Pa]
-  double bulk;  ///< kappa [Pa], three-dimensional
-  double lame() const { return bulk - 2. / 3. * shear; }
+  double bulk;  ///< kappa [Pa], three-dimensional; infinite: the volume does not change (mixed only)
+  double bulk_of_stress() const { return is_mixed ? 0 : bulk; } ///< what a field of pressure does not take
+  double lame() const { return bulk_of_stress() - 2. / 3. * shear; }
+
+private:
+  bool is_mixed;
 };
+
+/// The entry `Bulk modulus`; with `Formulation = mixed` it may be inf: the volume is kept.
+double read_bulk_modulus(const Section &solid, const std::string &description);
+
+/// Whether the volume has a field of its own: the entry `Formulation`.
+bool is_mixed(const Section &solid);
 
 } // namespace dovetail

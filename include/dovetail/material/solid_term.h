@@ -58,13 +58,14 @@ public:
   /// grad u, with the part that the law itself finds (plane stress); NaN where it is not defined.
   dealii::Tensor<2, 3> full_displacement_gradient(const State<dim> &state) const;
 
-private:
   /// dH_33/du_r and dH_33/dH_11.
   struct Hoop
   {
     double by_value, by_gradient;
   };
   static Hoop hoop(const State<dim> &state) { return state.X[0] > 0 ? Hoop{1 / state.X[0], 0} : Hoop{0, 1}; }
+
+private:
   void add_hoop(const State<dim> &state, bool with_derivatives, const SolidLaw::Response &local,
                 Response<dim> &response) const;
 

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// A solid whose pressure is a field of its own, so that its volume may be kept.
+
+#pragma once
+
+#include <dovetail/material/invariant_law.h>
+#include <dovetail/material/solid_term.h>
+
+#include <memory>
+#include <optional>
+
+namespace dovetail {
+
+/// The stress of a mean tension p [Pa], which a SolidTerm hands over in the place of the thermal strain:
+/// @f[ P = p\,\mathrm{cof} F, @f] whose Cauchy stress is p I; of small displacements P = p I.
+class PressureStress : public SolidLaw
+{
+public:
+  explicit PressureStress(const bool is_of_large_strain) : is_large(is_of_large_strain) {}
+
+  bool evaluate(const dealii::Tensor<2, 3> &H, double p, bool with_derivatives,
+                Response &response) const override;
+  Curvature curvature(const dealii::Tensor<2, 3> &H, double p, const dealii::Tensor<2, 3> &w,
+                      const Place &place) const override;
+  bool is_linear() const override { return !is_large; }
+
+private:
+  const bool is_large;
+};
+
+/// The equation of the pressure, @f[ S = g - p/\kappa, \qquad g = U'(J_e)/\kappa, \quad J_e = J/(1 + e)^3,
+/// @f] and g = tr H - 3 e of small displacements. 1/kappa = 0 keeps the volume.
+///
+/// Reference: Simo, Taylor & Pister (1985); Boffi, Brezzi & Fortin (2013), section 8.12 for the elements.
+template <int dim>
+class VolumeTerm : public Term<dim>
+{
+public:
+  using Expansion = typename SolidTerm<dim>::Expansion;
+
+  /// @p solid: the stress without the pressure, which lives as long.
+  VolumeTerm(const Field &field, const SolidTerm<dim> &solid, const Volumetric &U,
+             const std::optional<Expansion> &expansion, bool is_axisymmetric);
+
+  bool has_flux() const override { return false; }
+  bool has_source() const override { return true; }
+  Coupling coupling(unsigned int c, unsigned int d) const override;
+  bool is_linear() const override { return !solid.has_large_strain(); }
+  bool is_symmetric() const override { return false; } ///< it is not positive
+  bool depends_on_time() const override { return false; }
+  std::string description() const override { return "volume"; }
+  bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const override;
+
+private:
+  /// g and its derivatives.
+  struct Volume
+  {
+    double g = 0, by_strain = 0;
+    dealii::Tensor<2, 3> by_F;
+  };
+  bool find_volume(const State<dim> &state, Volume &volume) const;
+
+  const SolidTerm<dim> &solid;
+  const Volumetric U;
+  const std::optional<Expansion> expansion;
+  const bool is_axisymmetric;
+};
+
+} // namespace dovetail

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/material/embedding.h>
+#include <dovetail/material/hyperelastic_law.h>
+#include <dovetail/material/volume_term.h>
+#include <dovetail/scene/undefined.h>
+
+#include <cmath>
+
+namespace dovetail {
+
+using dealii::Tensor;
+
+namespace {
+
+/// X_iJkL(A) = e_ikm e_JLN A_mN. The cofactor of F is X(F):F/2, and its derivative X(F).
+Tensor<4, 3> derivative_of_cofactor(const Tensor<2, 3> &A)
+{
+  Tensor<4, 3> X;
+  for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int k = 0; k < 3; ++k)
+      for (unsigned int J = 0; J < 3 && k != i; ++J)
+        for (unsigned int L = 0; L < 3; ++L)
+          if (L != J) {
+            const double sign = ((3 + k - i) % 3 == (3 + L - J) % 3) ? 1 : -1;
+            X[i][J][k][L] = sign * A[3 - i - k][3 - J - L];
+          }
+  return X;
+}
+
+Tensor<2, 3> cofactor(const Tensor<2, 3> &F)
+{
+  return dealii::double_contract<2, 0, 3, 1>(derivative_of_cofactor(F), F) / 2.;
+}
+
+Tensor<2, 3> with_unit(Tensor<2, 3> H)
+{
+  for (unsigned int i = 0; i < 3; ++i)
+    H[i][i] += 1;
+  return H;
+}
+
+} // namespace
+
+bool PressureStress::evaluate(const Tensor<2, 3> &H, const double p, const bool with_derivatives,
+                              Response &response) const
+{
+  const Tensor<2, 3> F = with_unit(H);
+  const Tensor<2, 3> direction = is_large ? cofactor(F) : Tensor<2, 3>(dealii::unit_symmetric_tensor<3>());
+  response.P = p * direction;
+  if (with_derivatives) {
+    response.dP_dF = is_large ? p * derivative_of_cofactor(F) : Tensor<4, 3>();
+    response.dP_de = direction;
+  }
+  return std::isfinite(response.P.norm_square()) || undefined("the pressure is not a finite number");
+}
+
+// w:cof F has the derivative X(w):F and the second one X(w).
+SolidLaw::Curvature PressureStress::curvature(const Tensor<2, 3> &H, const double p, const Tensor<2, 3> &w,
+                                              const Place &) const
+{
+  Curvature result;
+  if (!is_large)
+    return result;
+  const Tensor<4, 3> X = derivative_of_cofactor(w);
+  result.FF = p * X;
+  result.Fe = dealii::double_contract<2, 0, 3, 1>(X, with_unit(H));
+  return result;
+}
+
+template <int dim>
+VolumeTerm<dim>::VolumeTerm(const Field &field, const SolidTerm<dim> &solid, const Volumetric &U,
+                            const std::optional<Expansion> &expansion, const bool is_axisymmetric)
+    : Term<dim>(field), solid(solid), U(U), expansion(expansion), is_axisymmetric(is_axisymmetric)
+{
+}
+
+template <int dim>
+Coupling VolumeTerm<dim>::coupling(const unsigned int c, const unsigned int d) const
+{
+  const unsigned int radial = solid.field.first_component;
+  Coupling result;
+  result.source_by_gradient = d >= radial && d < radial + dim;
+  result.source_by_value = (d == c && U.compressibility() > 0) ||
+                           (expansion && d == expansion->temperature) || (is_axisymmetric && d == radial);
+  return result;
+}
+
+template <int dim>
+bool VolumeTerm<dim>::find_volume(const State<dim> &state, Volume &volume) const
+{
+  const double e =
+      expansion ? expansion->coefficient * (state.value[expansion->temperature] - expansion->reference) : 0;
+  const double s = 1 + e;
+  Tensor<2, 3> H = solid.full_displacement_gradient(state);
+  if (!solid.has_large_strain()) {
+    volume = {trace(H) - 3 * e, -3, dealii::unit_symmetric_tensor<3>()};
+    return true;
+  }
+  for (unsigned int i = 0; i < 3; ++i)
+    H[i][i] -= e;
+  const Deformation elastic(H / s);
+  if (!(s > 0 && elastic.J > 0 && std::isfinite(elastic.J)))
+    return undefined("the change of volume J = det F is " + in_words(elastic.J * s * s * s) +
+                     ", but must be positive");
+  const VolumetricEnergy at = U.per_bulk_modulus(elastic.J_minus_1);
+  volume = {at.U_1, -3 * elastic.J / s * at.U_2, at.U_2 / s * cofactor(elastic.F)};
+  return std::isfinite(volume.g) || undefined("the volumetric energy is not a finite number");
+}
+
+template <int dim>
+bool VolumeTerm<dim>::add(const State<dim> &state, const bool with_derivatives, Response<dim> &response) const
+{
+  const unsigned int n = state.value.size(), p = this->field.first_component,
+                     first = solid.field.first_component;
+  Volume volume;
+  if (!find_volume(state, volume))
+    return false;
+  response.source[p] += volume.g - U.compressibility() * state.value[p];
+  if (!with_derivatives)
+    return true;
+  for (unsigned int i = 0; i < dim; ++i)
+    response.source_by_gradient[p * n + first + i] += restrict_to<dim>(volume.by_F[i]);
+  if (U.compressibility() > 0)
+    response.source_by_value[p * n + p] -= U.compressibility();
+  if (expansion)
+    response.source_by_value[p * n + expansion->temperature] += expansion->coefficient * volume.by_strain;
+  if (is_axisymmetric) {
+    const auto [by_value, by_gradient] = SolidTerm<dim>::hoop(state);
+    response.source_by_value[p * n + first] += by_value * volume.by_F[2][2];
+    response.source_by_gradient[p * n + first][0] += by_gradient * volume.by_F[2][2];
+  }
+  return true;
+}
+
+template class VolumeTerm<2>;
+template class VolumeTerm<3>;
+
+} // namespace dovetail

@@ -44,7 +44,7 @@ int main(int argc, char **argv)
   show("m, kg, min, K", "W/(m K)", 1. / 216000);
   show(mm, "m or K", 1);
   show(mm, "W/(m K", 1);
-  for (const std::string &wrong : {"mm, t, s", "mm, t, s, C", "mm, t, s, K, A"})
+  for (const char *wrong : {"mm, t, s", "mm, t, s, C", "mm, t, s, K, A"})
     try {
       Units{wrong};
     } catch (const UserError &error) {

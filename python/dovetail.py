@@ -120,7 +120,7 @@ class Scene:
 class Result:
     """What a run has found.
 
-    report     the dictionary of report.json (doc/theory/output.md); None where no step converged
+    report     the dictionary of report.json (doc/theory/output.md)
     converged  whether all steps converged; if not, the report is that of the last good one
     directory  of the results
     log        what the program printed

@@ -21,6 +21,10 @@
 //     alpha_m = (2 r - 1) / (r + 1),  alpha_f = r / (r + 1),
 //     gamma = 1/2 - alpha_m + alpha_f,  beta = (1 - alpha_m + alpha_f)^2 / 4.
 //
+// a_n is the acceleration not at t_n, but earlier or later by a share of the step: a_n - b_n is proportional
+// to its size. A step of another size therefore goes on from b_n + (h/h_n) (a_n - b_n), which keeps the
+// order.
+//
 // Of order two and stable for any size of the steps; r = 1 is the trapezoidal rule, which keeps the energy of
 // linear bodies, and r = 0 removes in one step what is not resolved. Nothing is known of a at the beginning,
 // after a toggle has switched and after prescribed values have jumped: there it is constant during a step,
@@ -75,7 +79,7 @@ public:
       const double c = (1 - alpha_m) / (1 - alpha_f);
       result.second_by_value *= c;
       result.second_rest *= c;
-      result.second_rest.add(alpha_m / (1 - alpha_f), a(), -alpha_f / (1 - alpha_f), b());
+      result.second_rest.add(alpha_m / (1 - alpha_f), a(step), -alpha_f / (1 - alpha_f), b());
     }
     return result;
   }
@@ -95,14 +99,22 @@ protected:
     if (is_start(step))
       rate.add(step.size, found[0]);
     else
-      rate.add(step.size * (1 - gamma), a(), step.size * gamma, found[0]);
+      rate.add(step.size * (1 - gamma), a(step), step.size * gamma, found[0]);
     second_rates = std::move(found);
   }
 
 private:
   bool is_start(const StepTime &step) const { return memory().second_rates.empty() || step.starts_anew; }
-  const Vector &a() const { return memory().second_rates[0]; }
   const Vector &b() const { return memory().second_rates[1]; }
+  /// a_n for a step of this size.
+  Vector a(const StepTime &step) const
+  {
+    Vector result = memory().second_rates[0];
+    const double ratio = step.size / memory().last.size;
+    if (ratio != 1)
+      result.sadd(ratio, 1 - ratio, b());
+    return result;
+  }
 
   /// a, linear in x.
   std::pair<double, Vector> newmark(const StepTime &step) const
@@ -111,7 +123,7 @@ private:
     Vector rest = memory().states[0];
     rest.sadd(-by_value, -by_value * h, memory().rates[0]);
     if (!is_start(step))
-      rest.add(1 - 1 / (2 * beta), a());
+      rest.add(1 - 1 / (2 * beta), a(step));
     return {by_value, rest};
   }
 

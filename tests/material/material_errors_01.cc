@@ -32,7 +32,7 @@ int main()
   expect_error(linear + "set Shear modulus = 0\nset Bulk modulus = 2", "");
   expect_error(linear + "set Shear modulus = 1\nset Bulk modulus = -2", "");
   expect_error(complete + "set Density = -1", "");
-  expect_error(complete + "set Formulation = mixed", "");
+  expect_error(complete + "set Formulation = hybrid", "");
   expect_error(complete + "set Expansion coefficient = 1e-5", "");
   expect_error("set Type = neo-Hokean", "");
   expect_error("", "set Type = Fourier");

@@ -100,7 +100,7 @@ int main(int argc, char **argv)
     if (radius > 0)
       print("  damping of a high frequency", damping(radius, 1e4));
   }
-  print("order with a new start", std::log2(error_with_new_start(80) / error_with_new_start(160)));
+  print("order with a new start", std::log2(error_with_new_start(80) / error_with_new_start(640)) / 3);
   check_energy();
   check_first_rates();
 }

@@ -67,6 +67,7 @@ std::string note_on_locking(const Domain<dim> &domain, const MPI_Comm &communica
         << " lock: the body is too stiff, and its pressure oscillates. Set Degree = " << degree;
   if (domain.has_simplices() && degree == 3)
     words << " and take quadrilaterals or hexahedra";
+  words << ", or Formulation = mixed with Degree = 2 or higher";
   return words.str();
 }
 

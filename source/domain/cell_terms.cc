@@ -176,9 +176,6 @@ void CellTerms<dim>::add_source_of_laws(const double JxW, std::vector<double> &r
     const double *values = &point.shape_values()[layout.first_shape(c)];
     for (unsigned int a = 0; a < n_nodes; ++a)
       add(first + a, point.response.source[c] * values[a] * JxW, residual);
-    if (const double cancelled = point.response.cancelled[c]; cancelled > 0)
-      for (unsigned int a = 0; a < n_nodes; ++a)
-        force_sizes[first + a] += cancelled * std::abs(values[a]) * JxW;
   }
 }
 

@@ -86,7 +86,6 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
   std::copy(state.memory.accepted.begin(), state.memory.accepted.end(), state.memory.trial.begin());
   std::fill(response.flux.begin(), response.flux.end(), Tensor<1, dim>());
   std::fill(response.source.begin(), response.source.end(), 0.);
-  std::fill(response.cancelled.begin(), response.cancelled.end(), 0.);
   if (with_derivatives) {
     for (const unsigned int pair : flux_pairs) {
       response.by_gradient[pair] = 0;
@@ -125,7 +124,6 @@ bool Material<dim>::evaluate_storage(const State<dim> &state, Response<dim> &res
 {
   std::copy(state.memory.accepted.begin(), state.memory.accepted.end(), state.memory.trial.begin());
   std::fill(response.source.begin(), response.source.end(), 0.);
-  std::fill(response.cancelled.begin(), response.cancelled.end(), 0.);
   for (const unsigned int pair : source_pairs)
     response.source_by_value[pair] = 0;
   return std::all_of(terms.begin(), terms.end(), [&](const auto &term) {

@@ -94,9 +94,8 @@ bool VolumeTerm<dim>::find_volume(const State<dim> &state, Volume &volume) const
       expansion ? expansion->coefficient * (state.value[expansion->temperature] - expansion->reference) : 0;
   const double s = 1 + e;
   Tensor<2, 3> H = solid.full_displacement_gradient(state);
-  const double cancelled = H.norm() + 3 * std::abs(e);
   if (!solid.has_large_strain()) {
-    volume = {trace(H) - 3 * e, -3, cancelled, dealii::unit_symmetric_tensor<3>()};
+    volume = {trace(H) - 3 * e, -3, dealii::unit_symmetric_tensor<3>()};
     return true;
   }
   for (unsigned int i = 0; i < 3; ++i)
@@ -106,7 +105,7 @@ bool VolumeTerm<dim>::find_volume(const State<dim> &state, Volume &volume) const
     return undefined("the change of volume J = det F is " + in_words(elastic.J * s * s * s) +
                      ", but must be positive");
   const VolumetricEnergy at = U.per_bulk_modulus(elastic.J_minus_1);
-  volume = {at.U_1, -3 * elastic.J / s * at.U_2, cancelled, at.U_2 / s * cofactor(elastic.F)};
+  volume = {at.U_1, -3 * elastic.J / s * at.U_2, at.U_2 / s * cofactor(elastic.F)};
   return std::isfinite(volume.g) || undefined("the volumetric energy is not a finite number");
 }
 
@@ -119,7 +118,6 @@ bool VolumeTerm<dim>::add(const State<dim> &state, const bool with_derivatives, 
   if (!find_volume(state, volume))
     return false;
   response.source[p] += volume.g - U.compressibility() * state.value[p];
-  response.cancelled[p] += volume.cancelled;
   if (!with_derivatives)
     return true;
   for (unsigned int i = 0; i < dim; ++i)

@@ -59,13 +59,12 @@ template <int dim>
 struct Response
 {
   explicit Response(unsigned int n)
-      : flux(n), source(n), cancelled(n), by_gradient(n * n), by_value(n * n), source_by_gradient(n * n),
+      : flux(n), source(n), by_gradient(n * n), by_value(n * n), source_by_gradient(n * n),
         source_by_value(n * n)
   {
   }
   std::vector<dealii::Tensor<1, dim>> flux;
   std::vector<double> source;
-  std::vector<double> cancelled; ///< the size of the summands of a source that cancel even at a solution
   std::vector<dealii::Tensor<2, dim>> by_gradient;
   std::vector<dealii::Tensor<1, dim>> by_value;
   std::vector<dealii::Tensor<1, dim>> source_by_gradient;

@@ -58,7 +58,6 @@ private:
   struct Volume
   {
     double g = 0, by_strain = 0;
-    double cancelled = 0; ///< |H| + 3 |e|, of which g is the small trace
     dealii::Tensor<2, 3> by_F;
   };
   bool find_volume(const State<dim> &state, Volume &volume) const;

@@ -9,6 +9,8 @@
 
 #include <dovetail/domain/mesh_text.h>
 
+#include <boost/algorithm/string/case_conv.hpp>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -19,13 +21,6 @@
 namespace dovetail {
 
 namespace {
-
-std::string in_capitals(std::string name)
-{
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](const unsigned char letter) { return std::toupper(letter); });
-  return name;
-}
 
 /// The digits in a name.
 std::string digits_in(const std::string &name)
@@ -175,10 +170,10 @@ private:
       line = begin + line;
     }
     const auto words = words_of_line();
-    AbaqusKeyword keyword = {in_capitals(words[0]), {}};
+    AbaqusKeyword keyword = {boost::to_upper_copy(words[0]), {}};
     for (std::size_t i = 1; i < words.size(); ++i) {
       const auto equals = words[i].find('=');
-      keyword.parameters[in_capitals(words[i].substr(0, equals))] =
+      keyword.parameters[boost::to_upper_copy(words[i].substr(0, equals))] =
           equals == std::string::npos ? "" : words[i].substr(equals + 1);
     }
     return keyword;
@@ -232,9 +227,10 @@ private:
   void begin_instance(const AbaqusKeyword &keyword)
   {
     text.check(current == &outside[0], "an instance begins inside of a part or an instance");
-    const std::string part = in_capitals(name_in(keyword, "PART"));
-    const auto found = std::find_if(parts.begin(), parts.end(),
-                                    [&](const auto &known) { return in_capitals(known.name) == part; });
+    const std::string part = boost::to_upper_copy(name_in(keyword, "PART"));
+    const auto found = std::find_if(parts.begin(), parts.end(), [&](const auto &known) {
+      return boost::to_upper_copy(known.name) == part;
+    });
     text.check(found != parts.end(), "the part '" + keyword["PART"] + "' of an instance does not exist");
     instances.push_back(*found);
     current = &instances.back();
@@ -278,7 +274,7 @@ private:
 
   static AbaqusSet &set_of(AbaqusSets &sets, const std::string &name)
   {
-    AbaqusSet &set = sets[in_capitals(name)];
+    AbaqusSet &set = sets[boost::to_upper_copy(name)];
     if (set.name.empty())
       set.name = name;
     return set;
@@ -300,8 +296,8 @@ private:
 
   void read_elements(const AbaqusKeyword &keyword)
   {
-    const std::string type = in_capitals(keyword["TYPE"]), set = keyword["ELSET"];
-    const bool has_id = in_capitals(set.substr(0, 2)) == "EB";
+    const std::string type = boost::to_upper_copy(keyword["TYPE"]), set = keyword["ELSET"];
+    const bool has_id = boost::to_upper_copy(set.substr(0, 2)) == "EB";
     while (is_data()) {
       const auto numbers = read_numbers_of_element();
       AbaqusElement element = {numbers[0], {}, has_id ? id_in(set) : 0};
@@ -359,7 +355,7 @@ private:
                 AbaqusSets AbaqusPart::*member, const std::size_t n_own)
   {
     AbaqusSet &set = set_of(sets, name_in(keyword, parameter));
-    const std::string instance = in_capitals(keyword["INSTANCE"]);
+    const std::string instance = boost::to_upper_copy(keyword["INSTANCE"]);
     const AbaqusPart *const owner = keyword.has("INSTANCE") ? find_instance(instance) : nullptr;
     const std::size_t n = owner == nullptr                   ? n_own
                           : member == &AbaqusPart::node_sets ? owner->nodes.size()
@@ -383,7 +379,7 @@ private:
   const AbaqusPart *find_instance(const std::string &name) const
   {
     for (const AbaqusPart &instance : instances)
-      if (in_capitals(instance.name) == name)
+      if (boost::to_upper_copy(instance.name) == name)
         return &instance;
     text.fail("the instance '" + name + "' does not exist");
   }
@@ -393,12 +389,12 @@ private:
                   AbaqusSets AbaqusPart::*member, AbaqusSet &set) const
   {
     if (const auto dot = word.find('.'); dot != std::string::npos) {
-      const std::string other = in_capitals(word.substr(0, dot));
+      const std::string other = boost::to_upper_copy(word.substr(0, dot));
       add_to_set(word.substr(dot + 1), other, find_instance(other)->*member, member, set);
     } else if (is_number(word))
       set.numbers[instance].push_back(number_of(word, "a number in a set"));
     else {
-      const auto known = sets.find(in_capitals(word));
+      const auto known = sets.find(boost::to_upper_copy(word));
       text.check(known != sets.end(), "the set '" + word + "' does not exist");
       const auto numbers = known->second.numbers; // it may be this set
       for (const auto &[owner, its_numbers] : numbers) {
@@ -426,15 +422,15 @@ private:
 
   void read_surface(const AbaqusKeyword &keyword)
   {
-    AbaqusSurface surface = {name_in(keyword, "NAME"), in_capitals(keyword["TYPE"]) == "NODE", {}};
-    const std::string type = in_capitals(keyword["TYPE"]);
+    AbaqusSurface surface = {name_in(keyword, "NAME"), boost::to_upper_copy(keyword["TYPE"]) == "NODE", {}};
+    const std::string type = boost::to_upper_copy(keyword["TYPE"]);
     if (!type.empty() && type != "ELEMENT" && type != "NODE")
       return; // of no mesh
     for (; is_data(); next_line()) {
       const auto words = words_of_line();
       text.check(!words.empty() && words.size() <= 2 && !words[0].empty(),
                  "a surface needs lines 'element or set, S1'");
-      const std::string face = surface.has_nodes || words.size() == 1 ? "" : in_capitals(words[1]);
+      const std::string face = surface.has_nodes || words.size() == 1 ? "" : boost::to_upper_copy(words[1]);
       const bool has_number = face.size() == 2 && (face[0] == 'S' || face[0] == 'E') && std::isdigit(face[1]);
       text.check(face.empty() || has_number || face == "SPOS" || face == "SNEG",
                  "a surface needs lines 'element or set, S1'");
@@ -550,7 +546,7 @@ private:
     if (instance.empty())
       return &asking;
     for (const AbaqusPart &part : parts)
-      if (in_capitals(part.name) == in_capitals(instance))
+      if (boost::to_upper_copy(part.name) == boost::to_upper_copy(instance))
         return &part;
     throw MeshError("the instance '" + instance + "' does not exist.");
   }
@@ -574,7 +570,7 @@ private:
   /// A number or the name of a set, perhaps after "instance.".
   static AbaqusSet as_set(const AbaqusPart &part, AbaqusSets AbaqusPart::*member, const std::string &word)
   {
-    if (const auto known = (part.*member).find(in_capitals(word)); known != (part.*member).end())
+    if (const auto known = (part.*member).find(boost::to_upper_copy(word)); known != (part.*member).end())
       return known->second;
     if (word.empty() || word.find_first_not_of("0123456789") != std::string::npos)
       throw MeshError("the set '" + word + "' of a surface does not exist.");
@@ -584,7 +580,7 @@ private:
   AbaqusSet named_set(const AbaqusPart &asking, AbaqusSets AbaqusPart::*member, const std::string &word) const
   {
     const auto dot = word.find('.');
-    if (dot == std::string::npos || (asking.*member).count(in_capitals(word)) > 0)
+    if (dot == std::string::npos || (asking.*member).count(boost::to_upper_copy(word)) > 0)
       return as_set(asking, member, word);
     const std::string instance = word.substr(0, dot);
     AbaqusSet set = as_set(*find(asking, instance), member, word.substr(dot + 1));

@@ -6,7 +6,8 @@
 #include <dovetail/domain/mesh_file.h>
 #include <dovetail/scene/user_error.h>
 
-#include <algorithm>
+#include <boost/algorithm/string/predicate.hpp>
+
 #include <set>
 
 namespace dovetail {
@@ -36,14 +37,6 @@ std::string names_of_volumes(const MeshFile &mesh)
          ", and the ids " + comma_separated(numbers) + ".";
 }
 
-/// The same letters, capital or not.
-bool is_same_name(const std::string &a, const std::string &b)
-{
-  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const char x, const char y) {
-           return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
-         });
-}
-
 std::vector<std::size_t> cells_of_volume(const std::string &name, const MeshFile &mesh)
 {
   if (const auto exact = mesh.volumes.find(name); exact != mesh.volumes.end())
@@ -53,7 +46,7 @@ std::vector<std::size_t> cells_of_volume(const std::string &name, const MeshFile
     if (std::to_string(mesh.cells.ids[c]) == name)
       cells.push_back(c);
   for (const auto &[known, its_cells] : mesh.volumes)
-    if (cells.empty() && is_same_name(known, name))
+    if (cells.empty() && boost::algorithm::iequals(known, name))
       cells = its_cells;
   if (cells.empty()) {
     std::vector<std::string> known;

@@ -6,8 +6,9 @@
 
 #include <deal.II/base/utilities.h>
 
+#include <boost/algorithm/string/predicate.hpp>
+
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <set>
@@ -146,13 +147,6 @@ bool is_id(const std::string &text)
          Patterns::Integer(0).match(text);
 }
 
-std::string in_small_letters(std::string text)
-{
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](const unsigned char letter) { return std::tolower(letter); });
-  return text;
-}
-
 /// The boundary ids that the @p text names, an id or a name; capitals count only where names differ by them.
 std::vector<unsigned int> ids_of_boundary(const Section &section, const std::string &entry,
                                           const std::string &text, const BoundaryNames &names,
@@ -166,7 +160,7 @@ std::vector<unsigned int> ids_of_boundary(const Section &section, const std::str
   for (const auto &[name, ids] : names) {
     if (!is_id(name))
       known.push_back(name);
-    if (in_small_letters(name) == in_small_letters(text))
+    if (boost::algorithm::iequals(name, text))
       similar.push_back(name);
   }
   if (similar.size() == 1)

@@ -16,7 +16,7 @@ namespace dovetail {
 namespace {
 
 /// In units of the cell's diameter.
-constexpr double tolerance_of_straight = 1e-3, tolerance_of_curved = 0.1, rounding = 1e-9;
+constexpr double tolerance_of_straight = 1e-3, tolerance_of_curved = 0.1, rounding_of_distance = 1e-9;
 
 /// A point of a cell, and how far X is from it in units of the cell's diameter.
 template <int dim>
@@ -122,7 +122,7 @@ std::vector<PointInCell<dim>> find_cells(const Domain<dim> &domain, const dealii
 
   std::vector<PointInCell<dim>> result;
   for (const auto &candidate : candidates)
-    if (candidate.distance <= least + rounding)
+    if (candidate.distance <= least + rounding_of_distance)
       result.push_back(candidate.place);
   return result;
 }

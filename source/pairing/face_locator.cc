@@ -151,7 +151,7 @@ struct FaceLocator<dim>::Implementation
   std::vector<BoundingBox<dim>> boxes;
   BoxTree<unsigned int> face_tree;
   BoxTree<unsigned int> rank_tree; ///< the coarse boxes of the other ranks
-  mutable InterfaceWork work;
+  mutable InterfaceWork work;      ///< counted by collective calls, so never by two threads at once
 };
 
 namespace {

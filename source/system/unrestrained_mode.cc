@@ -236,7 +236,7 @@ UnrestrainedMode<dim> describe(const Model<dim> &model, const std::string &field
     std::vector<std::string> axes;
     for (unsigned int c = 0; c < dim; ++c)
       if (moves_along[c])
-        axes.push_back(std::string(1, "xyz"[c]));
+        axes.emplace_back(1, "xyz"[c]);
     motion.kind = "a translation along " + comma_separated(axes);
   }
   return motion;

@@ -114,7 +114,7 @@ private:
   std::string toggle;
   std::unique_ptr<Tie<dim>> method;
   std::unique_ptr<Pairing<dim>> geometry;
-  mutable InterfaceWork all_work;
+  mutable InterfaceWork all_work; ///< counted by collective calls, so never by two threads at once
 };
 
 } // namespace dovetail

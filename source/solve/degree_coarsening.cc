@@ -3,26 +3,15 @@
 
 #include "degree_coarsening.h"
 
-#include <deal.II/base/index_set.h>
-#include <deal.II/lac/solver_cg.h>
-#include <deal.II/lac/solver_control.h>
-
 #include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_Import.h>
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
-#include <Epetra_MpiComm.h>
-#include <Teuchos_ParameterList.hpp>
 #include <ml_epetra_utils.h>
-
-#include <algorithm>
-#include <cmath>
 
 namespace dovetail {
 
 namespace {
-
-using SingleVector = dealii::TrilinosWrappers::MPI::Vector;
 
 /// What a row is: the number of an unknown of the coarse matrix, or
 enum Kind { is_fixed = -1, is_sum = -2 };
@@ -45,9 +34,9 @@ bool on_any_rank(const Epetra_Comm &communicator, const bool here)
 
 } // namespace
 
-DegreeCoarsening::DegreeCoarsening(const Epetra_CrsMatrix &matrix, const Sums &sums,
-                                   const Epetra_MultiVector &modes, Teuchos::ParameterList parameters)
-    : matrix(matrix), inverse_diagonal(matrix.RowMap())
+DegreeCoarsening::DegreeCoarsening(const Epetra_CrsMatrix &A, const Sums &sums,
+                                   const Epetra_MultiVector &modes)
+    : matrix(A)
 {
   make_prolongation(sums);
   Epetra_CrsMatrix *product = nullptr;
@@ -63,12 +52,10 @@ DegreeCoarsening::DegreeCoarsening(const Epetra_CrsMatrix &matrix, const Sums &s
         (*coarse_modes)[mode][next] = modes[mode][row];
       ++next;
     }
-  parameters.set("null space: vectors", coarse_modes->Values());
-  coarse_multigrid.initialize(*coarse_matrix, parameters);
-
-  matrix.ExtractDiagonalCopy(inverse_diagonal);
-  inverse_diagonal.Reciprocal(inverse_diagonal);
-  estimate_spectrum();
+  coarse = std::make_unique<SmoothedAggregation>(*coarse_matrix, *coarse_modes, [](const auto &level) {
+    return ChebyshevSmoother::with_factorisation(level, {6, 80}); // costs little beside the rows of A
+  });
+  smoother = ChebyshevSmoother::with_diagonal(matrix, {3, 15});
 }
 
 /// The sums of @p sums, sums of sums, … until only unknowns of the coarse matrix are left.
@@ -141,98 +128,20 @@ void DegreeCoarsening::make_prolongation(const Sums &sums)
   prolongation->FillComplete(coarse, matrix.RowMap());
 }
 
-/// By a few conjugate gradients from a vector that is rough and the same on any number of ranks.
-void DegreeCoarsening::estimate_spectrum()
+void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
 {
-  const unsigned int n_iterations = 10;
-  struct MatrixAndDiagonal
-  {
-    const Epetra_CrsMatrix &A;
-    const Epetra_Vector &inverse;
-  };
-  struct Product : MatrixAndDiagonal
-  {
-    void vmult(SingleVector &y, const SingleVector &x) const
-    {
-      A.Multiply(false, x.trilinos_vector(), y.trilinos_vector());
-    }
-  };
-  struct Scaling : MatrixAndDiagonal
-  {
-    void vmult(SingleVector &y, const SingleVector &x) const
-    {
-      y.trilinos_vector().Multiply(1., inverse, x.trilinos_vector(), 0.);
-    }
-  };
-  const MatrixAndDiagonal both = {matrix, inverse_diagonal};
-  const auto &communicator = dynamic_cast<const Epetra_MpiComm &>(matrix.Comm());
-  dealii::IndexSet owned(matrix.NumGlobalRows());
-  if (matrix.NumMyRows() > 0)
-    owned.add_range(matrix.GRID(0), matrix.GRID(0) + matrix.NumMyRows());
-  SingleVector x(owned, communicator.Comm()), b(owned, communicator.Comm());
-  for (int row = 0; row < matrix.NumMyRows(); ++row)
-    b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + matrix.GRID(row) % 1009)) / inverse_diagonal[row];
-  dealii::IterationNumberControl control(n_iterations, 1e-30 * b.l2_norm());
-  dealii::SolverCG<SingleVector> solver(control);
-  solver.connect_eigenvalues_slot([this](const std::vector<double> &eigenvalues) {
-    if (!eigenvalues.empty())
-      largest_eigenvalue = eigenvalues.back();
-  });
-  solver.solve(Product{both}, x, b, Scaling{both});
-  AssertThrow(largest_eigenvalue > 0, dealii::ExcMessage("The matrix is not positive definite."));
-  largest_eigenvalue *= 1.1; // approached from below
-}
+  smoother->smooth(x.Values(), b.Values(), true);
 
-/// Chebyshev iteration for diag(A)^-1 A on the upper part of its spectrum. @p residual is memory.
-void DegreeCoarsening::smooth(Epetra_Vector &x, const Epetra_Vector &b, Epetra_Vector &residual,
-                              const bool starts_from_zero) const
-{
-  Epetra_Vector direction(matrix.RowMap(), false);
-  const unsigned int degree = 3;
-  const double ratio = 15; // of the largest to the smallest eigenvalue that is smoothed
-  const double middle = largest_eigenvalue * (1 + 1 / ratio) / 2,
-               half = largest_eigenvalue * (1 - 1 / ratio) / 2;
-  double rho = half / middle;
-  for (unsigned int k = 0; k < degree; ++k) {
-    const bool is_zero = k == 0 && starts_from_zero;
-    if (is_zero)
-      x.PutScalar(0.);
-    else
-      matrix.Multiply(false, x, residual);
-    const double next = 1 / (2 * middle / half - rho);
-    const double residual_factor = k == 0 ? 1 / middle : 2 * next / half,
-                 direction_factor = k == 0 ? 0 : next * rho;
-    if (k > 0)
-      rho = next;
-    const int n = x.MyLength();
-    double *const x_i = x.Values(), *const d_i = direction.Values();
-    const double *const r_i = residual.Values(), *const b_i = b.Values(),
-                        *const D_i = inverse_diagonal.Values();
-    for (int i = 0; i < n; ++i) {
-      d_i[i] = (direction_factor == 0 ? 0 : direction_factor * d_i[i]) +
-               residual_factor * D_i[i] * (is_zero ? b_i[i] : b_i[i] - r_i[i]);
-      x_i[i] += d_i[i];
-    }
-  }
-}
-
-void DegreeCoarsening::vmult(dealii::TrilinosWrappers::MPI::Vector &destination,
-                             const dealii::TrilinosWrappers::MPI::Vector &source) const
-{
-  const Epetra_Vector b(View, source.trilinos_vector(), 0);
-  Epetra_Vector x(View, destination.trilinos_vector(), 0);
   Epetra_Vector residual(matrix.RowMap(), false), correction(matrix.RowMap(), false);
-  smooth(x, b, residual, true);
-
   matrix.Multiply(false, x, residual);
   residual.Update(1., b, -1.);
   Epetra_Vector coarse_b(prolongation->DomainMap()), coarse_x(prolongation->DomainMap());
   prolongation->Multiply(true, residual, coarse_b);
-  coarse_multigrid.trilinos_operator().ApplyInverse(coarse_b, coarse_x);
+  coarse->vmult(coarse_x, coarse_b);
   prolongation->Multiply(false, coarse_x, correction);
   x.Update(1., correction, 1.);
 
-  smooth(x, b, residual, false);
+  smoother->smooth(x.Values(), b.Values(), false);
 }
 
 } // namespace dovetail

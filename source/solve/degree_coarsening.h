@@ -5,8 +5,8 @@
 
 #pragma once
 
-#include <deal.II/lac/trilinos_precondition.h>
-#include <deal.II/lac/trilinos_vector.h>
+#include "chebyshev_smoother.h"
+#include "smoothed_aggregation.h"
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
@@ -19,13 +19,15 @@
 namespace dovetail {
 
 /// A cycle of two levels for a symmetric positive definite matrix A of elements of degree p: Chebyshev
-/// smoothing on all unknowns, and multigrid for the functions of degree one on the same mesh,
+/// smoothing on all unknowns, and SmoothedAggregation for the functions of degree one on the same mesh,
 /// @f[ A_1 = P^T A P, @f]
 /// where P interpolates them. A_1 has p^dim times fewer unknowns and much shorter rows than A, and its
 /// geometry is simple: aggregation has an easy task, at a fraction of the set-up and of the coarse work.
+/// Functions may keep their degree along the long edges of stretched cells, where the diagonal smooths
+/// nothing: Model::linear_part.
 ///
 /// Each unknown is a weighted sum of others: a node of those at the vertices of its cell, an unknown that a
-/// constraint condenses out of those it follows. Followed through, only vertices remain.
+/// constraint condenses out of those it follows. Followed through, only unknowns of A_1 remain.
 class DegreeCoarsening
 {
 public:
@@ -33,25 +35,20 @@ public:
   /// one: an unknown of A_1.
   using Sums = std::vector<std::vector<std::pair<int, double>>>;
 
-  /// @param modes near-null space of A; the part on the vertices is that of A_1
-  /// @param parameters of ML
-  DegreeCoarsening(const Epetra_CrsMatrix &matrix, const Sums &sums, const Epetra_MultiVector &modes,
-                   Teuchos::ParameterList parameters);
+  /// @param modes near-null space of A; the part on the unknowns of A_1 is that of A_1
+  DegreeCoarsening(const Epetra_CrsMatrix &A, const Sums &sums, const Epetra_MultiVector &modes);
 
-  void vmult(dealii::TrilinosWrappers::MPI::Vector &x, const dealii::TrilinosWrappers::MPI::Vector &b) const;
+  void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
 
 private:
   std::unique_ptr<Epetra_CrsMatrix> follow(const Sums &sums);
   void make_prolongation(const Sums &sums);
-  void estimate_spectrum();
-  void smooth(Epetra_Vector &x, const Epetra_Vector &b, Epetra_Vector &residual, bool starts_from_zero) const;
 
   const Epetra_CrsMatrix &matrix;
   std::unique_ptr<Epetra_CrsMatrix> prolongation, coarse_matrix;
-  std::unique_ptr<Epetra_MultiVector> coarse_modes; ///< ML refers to them
-  dealii::TrilinosWrappers::PreconditionAMG coarse_multigrid;
-  Epetra_Vector inverse_diagonal;
-  double largest_eigenvalue = 0; ///< of diag(A)^-1 A
+  std::unique_ptr<Epetra_MultiVector> coarse_modes;
+  std::unique_ptr<SmoothedAggregation> coarse;
+  std::unique_ptr<ChebyshevSmoother> smoother;
 };
 
 } // namespace dovetail

@@ -44,6 +44,24 @@ struct BlockTriangular
   }
 };
 
+class Control : public dealii::SolverControl
+{
+public:
+  Control(const double goal, const std::function<bool(unsigned int n, double r)> &gives_up)
+      : SolverControl(500, goal, false, false), gives_up(gives_up)
+  {
+  }
+
+  State check(const unsigned int step, const double residual) override
+  {
+    const State state = SolverControl::check(step, residual);
+    return state == iterate && gives_up && gives_up(step, residual) ? failure : state;
+  }
+
+private:
+  const std::function<bool(unsigned int n, double r)> &gives_up;
+};
+
 bool is_by_cg(const GroupFacts &facts)
 {
   return facts.is_symmetric && !facts.has_multipliers;
@@ -52,10 +70,10 @@ bool is_by_cg(const GroupFacts &facts)
 } // namespace
 
 unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
-                                GroupVector &x, const GroupVector &b, const double goal)
+                                GroupVector &x, const GroupVector &b, const double goal,
+                                const std::function<bool(unsigned int n, double r)> &gives_up)
 {
-  const unsigned int maximum_iterations = 500;
-  dealii::SolverControl control(maximum_iterations, goal, false, false);
+  Control control(goal, gives_up);
   const dealii::SolverGMRES<GroupVector>::AdditionalData data(102, true);
   if (is_by_cg(facts))
     dealii::SolverCG<GroupVector>(control).solve(K, x, b, Bodies{P});

@@ -1,27 +1,29 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// CG or GMRES with ML's smoothed aggregation, for a symmetric group of a degree above one after a first
-// coarsening to the functions of degree one (degree_coarsening.h).
+// CG or GMRES with smoothed aggregation, for a degree above one after a first coarsening to the functions of
+// degree one. A group that is not symmetric is preconditioned by the symmetric part of its matrix.
+//
+// At degree one the smoothers are made of the diagonal, until an iteration is slow: then, and from then on,
+// of incomplete factorisations, which cost more and smooth what stretched cells and the like leave.
 //
 //     subsection Linear solver
 //       set Type = multigrid
 //     end
-//
-// P. Vanek, J. Mandel, M. Brezina: Algebraic multigrid by smoothed aggregation for second and fourth order
-// elliptic problems, 1996.
 
 #include "degree_coarsening.h"
 
 #include <dovetail/solve/krylov.h>
 
-#include <deal.II/lac/trilinos_precondition.h>
+#include <deal.II/lac/solver_control.h>
 
+#include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
-#include <Teuchos_ParameterList.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <memory>
 
 namespace dovetail {
@@ -36,28 +38,55 @@ public:
   unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) override;
   void forget() override
   {
-    multigrid.reset();
-    by_degree.reset();
+    forget_values();
     modes.reset();
+    is_slow = false;
   }
 
 private:
+  void forget_values();
+  void make_aggregation();
   void make_modes(const Epetra_CrsMatrix &matrix);
-  void make_multigrid(const Epetra_CrsMatrix &matrix);
+  void make_levels();
+  unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
+                       const std::function<bool(unsigned int n, double r)> &gives_up);
 
   const GroupFacts &facts;
-  std::unique_ptr<Epetra_MultiVector> modes; ///< ML refers to them
-  std::unique_ptr<dealii::TrilinosWrappers::PreconditionAMG> multigrid;
+  std::unique_ptr<Epetra_MultiVector> modes;
+  std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< of a matrix that is not symmetric
+  const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
+  bool is_slow = false;                             ///< with smoothers made of the diagonal
+  std::unique_ptr<SmoothedAggregation> aggregation;
   std::unique_ptr<DegreeCoarsening> by_degree; ///< instead, for a degree above one
 };
 
+/// (A + A^T) / 2
+std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A)
+{
+  auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), A.MaxNumEntries());
+  EpetraExt::MatrixMatrix::Add(A, false, 0.5, *sum, 0.);
+  EpetraExt::MatrixMatrix::Add(A, true, 0.5, *sum, 1.);
+  sum->FillComplete(A.OperatorDomainMap(), A.OperatorRangeMap());
+  return sum;
+}
+
+void Multigrid::forget_values()
+{
+  aggregation.reset();
+  by_degree.reset();
+  symmetric_part.reset();
+}
+
 void Multigrid::prepare(const GroupOperator &K, const Agreement &ranks)
 {
-  multigrid.reset();
-  by_degree.reset();
-  const Epetra_CrsMatrix &matrix = *K.bodies().matrix();
-  ranks.run("modes", [&]() { make_modes(matrix); });
-  ranks.run("multigrid", [&]() { make_multigrid(matrix); });
+  forget_values();
+  matrix = K.bodies().matrix();
+  ranks.run("modes", [&]() { make_modes(*matrix); });
+  if (!facts.is_symmetric) {
+    ranks.run("symmetric part", [&]() { symmetric_part = make_symmetric_part(*matrix); });
+    matrix = symmetric_part.get();
+  }
+  ranks.run("multigrid", [&]() { make_levels(); });
 }
 
 /// They stay the same while the values of the matrix change.
@@ -71,35 +100,60 @@ void Multigrid::make_modes(const Epetra_CrsMatrix &matrix)
     std::copy(near_null_space[mode].begin(), near_null_space[mode].end(), (*modes)[mode]);
 }
 
-void Multigrid::make_multigrid(const Epetra_CrsMatrix &matrix)
+void Multigrid::make_levels()
 {
-  const bool coarsens_degree = facts.degree > 1 && facts.is_symmetric && facts.linear_part;
-  dealii::TrilinosWrappers::PreconditionAMG::AdditionalData data;
-  data.elliptic = facts.is_symmetric;
-  data.higher_order_elements = facts.degree > 1 && !coarsens_degree;
-  data.smoother_sweeps = 2;
-  data.smoother_type = facts.is_symmetric ? "Chebyshev" : "ILU";
-  Teuchos::ParameterList list;
-  std::unique_ptr<Epetra_MultiVector> unused;
-  data.set_parameters(list, unused, matrix);
-  list.set("null space: type", "pre-computed");
-  list.set("null space: dimension", modes->NumVectors());
-  list.set("null space: vectors", modes->Values());
-  list.set("aggregation: threshold", 0.0); // a positive one drops the couplings of a stiff with a soft body
-  if (coarsens_degree) {
-    by_degree = std::make_unique<DegreeCoarsening>(matrix, facts.linear_part(), *modes, list);
-    return;
-  }
-  multigrid = std::make_unique<dealii::TrilinosWrappers::PreconditionAMG>();
-  multigrid->initialize(matrix, list);
+  if (facts.degree > 1 && facts.linear_part)
+    by_degree = std::make_unique<DegreeCoarsening>(*matrix, facts.linear_part(), *modes);
+  else
+    make_aggregation();
+}
+
+void Multigrid::make_aggregation()
+{
+  aggregation.reset();
+  aggregation = std::make_unique<SmoothedAggregation>(*matrix, *modes, [this](const auto &level) {
+    return is_slow ? ChebyshevSmoother::with_factorisation(level, {4, 40})
+                   : ChebyshevSmoother::with_diagonal(level, {3, 15});
+  });
 }
 
 unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, const double goal)
 {
-  const auto cycle = [this](GroupVector &z, const GroupVector &r) {
-    by_degree ? by_degree->vmult(z, r) : multigrid->vmult(z, r);
+  if (is_slow || by_degree)
+    return iterate(K, x, b, goal, {});
+
+  const unsigned int n_between_checks = 8, most_iterations = 30;
+  const double decades = std::log10(b.l2_norm() / goal);
+  const auto will_take_too_many = [&](const unsigned int n, const double residual) {
+    return n > 0 && n % n_between_checks == 0 &&
+           n * decades > most_iterations * std::log10(b.l2_norm() / residual);
   };
-  return solve_by_iteration(K, facts, cycle, x, b, goal);
+  unsigned int n_iterations = 0;
+  try {
+    return iterate(K, x, b, goal, will_take_too_many);
+  } catch (const dealii::SolverControl::NoConvergence &end) {
+    n_iterations = end.last_step;
+  }
+  is_slow = true;
+  make_aggregation();
+  GroupVector residual(b), correction(K.vector());
+  K.vmult(residual, x);
+  residual.sadd(-1., 1., b);
+  n_iterations += iterate(K, correction, residual, goal, {});
+  x += correction;
+  return n_iterations;
+}
+
+unsigned int Multigrid::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,
+                                const double goal,
+                                const std::function<bool(unsigned int n, double r)> &gives_up)
+{
+  const auto cycle = [this](GroupVector &solution, const GroupVector &right_hand_side) {
+    Epetra_Vector z(View, solution.trilinos_vector(), 0);
+    const Epetra_Vector r(View, right_hand_side.trilinos_vector(), 0);
+    by_degree ? by_degree->vmult(z, r) : aggregation->vmult(z, r);
+  };
+  return solve_by_iteration(K, facts, cycle, x, b, goal, gives_up);
 }
 
 namespace {

@@ -445,46 +445,6 @@ std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block,
   return rigid_motions(domain, block, reference.centre(), reference.typical_length());
 }
 
-template <int dim>
-std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>>
-Model<dim>::linear_part(const Block &block) const
-{
-  const Domain<dim> &domain = *domains[block.domain_index];
-  const Field &field = domain.fields()[block.field_index];
-  const CellLayout<dim> &layout = domain.layout();
-  const unsigned int n = layout.n_nodes(field.first_component);
-  // by the first unknowns of a cell: the nodes of an element begin with its vertices; all of a discontinuous
-  // one
-  const dealii::ReferenceCell shape = domain.cell_shape();
-  const bool is_continuous = layout.is_continuous(field.first_component);
-  dealii::FullMatrix<double> weight(n, is_continuous ? shape.n_vertices() : n);
-  for (unsigned int a = 0; a < n; ++a)
-    for (unsigned int v = 0; v < weight.n(); ++v)
-      weight(a, v) = is_continuous
-                         ? shape.d_linear_shape_function(
-                               layout.element(field.first_component).get_unit_support_points()[a], v)
-                         : (a == v ? 1. : 0.);
-
-  std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>> sums(block.owned.n_elements());
-  std::vector<dealii::types::global_dof_index> dofs;
-  for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned()) {
-      domain.cell_dofs(cell, dofs);
-      for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
-        for (unsigned int a = 0; a < n; ++a) {
-          const auto dof = dofs[layout.index(c, a)] - block.begin;
-          if (!block.owned.is_element(dof))
-            continue;
-          auto &sum = sums[block.owned.index_within_set(dof)];
-          if (sum.empty())
-            for (unsigned int v = 0; v < weight.n(); ++v)
-              if (std::abs(weight(a, v)) > 1e-14)
-                sum.emplace_back(dofs[layout.index(c, v)], weight(a, v));
-        }
-    }
-  return sums;
-}
-
 template class Model<2>;
 template class Model<3>;
 

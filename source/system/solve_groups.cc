@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/system/linear_part.h>
 #include <dovetail/system/solve_groups.h>
 
 #include <algorithm>
@@ -9,13 +10,13 @@ namespace dovetail {
 
 namespace {
 
-/// Model::linear_part, where constrained unknowns are the sum of those they follow.
+/// Where constrained unknowns are the sum of those they follow.
 template <int dim>
-std::vector<SolveGroup::Sum> linear_part(const Model<dim> &model, const BlockSystem<dim> &system,
-                                         const unsigned int block_number)
+std::vector<SolveGroup::Sum> constrained_linear_part(const Model<dim> &model, const BlockSystem<dim> &system,
+                                                     const unsigned int block_number)
 {
   const Block &block = model.numbering->blocks()[block_number];
-  auto sums = model.linear_part(block);
+  auto sums = linear_part(*model.domains[block.domain_index], block);
   for (unsigned int i = 0; i < sums.size(); ++i)
     if (const auto dof = block.begin + block.owned.nth_index_in_set(i);
         system.all_constraints().is_constrained(dof)) {
@@ -46,7 +47,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
       return model.near_null_space(model.numbering->blocks()[block], about_one_point);
     };
     group.linear_part = [&model, system](const unsigned int block) {
-      return linear_part(model, system(), block);
+      return constrained_linear_part(model, system(), block);
     };
     group.dropped = [&model, system](const unsigned int block) {
       std::vector<bool> own_part;

@@ -58,11 +58,6 @@ public:
   /// the domain or, if @p about_one_point, about one point for all of them.
   std::vector<std::vector<double>> near_null_space(const Block &block, bool about_one_point) const;
 
-  /// Of each owned unknown of the block of a field: the unknowns at the vertices of its cell and the weights
-  /// it has in a function of degree one.
-  std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>>
-  linear_part(const Block &block) const;
-
   double pairing_seconds = 0; ///< search and shape functions, this rank
   double search_seconds = 0;  ///< the search alone, this rank
 

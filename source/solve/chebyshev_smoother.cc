@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include "chebyshev_smoother.h"
+
+#include <deal.II/base/index_set.h>
+#include <deal.II/lac/solver_cg.h>
+#include <deal.II/lac/solver_control.h>
+#include <deal.II/lac/sparse_ilu.h>
+#include <deal.II/lac/sparse_matrix.h>
+#include <deal.II/lac/trilinos_vector.h>
+#include <deal.II/lac/vector.h>
+
+#include <Epetra_Map.h>
+#include <Epetra_MpiComm.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dovetail {
+
+namespace {
+
+using SingleVector = dealii::TrilinosWrappers::MPI::Vector;
+
+/// As deal.II's CG sees A and M.
+struct Product
+{
+  const Epetra_CrsMatrix &A;
+  void vmult(SingleVector &y, const SingleVector &x) const
+  {
+    A.Multiply(false, x.trilinos_vector(), y.trilinos_vector());
+  }
+};
+
+struct Inverse
+{
+  const Approximation &M;
+  void vmult(SingleVector &z, const SingleVector &r) const
+  {
+    M.vmult(z.trilinos_vector()[0], r.trilinos_vector()[0]);
+  }
+};
+
+class IncompleteFactorisation : public Approximation
+{
+public:
+  IncompleteFactorisation(const Epetra_CrsMatrix &A, double shift);
+  void vmult(double *z, const double *r) const override;
+
+private:
+  void make_pattern(const Epetra_CrsMatrix &A);
+
+  dealii::SparsityPattern pattern; ///< the factors refer to it
+  dealii::SparseILU<float> LU;
+};
+
+/// Calls @p action(row, column, entry) for the entries of @p A in own rows and columns.
+template <typename Action>
+void for_own_entries(const Epetra_CrsMatrix &A, const Action &action)
+{
+  const bool all_are_own = A.Importer() == nullptr;
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    A.ExtractMyRowView(row, n, values, columns);
+    for (int k = 0; k < n; ++k) {
+      const int column = all_are_own ? columns[k] : A.LRID(A.GCID(columns[k]));
+      if (column >= 0)
+        action(row, column, values[k]);
+    }
+  }
+}
+
+void IncompleteFactorisation::make_pattern(const Epetra_CrsMatrix &A)
+{
+  const unsigned int n = A.NumMyRows();
+  std::vector<unsigned int> length(n);
+  for (unsigned int row = 0; row < n; ++row)
+    length[row] = A.NumMyEntries(row) + 1;
+  pattern.reinit(n, n, length);
+  for_own_entries(A, [&](const int row, const int column, double) { pattern.add(row, column); });
+  pattern.compress();
+}
+
+IncompleteFactorisation::IncompleteFactorisation(const Epetra_CrsMatrix &A, const double shift)
+{
+  make_pattern(A);
+  dealii::SparseMatrix<float> own(pattern);
+  for_own_entries(A, [&](const int row, const int column, const double entry) {
+    own.set(row, column, row == column ? (1 + shift) * entry : entry);
+  });
+  for (unsigned int row = 0; row < own.m(); ++row)
+    if (own.diag_element(row) == 0) // an empty row of a coarse level
+      own.diag_element(row) = 1;
+  LU.initialize(own, dealii::SparseILU<float>::AdditionalData());
+}
+
+void IncompleteFactorisation::vmult(double *z, const double *r) const
+{
+  dealii::Vector<float> right_hand_side(r, r + LU.m()), solution(LU.m());
+  LU.vmult(solution, right_hand_side);
+  std::copy(solution.begin(), solution.end(), z);
+}
+
+} // namespace
+
+Diagonal::Diagonal(const Epetra_CrsMatrix &A) : inverse(A.NumMyRows())
+{
+  Epetra_Vector diagonal(A.RowMap());
+  A.ExtractDiagonalCopy(diagonal);
+  for (unsigned int row = 0; row < inverse.size(); ++row)
+    inverse[row] = diagonal[row] > 0 ? 1 / diagonal[row] : 0;
+}
+
+void Diagonal::vmult(double *z, const double *r) const
+{
+  for (unsigned int row = 0; row < inverse.size(); ++row)
+    z[row] = inverse[row] * r[row];
+}
+
+std::unique_ptr<Approximation> make_incomplete_factorisation(const Epetra_CrsMatrix &A, const double shift)
+{
+  return std::make_unique<IncompleteFactorisation>(A, shift);
+}
+
+std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_diagonal(const Epetra_CrsMatrix &A,
+                                                                    const Range range)
+{
+  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
+  result->M = std::make_unique<Diagonal>(A);
+  result->estimate_spectrum();
+  AssertThrow(result->largest_eigenvalue > 0, dealii::ExcMessage("The matrix is not positive definite."));
+  return result;
+}
+
+std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_factorisation(const Epetra_CrsMatrix &A,
+                                                                         const Range range)
+{
+  const double largest_accepted = 10; // a pivot close to zero, or below it, gives a larger eigenvalue
+  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
+  for (const double shift : {0.05, 0.3, 1.}) {
+    result->M = make_incomplete_factorisation(A, shift);
+    result->estimate_spectrum();
+    if (result->largest_eigenvalue > 0 && result->largest_eigenvalue < largest_accepted)
+      return result;
+  }
+  return with_diagonal(A, range);
+}
+
+/// By a few conjugate gradients from a vector that is rough and the same on any number of ranks.
+void ChebyshevSmoother::estimate_spectrum()
+{
+  const unsigned int n_iterations = 10;
+  const auto &communicator = dynamic_cast<const Epetra_MpiComm &>(A.Comm());
+  dealii::IndexSet owned(A.NumGlobalRows());
+  if (A.NumMyRows() > 0)
+    owned.add_range(A.GRID(0), A.GRID(0) + A.NumMyRows());
+  SingleVector x(owned, communicator.Comm()), b(owned, communicator.Comm());
+  Epetra_Vector diagonal(A.RowMap());
+  A.ExtractDiagonalCopy(diagonal);
+  for (int row = 0; row < A.NumMyRows(); ++row)
+    b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + A.GRID(row) % 1009)) * diagonal[row];
+  dealii::IterationNumberControl control(n_iterations, 1e-30 * b.l2_norm());
+  dealii::SolverCG<SingleVector> solver(control);
+  largest_eigenvalue = 0;
+  solver.connect_eigenvalues_slot([this](const std::vector<double> &eigenvalues) {
+    if (!eigenvalues.empty() && eigenvalues.front() > 0)
+      largest_eigenvalue = 1.1 * eigenvalues.back(); // approached from below
+  });
+  try {
+    solver.solve(Product{A}, x, b, Inverse{*M});
+  } catch (const std::exception &) { // divided by zero
+    largest_eigenvalue = 0;
+  }
+  if (!std::isfinite(largest_eigenvalue))
+    largest_eigenvalue = 0;
+}
+
+void ChebyshevSmoother::smooth(double *x, const double *b, const bool starts_from_zero) const
+{
+  const int n = A.NumMyRows();
+  Epetra_Vector solution(View, A.RowMap(), x), residual(A.RowMap(), false), direction(A.RowMap(), false),
+      correction(A.RowMap(), false);
+  const double middle = largest_eigenvalue * (1 + 1 / range.ratio) / 2,
+               half = largest_eigenvalue * (1 - 1 / range.ratio) / 2;
+  double rho = half / middle;
+  double *const d = direction.Values(), *const r = residual.Values(), *const z = correction.Values();
+  for (unsigned int k = 0; k < range.degree; ++k) {
+    if (k == 0 && starts_from_zero) {
+      std::fill(x, x + n, 0.);
+      std::copy(b, b + n, r);
+    } else {
+      A.Multiply(false, solution, residual);
+      for (int i = 0; i < n; ++i)
+        r[i] = b[i] - r[i];
+    }
+    M->vmult(z, r);
+    const double next = 1 / (2 * middle / half - rho);
+    const double correction_factor = k == 0 ? 1 / middle : 2 * next / half,
+                 direction_factor = k == 0 ? 0 : next * rho;
+    if (k > 0)
+      rho = next;
+    for (int i = 0; i < n; ++i) {
+      d[i] = (k == 0 ? 0 : direction_factor * d[i]) + correction_factor * z[i];
+      x[i] += d[i];
+    }
+  }
+}
+
+} // namespace dovetail

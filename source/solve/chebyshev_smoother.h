@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The smoother of multigrid's levels.
+
+#pragma once
+
+#include <Epetra_CrsMatrix.h>
+#include <Epetra_Vector.h>
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace dovetail {
+
+/// z = M^-1 r, where M approximates a symmetric positive definite matrix A.
+class Approximation
+{
+public:
+  virtual ~Approximation() = default;
+  /// On the own rows.
+  virtual void vmult(double *z, const double *r) const = 0;
+};
+
+/// M = diag(A)
+class Diagonal : public Approximation
+{
+public:
+  explicit Diagonal(const Epetra_CrsMatrix &A);
+  void vmult(double *z, const double *r) const override;
+
+private:
+  std::vector<double> inverse;
+};
+
+/// M = LU, the incomplete factorisation without fill-in of the own rows and columns of A + shift diag(A), in
+/// single precision. Without a shift it may be indefinite although A is not.
+///
+/// T. A. Manteuffel: An incomplete factorization technique for positive definite linear systems, 1980.
+std::unique_ptr<Approximation> make_incomplete_factorisation(const Epetra_CrsMatrix &A, double shift);
+
+/// Chebyshev iteration with M^-1 A on the upper part of its spectrum, [lambda / ratio, lambda]: symmetric and
+/// positive definite as a smoother whatever lambda is, if only M is. M is diag(A), or the incomplete
+/// factorisation with the smallest of some shifts with which it is definite. The factorisation solves along
+/// the strong couplings of stretched cells, which the diagonal hardly smooths.
+class ChebyshevSmoother
+{
+public:
+  struct Range
+  {
+    unsigned int degree;
+    double ratio;
+  };
+  static std::unique_ptr<ChebyshevSmoother> with_diagonal(const Epetra_CrsMatrix &A, Range range);
+  static std::unique_ptr<ChebyshevSmoother> with_factorisation(const Epetra_CrsMatrix &A, Range range);
+
+  /// Improve A x = b from x, or from zero.
+  void smooth(double *x, const double *b, bool starts_from_zero) const;
+
+private:
+  ChebyshevSmoother(const Epetra_CrsMatrix &A, Range range) : A(A), range(range) {}
+  void estimate_spectrum();
+
+  const Epetra_CrsMatrix &A;
+  const Range range;
+  std::unique_ptr<Approximation> M;
+  double largest_eigenvalue = 0; ///< of M^-1 A; 0 if M is not definite
+};
+
+} // namespace dovetail

@@ -113,7 +113,7 @@ void Multigrid::make_aggregation()
   aggregation.reset();
   aggregation = std::make_unique<SmoothedAggregation>(*matrix, *modes, [this](const auto &level) {
     return is_slow ? ChebyshevSmoother::with_factorisation(level, {4, 40})
-                   : ChebyshevSmoother::with_diagonal(level, {3, 15});
+                   : ChebyshevSmoother::with_diagonal(level, {2, 10});
   });
 }
 

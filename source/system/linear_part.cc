@@ -23,7 +23,7 @@ using NodeSums = std::vector<std::vector<std::pair<unsigned int, double>>>;
 template <int dim>
 Directions<dim> long_directions(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell)
 {
-  const double smallest_ratio = 2.5;
+  const double smallest_ratio = 2;
   Directions<dim> result;
   if (!cell->reference_cell().is_hyper_cube())
     return result;

@@ -190,25 +190,19 @@ void collect(const BlockSystem<dim> &system, const Numbering &numbering, const S
 {
   std::vector<unsigned int> blocks = group.blocks;
   blocks.insert(blocks.end(), group.multiplier_blocks.begin(), group.multiplier_blocks.end());
-  for (const unsigned int i : blocks) {
-    const auto begin = numbering.blocks()[i].begin;
-    for (const auto row : numbering.blocks()[i].owned)
-      rows[begin + row] = system.is_constrained(begin + row) || system.is_dropped(begin + row);
-    for (const unsigned int j : blocks) {
-      if (!system.tangent().has_block(i, j))
-        continue;
-      const Epetra_CrsMatrix &matrix = system.tangent().block(i, j).trilinos_matrix();
-      for (int row = 0; row < matrix.NumMyRows(); ++row) {
-        int n = 0, *columns = nullptr;
-        double *values = nullptr;
-        matrix.ExtractMyRowView(row, n, values, columns);
-        for (int k = 0; k < n; ++k)
-          if (values[k] != 0)
-            entries[{begin + matrix.GRID(row), numbering.blocks()[j].begin + matrix.GCID(columns[k])}] =
-                values[k];
-      }
+  const auto is_in_group = [&](const Index dof) {
+    return std::find(blocks.begin(), blocks.end(), numbering.block_of(dof)) != blocks.end();
+  };
+  std::vector<Index> columns;
+  std::vector<double> values;
+  for (const Index row : numbering.owned)
+    if (is_in_group(row)) {
+      rows[row] = system.is_constrained(row) || system.is_dropped(row);
+      system.tangent().extract_row(row, columns, values);
+      for (unsigned int k = 0; k < columns.size(); ++k)
+        if (values[k] != 0 && is_in_group(columns[k]))
+          entries[{row, columns[k]}] = values[k];
     }
-  }
 }
 
 /// On the first rank.

@@ -6,6 +6,12 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/affine_constraints.templates.h>
 
+#include <boost/serialization/set.hpp>
+#include <boost/serialization/utility.hpp>
+
+#include <Epetra_Import.h>
+#include <Epetra_Vector.h>
+
 #include <algorithm>
 
 namespace dovetail {
@@ -14,79 +20,131 @@ namespace {
 
 using Index = BlockMatrix::size_type;
 
-/// The part of @p pattern in the rows of one block, by the block of the columns; the rows are emptied.
-std::map<unsigned int, dealii::DynamicSparsityPattern> split_rows(const unsigned int row_block,
-                                                                  const dealii::BlockIndices &indices,
-                                                                  dealii::DynamicSparsityPattern &pattern)
-{
-  const Index begin = indices.block_start(row_block), end = begin + indices.block_size(row_block);
-  const dealii::IndexSet rows = pattern.row_index_set().get_view(begin, end);
-  std::map<unsigned int, dealii::DynamicSparsityPattern> parts;
-  std::map<unsigned int, std::vector<Index>> columns;
-  for (const Index row : rows) {
-    columns.clear();
-    for (unsigned int i = 0; i < pattern.row_length(begin + row); ++i) {
-      const auto [block, column] = indices.global_to_local(pattern.column_number(begin + row, i));
-      columns[block].push_back(column);
-    }
-    pattern.clear_row(begin + row);
-    for (const auto &[block, block_rows] : columns)
-      parts.try_emplace(block, indices.block_size(row_block), indices.block_size(block), rows)
-          .first->second.add_entries(row, block_rows.begin(), block_rows.end(), true);
-  }
-  return parts;
-}
+/// What a rank knows of a pair of blocks.
+using BlockPairs = std::set<std::pair<unsigned int, unsigned int>>;
 
-/// The columns of the blocks that have entries on any rank, and that of the diagonal.
-std::vector<unsigned int> all_columns(const unsigned int row_block,
-                                      const std::map<unsigned int, dealii::DynamicSparsityPattern> &parts,
-                                      const MPI_Comm &communicator)
+/// Those of all ranks.
+BlockPairs unite(const BlockPairs &own, const MPI_Comm &communicator)
 {
-  std::vector<unsigned int> own = {row_block}, all;
-  for (const auto &part : parts)
-    own.push_back(part.first);
-  for (const auto &rank_part : dealii::Utilities::MPI::all_gather(communicator, own))
-    all.insert(all.end(), rank_part.begin(), rank_part.end());
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+  BlockPairs all;
+  for (const BlockPairs &of_rank : dealii::Utilities::MPI::all_gather(communicator, own))
+    all.insert(of_rank.begin(), of_rank.end());
   return all;
 }
+
+/// A row of a Trilinos matrix.
+struct RowView
+{
+  RowView(const Epetra_CrsMatrix &matrix, const int row) { matrix.ExtractMyRowView(row, n, values, columns); }
+
+  int n = 0, *columns = nullptr; ///< local, ascending
+  double *values = nullptr;
+};
 
 } // namespace
 
 void BlockMatrix::clear()
 {
-  blocks.clear();
+  parts.clear();
+  numberings.clear();
+  columns_of.clear();
+  place.clear();
+  owned.clear();
   indices = dealii::BlockIndices();
 }
 
-void BlockMatrix::reinit(const std::vector<dealii::IndexSet> &owned, dealii::DynamicSparsityPattern &pattern,
-                         const MPI_Comm &communicator)
+void BlockMatrix::reinit(const std::vector<dealii::IndexSet> &owned_sets,
+                         const std::vector<unsigned int> &part_of_block,
+                         dealii::DynamicSparsityPattern &pattern, const MPI_Comm &communicator)
 {
   clear();
+  owned = owned_sets;
   std::vector<size_type> sizes;
-  for (const auto &block_rows : owned)
-    sizes.push_back(block_rows.size());
+  std::vector<std::vector<unsigned int>> blocks_of;
+  for (unsigned int b = 0; b < owned.size(); ++b) {
+    sizes.push_back(owned[b].size());
+    blocks_of.resize(std::max<std::size_t>(blocks_of.size(), part_of_block[b] + 1));
+    place.push_back({part_of_block[b], static_cast<unsigned int>(blocks_of[part_of_block[b]].size())});
+    blocks_of[part_of_block[b]].push_back(b);
+  }
   indices.reinit(sizes);
-  blocks.resize(owned.size());
-  for (unsigned int r = 0; r < owned.size(); ++r) {
-    auto parts = split_rows(r, indices, pattern);
-    const dealii::IndexSet rows =
-        pattern.row_index_set().get_view(indices.block_start(r), indices.block_start(r) + sizes[r]);
-    for (const unsigned int c : all_columns(r, parts, communicator)) {
-      const auto part = parts.try_emplace(c, sizes[r], sizes[c], rows).first;
-      blocks[r][c] = std::make_unique<Block>();
-      blocks[r][c]->reinit(owned[r], owned[c], part->second, communicator, false);
-      parts.erase(part);
+  for (const auto &blocks : blocks_of)
+    numberings.emplace_back(owned, blocks, communicator);
+  find_blocks(pattern, communicator);
+  parts.resize(numberings.size());
+  for (unsigned int p = 0; p < parts.size(); ++p) {
+    auto patterns = split_rows(p, pattern);
+    for (auto &[q, part_pattern] : patterns) {
+      parts[p][q] = std::make_unique<Part>();
+      parts[p][q]->reinit(numberings[p].owned(), numberings[q].owned(), part_pattern, communicator, false);
+      part_pattern.reinit(0, 0);
     }
   }
 }
 
+void BlockMatrix::find_blocks(const dealii::DynamicSparsityPattern &pattern, const MPI_Comm &communicator)
+{
+  BlockPairs pairs;
+  for (unsigned int r = 0; r < owned.size(); ++r) {
+    pairs.emplace(r, r);
+    std::set<unsigned int> columns;
+    for (const Index index : owned[r]) {
+      const Index row = indices.block_start(r) + index;
+      for (unsigned int k = 0; k < pattern.row_length(row); ++k)
+        columns.insert(indices.global_to_local(pattern.column_number(row, k)).first);
+    }
+    for (const unsigned int c : columns)
+      pairs.emplace(r, c);
+  }
+  columns_of.resize(owned.size());
+  for (const auto &[r, c] : unite(pairs, communicator))
+    columns_of[r].insert(c);
+}
+
+/// The part of @p pattern in the rows of one part, by the part of the columns; the rows are emptied.
+std::map<unsigned int, dealii::DynamicSparsityPattern>
+BlockMatrix::split_rows(const unsigned int p, dealii::DynamicSparsityPattern &pattern) const
+{
+  std::vector<std::pair<Index, Index>> rows; // in the part, in the system
+  std::map<unsigned int, std::vector<Index>> columns;
+  for (unsigned int i = 0; i < numberings[p].blocks().size(); ++i) {
+    const unsigned int b = numberings[p].blocks()[i];
+    const Index begin = indices.block_start(b);
+    for (const Index row : pattern.row_index_set().get_view(begin, begin + indices.block_size(b)))
+      rows.emplace_back(numberings[p].row(i, row), begin + row);
+    for (const unsigned int c : columns_of[b])
+      columns[part_of(c)];
+  }
+  std::sort(rows.begin(), rows.end());
+  dealii::IndexSet row_set(numberings[p].size());
+  for (const auto &row : rows)
+    row_set.add_index(row.first);
+  row_set.compress();
+
+  std::map<unsigned int, dealii::DynamicSparsityPattern> patterns;
+  for (const auto &part_columns : columns)
+    patterns.try_emplace(part_columns.first, numberings[p].size(), numberings[part_columns.first].size(),
+                         row_set);
+  for (const auto &[row, row_of_system] : rows) {
+    for (unsigned int k = 0; k < pattern.row_length(row_of_system); ++k) {
+      const auto [block, index] = indices.global_to_local(pattern.column_number(row_of_system, k));
+      columns[part_of(block)].push_back(numberings[part_of(block)].row(place[block].position, index));
+    }
+    pattern.clear_row(row_of_system);
+    for (auto &[q, part_columns] : columns) {
+      std::sort(part_columns.begin(), part_columns.end());
+      patterns.at(q).add_entries(row, part_columns.begin(), part_columns.end(), true);
+      part_columns.clear();
+    }
+  }
+  return patterns;
+}
+
 BlockMatrix &BlockMatrix::operator=(const double zero)
 {
-  for (const auto &block_row : blocks)
-    for (const auto &[column, block] : block_row)
-      *block = zero;
+  for (const auto &part_row : parts)
+    for (const auto &[column, part] : part_row)
+      *part = zero;
   return *this;
 }
 
@@ -94,35 +152,66 @@ void BlockMatrix::copy_from(const BlockMatrix &other)
 {
   clear();
   indices = other.indices;
-  blocks.resize(other.blocks.size());
-  for (unsigned int row = 0; row < blocks.size(); ++row)
-    for (const auto &[column, block] : other.blocks[row]) {
-      blocks[row][column] = std::make_unique<Block>();
-      blocks[row][column]->copy_from(*block);
+  owned = other.owned;
+  place = other.place;
+  columns_of = other.columns_of;
+  numberings = other.numberings;
+  parts.resize(other.parts.size());
+  for (unsigned int p = 0; p < parts.size(); ++p)
+    for (const auto &[q, part] : other.parts[p]) {
+      parts[p][q] = std::make_unique<Part>();
+      parts[p][q]->copy_from(*part);
     }
 }
 
 void BlockMatrix::add(const double factor, const BlockMatrix &other)
 {
-  for (unsigned int row = 0; row < blocks.size(); ++row)
-    for (const auto &[column, block] : blocks[row])
-      block->add(factor, other.block(row, column));
+  for (unsigned int p = 0; p < parts.size(); ++p)
+    for (const auto &[q, part] : parts[p])
+      part->add(factor, other.part(p, q));
 }
 
 void BlockMatrix::add(const size_type row, const size_type n, const size_type *columns, const double *values,
-                      const bool elide_zeros, const bool columns_are_sorted)
+                      const bool elide_zeros, const bool)
 {
   const auto [row_block, row_in_block] = indices.global_to_local(row);
-  for (size_type i = 0, end = 0; i < n; i = end) {
-    const unsigned int column_block = indices.global_to_local(columns[i]).first;
-    const size_type begin_of_block = indices.block_start(column_block),
-                    end_of_block = begin_of_block + indices.block_size(column_block);
-    local_columns.clear();
-    for (; end < n && columns[end] >= begin_of_block && columns[end] < end_of_block; ++end)
-      local_columns.push_back(columns[end] - begin_of_block);
-    blocks[row_block]
-        .at(column_block)
-        ->add(row_in_block, end - i, local_columns.data(), values + i, elide_zeros, columns_are_sorted);
+  const auto [p, i] = place[row_block];
+  const Index row_in_part = numberings[p].row(i, row_in_block);
+  for (size_type k = 0, end = 0; k < n; k = end) {
+    part_columns.clear();
+    unsigned int q = 0;
+    while (end < n) {
+      const unsigned int block = indices.global_to_local(columns[end]).first;
+      if (end > k && part_of(block) != q)
+        break;
+      q = part_of(block);
+      const size_type begin_of_block = indices.block_start(block),
+                      end_of_block = begin_of_block + indices.block_size(block);
+      for (; end < n && columns[end] >= begin_of_block && columns[end] < end_of_block; ++end)
+        part_columns.push_back(numberings[q].row(place[block].position, columns[end] - begin_of_block));
+    }
+    Part &part = *parts[p].at(q);
+    if (const int own_row = part.trilinos_matrix().LRID(static_cast<int>(row_in_part)); own_row >= 0)
+      add_to_own_row(part.trilinos_matrix(), own_row, values + k);
+    else
+      part.add(row_in_part, end - k, part_columns.data(), values + k, elide_zeros, false);
+  }
+}
+
+/// Values for part_columns. Columns that follow one another in the sum mostly do so in the row.
+void BlockMatrix::add_to_own_row(const Epetra_CrsMatrix &matrix, const int row, const double *values) const
+{
+  const RowView view(matrix, row);
+  const Epetra_Map &column_map = matrix.ColMap();
+  const int *const end = view.columns + view.n, *next = view.columns;
+  for (unsigned int k = 0; k < part_columns.size(); ++k) {
+    const int column = column_map.LID(static_cast<int>(part_columns[k]));
+    if (next == end || *next != column)
+      next = std::lower_bound(next == end || *next > column ? view.columns : next, end, column);
+    AssertThrow(next != end && *next == column,
+                dealii::ExcMessage("a sum has a term that is not in the pattern of the matrix"));
+    view.values[next - view.columns] += values[k];
+    ++next;
   }
 }
 
@@ -133,26 +222,132 @@ void BlockMatrix::add(const size_type row, const size_type column, const double 
 
 void BlockMatrix::compress(const dealii::VectorOperation::values operation)
 {
-  for (const auto &block_row : blocks)
-    for (const auto &[column, block] : block_row)
-      block->compress(operation);
+  for (const auto &part_row : parts)
+    for (const auto &[column, part] : part_row)
+      part->compress(operation);
+}
+
+/// y += factor K_pq x_q
+void BlockMatrix::add_product(const unsigned int p, const unsigned int q, const double factor,
+                              const Vector &x, Vector &y) const
+{
+  const Epetra_CrsMatrix &matrix = part(p, q).trilinos_matrix();
+  Epetra_Vector part_x(matrix.DomainMap()), product(matrix.RangeMap()), part_y(matrix.RangeMap());
+  numberings[q].gather(x, part_x.Values());
+  numberings[p].gather(y, part_y.Values());
+  matrix.Multiply(false, part_x, product);
+  part_y.Update(factor, product, 1.);
+  numberings[p].scatter(part_y.Values(), y);
 }
 
 void BlockMatrix::vmult(Vector &destination, const Vector &source) const
 {
-  for (unsigned int r = 0; r < blocks.size(); ++r) {
-    destination.block(r) = 0;
-    for (const auto &[column, block] : blocks[r])
-      block->vmult_add(destination.block(r), source.block(column));
+  destination = 0;
+  for (unsigned int p = 0; p < parts.size(); ++p)
+    for (const auto &part_column : parts[p])
+      add_product(p, part_column.first, 1., source, destination);
+}
+
+void BlockMatrix::subtract_product(const std::vector<unsigned int> &rows,
+                                   const std::vector<unsigned int> &columns, const Vector &x, Vector &y) const
+{
+  const auto parts_of = [this](const std::vector<unsigned int> &blocks) {
+    std::set<unsigned int> all;
+    std::size_t n_blocks = 0;
+    for (const unsigned int b : blocks)
+      if (all.insert(part_of(b)).second)
+        n_blocks += numberings[part_of(b)].blocks().size();
+    Assert(n_blocks == blocks.size(), dealii::ExcMessage("some blocks of a part are missing"));
+    return all;
+  };
+  for (const unsigned int p : parts_of(rows))
+    for (const unsigned int q : parts_of(columns))
+      if (has_part(p, q))
+        add_product(p, q, -1., x, y);
+}
+
+void BlockMatrix::for_each_product(const Vector &x, const VisitProduct &visit) const
+{
+  for (unsigned int p = 0; p < parts.size(); ++p)
+    for (const auto &part_column : parts[p])
+      visit_products(p, part_column.first, x, visit);
+}
+
+/// Of the blocks of a pair of parts, in one pass through each row.
+void BlockMatrix::visit_products(const unsigned int p, const unsigned int q, const Vector &x,
+                                 const VisitProduct &visit) const
+{
+  const Epetra_CrsMatrix &matrix = part(p, q).trilinos_matrix();
+  Epetra_Vector own(matrix.DomainMap()), ghosted(matrix.ColMap());
+  numberings[q].gather(x, own.Values());
+  if (matrix.Importer() != nullptr)
+    ghosted.Import(own, *matrix.Importer(), Insert);
+  else
+    ghosted = own;
+  std::vector<unsigned int> block_of_column;
+  for (int k = 0; k < matrix.NumMyCols(); ++k)
+    block_of_column.push_back(numberings[q].unknown(matrix.GCID(k)).first);
+
+  std::vector<double *> sums(numberings[q].blocks().size());
+  for (unsigned int i = 0; i < numberings[p].blocks().size(); ++i) {
+    const unsigned int r = numberings[p].blocks()[i];
+    std::map<unsigned int, Vector::BlockType> products;
+    for (const unsigned int c : columns_of[r])
+      if (part_of(c) == q) {
+        products[c].reinit(x.block(r));
+        sums[place[c].position] = products[c].trilinos_vector()[0];
+      }
+    const unsigned int first = numberings[p].first_local_of(i), end = numberings[p].first_local_of(i + 1);
+    for (unsigned int row = first; row < end; ++row) {
+      const RowView view(matrix, row);
+      for (int k = 0; k < view.n; ++k)
+        sums[block_of_column[view.columns[k]]][row - first] += view.values[k] * ghosted[view.columns[k]];
+    }
+    for (const auto &[c, product] : products)
+      visit(r, c, product);
   }
+}
+
+void BlockMatrix::extract_row(const size_type row, std::vector<size_type> &columns,
+                              std::vector<double> &values) const
+{
+  const auto [block, index] = indices.global_to_local(row);
+  const auto [p, i] = place[block];
+  columns.clear();
+  values.clear();
+  for (const auto &[q, part] : parts[p]) {
+    const Epetra_CrsMatrix &matrix = part->trilinos_matrix();
+    const RowView view(matrix, matrix.LRID(static_cast<int>(numberings[p].row(i, index))));
+    for (int k = 0; k < view.n; ++k) {
+      const auto [j, column] = numberings[q].unknown(matrix.GCID(view.columns[k]));
+      columns.push_back(indices.block_start(numberings[q].blocks()[j]) + column);
+    }
+    values.insert(values.end(), view.values, view.values + view.n);
+  }
+}
+
+std::vector<double> BlockMatrix::diagonal(const unsigned int block) const
+{
+  const auto [p, i] = place[block];
+  const Epetra_CrsMatrix &matrix = part(p, p).trilinos_matrix();
+  std::vector<double> values;
+  for (unsigned int row = numberings[p].first_local_of(i); row < numberings[p].first_local_of(i + 1); ++row) {
+    const RowView view(matrix, row);
+    const int column = matrix.LCID(matrix.GRID(row)),
+              *entry = std::lower_bound(view.columns, view.columns + view.n, column);
+    const bool exists = entry != view.columns + view.n && *entry == column;
+    values.push_back(exists ? view.values[entry - view.columns] : 0.);
+  }
+  return values;
 }
 
 double BlockMatrix::el(const size_type row, const size_type column) const
 {
-  const auto [row_block, row_in_block] = indices.global_to_local(row);
-  const auto [column_block, column_in_block] = indices.global_to_local(column);
-  return has_block(row_block, column_block) ? block(row_block, column_block).el(row_in_block, column_in_block)
-                                            : 0.;
+  std::vector<size_type> columns;
+  std::vector<double> values;
+  extract_row(row, columns, values);
+  const auto entry = std::find(columns.begin(), columns.end(), column);
+  return entry == columns.end() ? 0. : values[entry - columns.begin()];
 }
 
 void distribute_local_to_global(const dealii::AffineConstraints<double> &constraints,

@@ -3,9 +3,10 @@
 
 #include "group_system.h"
 
-#include <Epetra_Vector.h>
+#include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <set>
@@ -28,9 +29,9 @@ void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
     std::vector<unsigned int> all = group.blocks;
     all.insert(all.end(), group.multiplier_blocks.begin(), group.multiplier_blocks.end());
     merged = std::make_unique<MergedMatrix>(*matrix, all);
-    all_facts.n_unknowns = merged->matrix()->NumGlobalRows();
+    all_facts.n_unknowns = merged->numbering().size();
   }
-  merged->copy_values(*matrix);
+  merged->update();
 }
 
 void GroupSystem::forget_matrix()
@@ -46,14 +47,14 @@ void GroupSystem::make_scaled()
   if (!saddle) {
     std::vector<bool> dropped;
     for (const unsigned int block : group.multiplier_blocks) {
-      const auto block_dropped =
-          group.dropped ? group.dropped(block)
-                        : std::vector<bool>(matrix->block(block, block).trilinos_matrix().NumMyRows());
+      const auto block_dropped = group.dropped
+                                     ? group.dropped(block)
+                                     : std::vector<bool>(matrix->owned_unknowns()[block].n_elements());
       dropped.insert(dropped.end(), block_dropped.begin(), block_dropped.end());
     }
-    saddle = std::make_unique<SaddlePoint>(*matrix, *merged, group.blocks, dropped);
+    saddle = std::make_unique<SaddlePoint>(*matrix, *merged, group.blocks, group.multiplier_blocks, dropped);
   }
-  saddle->update(*matrix);
+  saddle->update();
 }
 
 const GroupOperator &GroupSystem::scaled() const
@@ -73,12 +74,11 @@ double GroupSystem::contrast() const
 {
   double largest = 0, smallest = std::numeric_limits<double>::infinity();
   for (const unsigned int block : group.blocks) {
-    const Epetra_CrsMatrix &diagonal_block = matrix->block(block, block).trilinos_matrix();
-    Epetra_Vector diagonal(diagonal_block.RowMap());
-    diagonal_block.ExtractDiagonalCopy(diagonal);
     double sum = 0;
-    diagonal.Norm1(&sum);
-    const double mean = sum / diagonal_block.NumGlobalRows();
+    for (const double entry : matrix->diagonal(block))
+      sum += std::abs(entry);
+    const double mean = dealii::Utilities::MPI::sum(sum, matrix->get_mpi_communicator()) /
+                        matrix->get_row_indices().block_size(block);
     largest = std::max(largest, mean);
     smallest = std::min(smallest, mean);
   }
@@ -100,13 +100,14 @@ GroupSystem::Modes GroupSystem::near_null_space() const
   const unsigned int n_sets = *std::max_element(set_of.begin(), set_of.end()) + 1;
   const bool is_shared =
       n_sets * n_of_block > largest_number || (!group.allows_jumps && contrast() <= largest_shared_contrast);
-  const unsigned int n_own = merged->first_local_of(group.blocks.size());
+  const unsigned int n_own = merged->numbering().first_local_of(group.blocks.size());
   Modes modes(is_shared ? n_of_block : n_sets * n_of_block, std::vector<double>(n_own, 0.));
   for (unsigned int i = 0; i < group.blocks.size(); ++i) {
     const auto block_modes = group.near_null_space(group.blocks[i], is_shared);
     for (unsigned int mode = 0; mode < block_modes.size(); ++mode)
       std::copy(block_modes[mode].begin(), block_modes[mode].end(),
-                modes[is_shared ? mode : set_of[i] * n_of_block + mode].begin() + merged->first_local_of(i));
+                modes[is_shared ? mode : set_of[i] * n_of_block + mode].begin() +
+                    merged->numbering().first_local_of(i));
   }
   return modes;
 }
@@ -142,7 +143,7 @@ std::vector<GroupFacts::Sum> GroupSystem::linear_part() const
       sums.emplace_back();
       for (const auto &[dof, weight] : unknown_sum) {
         const auto [dof_block, index] = matrix->get_row_indices().global_to_local(dof);
-        sums.back().emplace_back(merged->global_row(position[dof_block], index), weight);
+        sums.back().emplace_back(merged->numbering().row(position[dof_block], index), weight);
       }
     }
   return sums;

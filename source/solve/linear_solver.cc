@@ -33,10 +33,10 @@ std::vector<std::string> all_types()
 }
 
 /// What rounding leaves of K x, as doc/theory/convergence.md does it, with the largest row sum of K.
-double rounding(const Epetra_CrsMatrix &K, const GroupVector &x)
+double rounding(const MergedMatrix &K, const GroupVector &x)
 {
-  return std::numeric_limits<double>::epsilon() / 2 * std::sqrt(K.GlobalMaxNumEntries()) * K.NormInf() *
-         x.l2_norm();
+  const auto [largest_sum, largest_number] = K.largest_row();
+  return std::numeric_limits<double>::epsilon() / 2 * std::sqrt(largest_number) * largest_sum * x.l2_norm();
 }
 
 } // namespace
@@ -158,7 +158,7 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
     if (is_done)
       break;
   }
-  ended_at = norm <= std::max(2 * goal, rounding(*system.plain().matrix(), x)) ? 0 : norm / given.l2_norm();
+  ended_at = norm <= std::max(2 * goal, rounding(system.plain(), x)) ? 0 : norm / given.l2_norm();
   system.scale_multipliers(x);
   return n_iterations;
 }
@@ -245,7 +245,7 @@ LinearSolver::~LinearSolver() = default;
 void LinearSolver::set_matrix(const Matrix &new_matrix)
 {
   matrix = &new_matrix;
-  ranks.communicator = matrix->block(0, 0).get_mpi_communicator();
+  ranks.communicator = matrix->get_mpi_communicator();
   for (auto &group : groups)
     group->set_matrix(new_matrix);
 }
@@ -266,13 +266,7 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
     rest.reinit(right_hand_side);
     rest = right_hand_side;
     for (unsigned int before = 0; before < g; ++before)
-      for (const unsigned int row : system.blocks().blocks)
-        for (const unsigned int column : groups[before]->system.blocks().blocks)
-          if (matrix->has_block(row, column)) {
-            GroupVector product(rest.block(row));
-            matrix->block(row, column).vmult(product, dx.block(column));
-            rest.block(row) -= product;
-          }
+      matrix->subtract_product(system.blocks().blocks, groups[before]->system.blocks().blocks, dx, rest);
 
     GroupVector x = system.plain().vector(), b = system.plain().vector();
     system.plain().gather(rest, b);

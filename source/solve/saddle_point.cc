@@ -7,59 +7,67 @@
 #include <Epetra_Import.h>
 #include <Epetra_Vector.h>
 
-#include <array>
 #include <cmath>
 
 namespace dovetail {
 
+namespace {
+
+/// diag(B diag(A)^-1 B^T)
+void add_schur_complement(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A,
+                          Epetra_Vector &schur_diagonal)
+{
+  Epetra_Vector diagonal(B.ColMap());
+  if (B.Importer() != nullptr)
+    diagonal.Import(diagonal_of_A, *B.Importer(), Insert);
+  else
+    diagonal = diagonal_of_A;
+  for (int i = 0; i < B.NumMyRows(); ++i) {
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    B.ExtractMyRowView(i, n, values, columns);
+    for (int k = 0; k < n; ++k)
+      if (diagonal[columns[k]] > 0)
+        schur_diagonal[i] += values[k] * values[k] / diagonal[columns[k]];
+  }
+}
+
+} // namespace
+
 SaddlePoint::SaddlePoint(const BlockMatrix &matrix, const MergedMatrix &all,
-                         const std::vector<unsigned int> &blocks, std::vector<bool> dropped)
-    : all(all), body_operator(matrix, blocks), dropped(std::move(dropped))
+                         const std::vector<unsigned int> &bodies,
+                         const std::vector<unsigned int> &multipliers, std::vector<bool> dropped)
+    : matrix(matrix), all(all), body_operator(matrix, bodies), body_part(matrix.part_of(bodies[0])),
+      multiplier_part(matrix.part_of(multipliers[0])), dropped(std::move(dropped))
 {
 }
 
-void SaddlePoint::update(const BlockMatrix &block_matrix)
+void SaddlePoint::update()
 {
-  body_operator.copy_values(block_matrix);
-  const Epetra_CrsMatrix &matrix = *all.matrix();
-  Epetra_Vector diagonal(matrix.RowMap()), column_diagonal(matrix.ColMap());
-  matrix.ExtractDiagonalCopy(diagonal);
-  const unsigned int n_of_bodies = body_operator.n_local(), n_own = all.n_local();
-  std::array<double, 2> own = {{0, static_cast<double>(n_of_bodies)}}, sums;
-  for (unsigned int i = 0; i < n_of_bodies; ++i)
-    own[0] += std::abs(diagonal[i]);
-  matrix.Comm().SumAll(own.data(), sums.data(), 2);
-  const double mean = sums[0] / sums[1];
+  const Epetra_CrsMatrix &A = matrix.part(body_part, body_part).trilinos_matrix(),
+                         &minus_C = matrix.part(multiplier_part, multiplier_part).trilinos_matrix();
+  Epetra_Vector diagonal(A.RowMap()), schur_diagonal(minus_C.RowMap());
+  A.ExtractDiagonalCopy(diagonal);
+  double sum_of_A = 0;
+  diagonal.Norm1(&sum_of_A);
+  const double mean = sum_of_A / A.NumGlobalRows();
 
-  std::vector<double> sums_of_rows;
-  for (unsigned int i = n_of_bodies; i < n_own; ++i) {
-    sums_of_rows.push_back(-diagonal[i]);
-    diagonal[i] = 0; // the rest sums over the bodies alone
-  }
-  if (matrix.Importer() != nullptr)
-    column_diagonal.Import(diagonal, *matrix.Importer(), Insert);
-  else
-    column_diagonal = diagonal;
-  scale.assign(n_own - n_of_bodies, 1.);
-  schur.assign(n_own - n_of_bodies, -1.);
-  for (unsigned int i = 0; i < scale.size(); ++i) {
-    int n = 0, *columns = nullptr;
-    double *values = nullptr;
-    matrix.ExtractMyRowView(n_of_bodies + i, n, values, columns);
-    double sum = sums_of_rows[i];
-    for (int k = 0; k < n; ++k)
-      if (column_diagonal[columns[k]] > 0)
-        sum += values[k] * values[k] / column_diagonal[columns[k]];
-    if (!dropped[i] && sum > 0) {
-      scale[i] = std::sqrt(mean / sum);
+  minus_C.ExtractDiagonalCopy(schur_diagonal);
+  schur_diagonal.Scale(-1.);
+  if (matrix.has_part(multiplier_part, body_part))
+    add_schur_complement(matrix.part(multiplier_part, body_part).trilinos_matrix(), diagonal, schur_diagonal);
+  scale.assign(dropped.size(), 1.);
+  schur.assign(dropped.size(), -1.);
+  for (unsigned int i = 0; i < dropped.size(); ++i)
+    if (!dropped[i] && schur_diagonal[i] > 0) {
+      scale[i] = std::sqrt(mean / schur_diagonal[i]);
       schur[i] = mean;
     }
-  }
 }
 
 void SaddlePoint::scale_multipliers(GroupVector &x) const
 {
-  double *values = x.trilinos_vector()[0] + body_operator.n_local();
+  double *values = x.trilinos_vector()[0] + body_operator.numbering().n_local();
   for (unsigned int i = 0; i < scale.size(); ++i)
     values[i] *= scale[i];
 }

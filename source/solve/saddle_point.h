@@ -19,11 +19,12 @@ namespace dovetail {
 class SaddlePoint : public GroupOperator
 {
 public:
-  /// @p all: with the multipliers, last; @p blocks: of the bodies; @p dropped: of each own multiplier.
-  SaddlePoint(const BlockMatrix &matrix, const MergedMatrix &all, const std::vector<unsigned int> &blocks,
-              std::vector<bool> dropped);
+  /// @p all: with the multipliers, last; @p bodies and @p multipliers: their blocks, a part each;
+  /// @p dropped: of each own multiplier.
+  SaddlePoint(const BlockMatrix &matrix, const MergedMatrix &all, const std::vector<unsigned int> &bodies,
+              const std::vector<unsigned int> &multipliers, std::vector<bool> dropped);
   /// The matrix has new values. Collective.
-  void update(const BlockMatrix &matrix);
+  void update();
 
   void scale_multipliers(GroupVector &x) const; ///< x = D x
 
@@ -34,8 +35,10 @@ public:
   const std::vector<double> &schur_complement() const override { return schur; }
 
 private:
+  const BlockMatrix &matrix;
   const MergedMatrix &all;
   MergedMatrix body_operator;
+  const unsigned int body_part, multiplier_part;
   const std::vector<bool> dropped;
   std::vector<double> scale, schur; ///< of the own multipliers
 };

@@ -300,7 +300,26 @@ void BlockSystem<dim>::make_sparsity(const double t)
                                                      relevant);
   has_tangent = false;
   matrix.clear();
-  matrix.reinit(model.numbering->split(model.numbering->owned), pattern, model.communicator);
+  matrix.reinit(model.numbering->split(model.numbering->owned), parts_of_blocks(), pattern,
+                model.communicator);
+}
+
+/// The bodies' blocks of each group of fields, and its multipliers' ones: what a linear solver wants as one
+/// matrix.
+template <int dim>
+std::vector<unsigned int> BlockSystem<dim>::parts_of_blocks() const
+{
+  std::map<std::pair<unsigned int, bool>, unsigned int> number;
+  std::vector<unsigned int> parts;
+  const auto groups = model.field_groups();
+  for (const Block &block : model.numbering->blocks()) {
+    const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto &group_fields) {
+      return std::find(group_fields.begin(), group_fields.end(), block.field) != group_fields.end();
+    });
+    parts.push_back(
+        number.try_emplace({group - groups.begin(), block.is_of_multipliers}, number.size()).first->second);
+  }
+  return parts;
 }
 
 template <int dim>
@@ -829,16 +848,13 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx, Vector &rest)
   rest = right_hand_side;
   std::vector<double> reference = residuals();
   const std::vector<double> before = forces();
-  for (unsigned int row = 0; row < dx.n_blocks(); ++row) {
+  for (unsigned int row = 0; row < dx.n_blocks(); ++row)
     reference[row] = std::max(reference[row], before[row]);
-    for (const auto &[column, block] : matrix.row(row)) {
-      dealii::TrilinosWrappers::MPI::Vector product(rest.block(row));
-      block->vmult(product, dx.block(column));
-      rest.block(row) -= product;
-      if (row != column)
-        reference[row] = std::max(reference[row], product.l2_norm());
-    }
-  }
+  matrix.for_each_product(dx, [&](const unsigned int row, const unsigned int column, const auto &product) {
+    rest.block(row) -= product;
+    if (row != column)
+      reference[row] = std::max(reference[row], product.l2_norm());
+  });
   // a block on which nothing acts keeps the rounding of the others, with which it is solved
   std::vector<double> rounding(fields.size(), 0.);
   for (unsigned int b = 0; b < dx.n_blocks(); ++b)

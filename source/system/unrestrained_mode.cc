@@ -9,8 +9,6 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/lapack_full_matrix.h>
 
-#include <Epetra_Vector.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -154,14 +152,17 @@ bool is_regular(const dealii::FullMatrix<double> &P, const unsigned int dim)
   return smallest > 1e-6 * trace && trace > 1e-12 * of_P;
 }
 
-/// By group, z_k.K z_l and z_k.|diag K| z_l.
+/// By group, z_k.K z_l and z_k.|diag K| z_l. The products of the blocks are apart, so the l-th modes of all
+/// groups are multiplied at once.
 template <int dim>
 std::array<dealii::FullMatrix<double>, 2> energies(const std::vector<Group<dim>> &groups,
                                                    const BlockMatrix &tangent, const MPI_Comm &communicator)
 {
   std::vector<unsigned int> first_mode = {0};
   std::map<unsigned int, unsigned int> group_of;
+  unsigned int largest_number = 0;
   for (unsigned int g = 0; g < groups.size(); ++g) {
+    largest_number = std::max(largest_number, groups[g].n_modes);
     first_mode.push_back(first_mode.back() + groups[g].n_modes);
     for (const unsigned int b : groups[g].blocks)
       group_of[b] = g;
@@ -172,24 +173,25 @@ std::array<dealii::FullMatrix<double>, 2> energies(const std::vector<Group<dim>>
   const auto product = [](const std::vector<double> &one, const double *other) {
     return std::inner_product(one.begin(), one.end(), other, 0.);
   };
+  for (unsigned int l = 0; l < largest_number; ++l) {
+    BlockMatrix::Vector z(tangent.owned_unknowns(), communicator);
+    for (const auto &[block, g] : group_of)
+      if (l < groups[g].n_modes) {
+        const auto &values = groups[g].modes.at(block)[l];
+        std::copy(values.begin(), values.end(), z.block(block).trilinos_vector()[0]);
+      }
+    tangent.for_each_product(z, [&](const unsigned int row, const unsigned int column, const auto &Kz) {
+      if (group_of.count(row) == 0 || group_of.count(column) == 0 || l >= groups[group_of.at(column)].n_modes)
+        return;
+      const unsigned int g = group_of.at(row), h = group_of.at(column);
+      for (unsigned int k = 0; k < groups[g].n_modes; ++k)
+        energy(first_mode[g] + k, first_mode[h] + l) +=
+            product(groups[g].modes.at(row)[k], Kz.trilinos_vector()[0]);
+    });
+  }
   for (const auto &[row, g] : group_of) {
     const auto &row_modes = groups[g].modes.at(row);
-    for (const auto &[column, block] : tangent.row(row)) {
-      if (group_of.count(column) == 0)
-        continue;
-      const unsigned int h = group_of.at(column);
-      dealii::TrilinosWrappers::MPI::Vector z(block->locally_owned_domain_indices(), communicator),
-          Kz(block->locally_owned_range_indices(), communicator);
-      for (unsigned int l = 0; l < groups[h].n_modes; ++l) {
-        const auto &values = groups[h].modes.at(column)[l];
-        std::copy(values.begin(), values.end(), z.trilinos_vector()[0]);
-        block->vmult(Kz, z);
-        for (unsigned int k = 0; k < groups[g].n_modes; ++k)
-          energy(first_mode[g] + k, first_mode[h] + l) += product(row_modes[k], Kz.trilinos_vector()[0]);
-      }
-    }
-    Epetra_Vector diagonal(tangent.block(row, row).trilinos_matrix().RowMap());
-    tangent.block(row, row).trilinos_matrix().ExtractDiagonalCopy(diagonal);
+    const std::vector<double> diagonal = tangent.diagonal(row);
     for (unsigned int k = 0; k < groups[g].n_modes; ++k)
       for (unsigned int l = 0; l < groups[g].n_modes; ++l)
         for (unsigned int i = 0; i < row_modes[k].size(); ++i)

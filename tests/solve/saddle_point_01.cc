@@ -77,7 +77,7 @@ void check(const double compliance)
   for_each_entry(owned, compliance,
                  [&](const Index row, const Index column, double) { pattern.add(row, column); });
   BlockMatrix matrix;
-  matrix.reinit(owned, pattern, MPI_COMM_WORLD);
+  matrix.reinit(owned, {0, 1}, pattern, MPI_COMM_WORLD);
   for_each_entry(owned, compliance, [&](const Index row, const Index column, const double value) {
     matrix.add(row, column, value);
   });

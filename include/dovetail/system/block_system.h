@@ -150,6 +150,7 @@ private:
   bool are_prescribed(const ConstraintLines &lines) const;
   void make_constraints(const ConstraintLines &lines);
   void make_sparsity(double t);
+  std::vector<unsigned int> parts_of_blocks() const;
   void add_pattern(const Domain<dim> &domain, dealii::DynamicSparsityPattern &pattern) const;
   void add_pattern(const Interface<dim> &interface, dealii::DynamicSparsityPattern &pattern) const;
   void move_constraints_from(const Vector &ghosted);

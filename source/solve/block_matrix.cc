@@ -32,6 +32,28 @@ BlockPairs unite(const BlockPairs &own, const MPI_Comm &communicator)
   return all;
 }
 
+/// BlockIndices::global_to_local for indices most of which lie in the block of the one before.
+class BlockSearch
+{
+public:
+  explicit BlockSearch(const dealii::BlockIndices &indices) : indices(indices) {}
+
+  std::pair<unsigned int, Index> operator()(const Index index)
+  {
+    if (index < begin || index >= end) {
+      block = indices.global_to_local(index).first;
+      begin = indices.block_start(block);
+      end = begin + indices.block_size(block);
+    }
+    return {block, index - begin};
+  }
+
+private:
+  const dealii::BlockIndices &indices;
+  unsigned int block = 0;
+  Index begin = 0, end = 0;
+};
+
 /// A row of a Trilinos matrix.
 struct RowView
 {
@@ -87,14 +109,17 @@ void BlockMatrix::find_blocks(const dealii::DynamicSparsityPattern &pattern, con
   BlockPairs pairs;
   for (unsigned int r = 0; r < owned.size(); ++r) {
     pairs.emplace(r, r);
-    std::set<unsigned int> columns;
+    std::vector<bool> has_column(owned.size(), false);
+    BlockSearch find(indices);
     for (const Index index : owned[r]) {
       const Index row = indices.block_start(r) + index;
-      for (unsigned int k = 0; k < pattern.row_length(row); ++k)
-        columns.insert(indices.global_to_local(pattern.column_number(row, k)).first);
+      const unsigned int n = pattern.row_length(row);
+      for (unsigned int k = 0; k < n; ++k) // an iterator of the pattern takes longer
+        has_column[find(pattern.column_number(row, k)).first] = true;
     }
-    for (const unsigned int c : columns)
-      pairs.emplace(r, c);
+    for (unsigned int c = 0; c < owned.size(); ++c)
+      if (has_column[c])
+        pairs.emplace(r, c);
   }
   columns_of.resize(owned.size());
   for (const auto &[r, c] : unite(pairs, communicator))
@@ -125,14 +150,17 @@ BlockMatrix::split_rows(const unsigned int p, dealii::DynamicSparsityPattern &pa
   for (const auto &part_columns : columns)
     patterns.try_emplace(part_columns.first, numberings[p].size(), numberings[part_columns.first].size(),
                          row_set);
+  BlockSearch find(indices);
   for (const auto &[row, row_of_system] : rows) {
-    for (unsigned int k = 0; k < pattern.row_length(row_of_system); ++k) {
-      const auto [block, index] = indices.global_to_local(pattern.column_number(row_of_system, k));
+    const unsigned int n = pattern.row_length(row_of_system);
+    for (unsigned int k = 0; k < n; ++k) {
+      const auto [block, index] = find(pattern.column_number(row_of_system, k));
       columns[part_of(block)].push_back(numberings[part_of(block)].row(place[block].position, index));
     }
     pattern.clear_row(row_of_system);
     for (auto &[q, part_columns] : columns) {
-      std::sort(part_columns.begin(), part_columns.end());
+      if (!std::is_sorted(part_columns.begin(), part_columns.end()))
+        std::sort(part_columns.begin(), part_columns.end());
       patterns.at(q).add_entries(row, part_columns.begin(), part_columns.end(), true);
       part_columns.clear();
     }

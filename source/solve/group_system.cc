@@ -18,7 +18,7 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
   static_cast<GroupTraits &>(all_facts) = group;
   all_facts.has_multipliers = !group.multiplier_blocks.empty();
   all_facts.near_null_space = [this]() { return near_null_space(); };
-  if (group.linear_part && !all_facts.has_multipliers)
+  if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
 }
 
@@ -132,18 +132,20 @@ std::vector<unsigned int> GroupSystem::color_blocks() const
   return colors;
 }
 
+/// Rows are those of the bodies alone.
 std::vector<GroupFacts::Sum> GroupSystem::linear_part() const
 {
   std::vector<unsigned int> position(matrix->n_block_rows()); // in the group
   for (unsigned int i = 0; i < group.blocks.size(); ++i)
     position[group.blocks[i]] = i;
+  const RowNumbering rows(matrix->owned_unknowns(), group.blocks, matrix->get_mpi_communicator());
   std::vector<GroupFacts::Sum> sums;
   for (const unsigned int block : group.blocks)
     for (const SolveGroup::Sum &unknown_sum : group.linear_part(block)) {
       sums.emplace_back();
       for (const auto &[dof, weight] : unknown_sum) {
         const auto [dof_block, index] = matrix->get_row_indices().global_to_local(dof);
-        sums.back().emplace_back(merged->numbering().row(position[dof_block], index), weight);
+        sums.back().emplace_back(rows.row(position[dof_block], index), weight);
       }
     }
   return sums;

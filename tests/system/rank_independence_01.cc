@@ -17,6 +17,8 @@
 
 #include <array>
 
+#include <algorithm>
+
 using namespace test;
 
 std::string scene()
@@ -158,6 +160,9 @@ int main(int argc, char **argv)
   all_blocks.name = "all";
   for (unsigned int b = 0; b < model.numbering->blocks().size(); ++b)
     all_blocks.blocks.push_back(b);
+  std::stable_sort(all_blocks.blocks.begin(), all_blocks.blocks.end(), [&](const auto a, const auto b) {
+    return system.tangent().part_of(a) < system.tangent().part_of(b);
+  });
   LinearSolver solver(SceneText::root(SceneText::from_prm(set("Type", "direct"))), {all_blocks});
   solver.set_matrix(system.tangent());
   report("solved", solver.solve(x, system.negative_residual()).has_value());

@@ -59,8 +59,8 @@ struct GroupFacts : GroupTraits
   /// [mode][own row of GroupOperator::bodies()]: what the bodies hardly resist. Collective.
   std::function<std::vector<std::vector<double>>()> near_null_space;
   /// Of each own row of the bodies: the global rows, and the weights, that it is the sum of in a function of
-  /// degree one; itself if it is an unknown of such a function; none if it is prescribed. May be missing,
-  /// and is with multipliers.
+  /// degree one; itself if it is an unknown of such a function; none if it is prescribed. May be missing.
+  /// Collective.
   using Sum = std::vector<std::pair<int, double>>;
   std::function<std::vector<Sum>()> linear_part;
 };

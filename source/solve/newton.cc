@@ -158,10 +158,14 @@ double Newton::Iteration::search_line(const double norm, const bool with_tangent
   for (bool may_grow = true; damping.factor >= smallest_damping;) {
     const bool is_full = damping.factor == 1;
     try_update(damping.factor);
-    const double new_norm =
-        with_tangent && is_full ? problem.residual_and_tangent(trial) : problem.residual(trial);
-    if (!settings.line_search || (is_trusted && new_norm <= largest_norm))
+    const bool replaces_tangent = with_tangent && is_full && is_trusted;
+    const double new_norm = replaces_tangent ? problem.residual_and_tangent(trial) : problem.residual(trial);
+    if (is_trusted && (!settings.line_search || new_norm <= largest_norm))
       return new_norm;
+    if (replaces_tangent) { // that at x is still needed
+      problem.residual_and_tangent(x);
+      problem.residual(trial);
+    }
     is_trusted = false;
     if (!std::isfinite(new_norm)) {
       reduce(damping.factor / 2);
@@ -183,7 +187,7 @@ double Newton::Iteration::search_line(const double norm, const bool with_tangent
       may_grow = false;
     } else {
       damping.correction = size;
-      return is_full ? new_norm : problem.residual_and_tangent(trial);
+      return is_full && !with_tangent ? new_norm : problem.residual_and_tangent(trial);
     }
   }
   return std::nan("");

@@ -169,7 +169,7 @@ std::array<dealii::FullMatrix<double>, 2> energies(const std::vector<Group<dim>>
   }
   const unsigned int n = first_mode.back();
   std::array<dealii::FullMatrix<double>, 2> result{{{n, n}, {n, n}}};
-  auto &[energy, mass] = result;
+  dealii::FullMatrix<double> &energy = result[0], &mass = result[1]; // clang captures no binding
   const auto product = [](const std::vector<double> &one, const double *other) {
     return std::inner_product(one.begin(), one.end(), other, 0.);
   };

@@ -68,7 +68,7 @@ void RowNumbering::gather(const BlockVector &from, double *to) const
 {
   for (unsigned int i = 0; i < block_numbers.size(); ++i) {
     const double *values = from.block(block_numbers[i]).trilinos_vector()[0];
-    std::copy(values, values + first_local[i + 1] - first_local[i], to + first_local[i]);
+    std::copy_n(values, first_local[i + 1] - first_local[i], to + first_local[i]);
   }
 }
 

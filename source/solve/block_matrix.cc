@@ -285,7 +285,7 @@ void BlockMatrix::subtract_product(const std::vector<unsigned int> &rows,
     for (const unsigned int b : blocks)
       if (all.insert(part_of(b)).second)
         n_blocks += numberings[part_of(b)].blocks().size();
-    Assert(n_blocks == blocks.size(), dealii::ExcMessage("some blocks of a part are missing"));
+    AssertThrow(n_blocks == blocks.size(), dealii::ExcMessage("some blocks of a part are missing"));
     return all;
   };
   for (const unsigned int p : parts_of(rows))

@@ -53,6 +53,7 @@ private:
 
   dealii::SparsityPattern pattern; ///< the factors refer to it
   dealii::SparseILU<float> LU;
+  double unit = 0; ///< of the entries: the largest one, which single precision may not hold
 };
 
 /// Calls @p action(row, column, entry) for the entries of @p A in own rows and columns.
@@ -86,9 +87,11 @@ void IncompleteFactorisation::make_pattern(const Epetra_CrsMatrix &A)
 IncompleteFactorisation::IncompleteFactorisation(const Epetra_CrsMatrix &A, const double shift)
 {
   make_pattern(A);
+  for_own_entries(A, [&](int, int, const double entry) { unit = std::max(unit, std::abs(entry)); });
+  unit = unit > 0 ? unit : 1;
   dealii::SparseMatrix<float> own(pattern);
   for_own_entries(A, [&](const int row, const int column, const double entry) {
-    own.set(row, column, row == column ? (1 + shift) * entry : entry);
+    own.set(row, column, static_cast<float>((row == column ? 1 + shift : 1) * entry / unit));
   });
   for (unsigned int row = 0; row < own.m(); ++row)
     if (own.diag_element(row) == 0) // an empty row of a coarse level
@@ -98,9 +101,17 @@ IncompleteFactorisation::IncompleteFactorisation(const Epetra_CrsMatrix &A, cons
 
 void IncompleteFactorisation::vmult(double *z, const double *r) const
 {
-  dealii::Vector<float> right_hand_side(r, r + LU.m()), solution(LU.m());
-  LU.vmult(solution, right_hand_side);
-  std::copy(solution.begin(), solution.end(), z);
+  dealii::Vector<float> right_hand_side(LU.m()), solution(LU.m());
+  double size = 0;
+  for (unsigned int row = 0; row < LU.m(); ++row)
+    size = std::max(size, std::abs(r[row]));
+  if (size > 0) {
+    for (unsigned int row = 0; row < LU.m(); ++row)
+      right_hand_side[row] = static_cast<float>(r[row] / size);
+    LU.vmult(solution, right_hand_side);
+  }
+  for (unsigned int row = 0; row < LU.m(); ++row)
+    z[row] = size / unit * solution[row];
 }
 
 } // namespace

@@ -119,7 +119,7 @@ void Multigrid::make_aggregation()
 
 unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, const double goal)
 {
-  if (is_slow || by_degree)
+  if (is_slow || by_degree || facts.has_multipliers) // whose Schur complement may be what is slow
     return iterate(K, x, b, goal, {});
 
   const unsigned int n_between_checks = 8, most_iterations = 30;
@@ -139,6 +139,10 @@ unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const Grou
   GroupVector residual(b), correction(K.vector());
   K.vmult(residual, x);
   residual.sadd(-1., 1., b);
+  if (!(residual.l2_norm() < b.l2_norm())) {
+    x = 0;
+    residual = b;
+  }
   n_iterations += iterate(K, correction, residual, goal, {});
   x += correction;
   return n_iterations;

@@ -40,10 +40,10 @@ private:
 /// T. A. Manteuffel: An incomplete factorization technique for positive definite linear systems, 1980.
 std::unique_ptr<Approximation> make_incomplete_factorisation(const Epetra_CrsMatrix &A, double shift);
 
-/// Chebyshev iteration with M^-1 A on the upper part of its spectrum, [lambda / ratio, lambda]: symmetric and
-/// positive definite as a smoother whatever lambda is, if only M is. M is diag(A), or the incomplete
-/// factorisation with the smallest of some shifts with which it is definite. The factorisation solves along
-/// the strong couplings of stretched cells, which the diagonal hardly smooths.
+/// Chebyshev iteration with M^-1 A on the upper part of its spectrum, [lambda / ratio, lambda]: symmetric,
+/// and positive definite as long as no eigenvalue exceeds lambda (1 + 1 / ratio). M is diag(A), or the
+/// incomplete factorisation with the smallest of some shifts with which it is definite. The factorisation
+/// solves along the strong couplings of stretched cells, which the diagonal hardly smooths.
 class ChebyshevSmoother
 {
 public:

@@ -99,12 +99,12 @@ std::unique_ptr<dealii::FESystem<dim>> make_system(const Elements<dim> &elements
   return std::make_unique<dealii::FESystem<dim>>(elements, multiplicities);
 }
 
-/// A pressure that keeps the volume is stable beside displacements of one degree more if it is discontinuous
-/// with all polynomials (FE_DGP) on hypercubes, continuous on simplices (Taylor & Hood 1973; Boffi, Brezzi &
-/// Fortin 2013, chapter 8).
+/// A multiplier, as the pressure that keeps the volume, is stable beside displacements of one degree more if it
+/// is discontinuous with all polynomials (FE_DGP) on hypercubes, continuous on simplices (Taylor & Hood 1973;
+/// Boffi, Brezzi & Fortin 2013, chapter 8).
 bool has_continuous_element(const Field &field, const bool simplices)
 {
-  return field.is_continuous || (simplices && field.law == "volume");
+  return field.is_continuous || (simplices && field.is_multiplier);
 }
 
 /// The coefficients of 1: the projection.
@@ -134,7 +134,7 @@ std::vector<double> coefficients_of_unit(const dealii::FiniteElement<dim> &eleme
 template <int dim>
 unsigned int CellLayout<dim>::lowest_degree(const Field &field, const bool simplices)
 {
-  const int lowest = field.is_continuous || simplices || field.law == "volume" ? 1 : 0; // of the field
+  const int lowest = field.is_continuous || simplices || field.is_multiplier ? 1 : 0; // of the field
   return std::max(1, lowest - field.relative_degree);
 }
 

@@ -34,7 +34,8 @@ Numbering::Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, c
       std::vector<dealii::types::global_dof_index> first_of_rank = {0};
       for (const auto count : dealii::Utilities::MPI::all_gather(communicator, part.n_elements()))
         first_of_rank.push_back(first_of_rank.back() + count);
-      all_blocks.push_back({domain.name, domain.fields()[f].name, false, d, f, n_dofs + begin,
+      const Field &field = domain.fields()[f];
+      all_blocks.push_back({domain.name, field.name, false, field.is_multiplier, d, f, n_dofs + begin,
                             n_dofs + begin + sizes[f], part, first_of_rank});
       begin += sizes[f];
     }
@@ -67,7 +68,7 @@ dealii::types::global_dof_index Numbering::add_multipliers(const std::string &in
     return begin;
   dealii::IndexSet block_set(n);
   block_set.add_range(first, first + n_own);
-  all_blocks.push_back({interface, field, true, 0, 0, begin, begin + n, block_set, first_of_rank});
+  all_blocks.push_back({interface, field, true, true, 0, 0, begin, begin + n, block_set, first_of_rank});
   for (dealii::IndexSet *set : {&owned, &relevant}) {
     dealii::IndexSet larger(begin + n);
     larger.add_indices(*set);

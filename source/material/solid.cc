@@ -38,7 +38,7 @@ public:
     const Field displacement = {"displacement", dim, 0, "solid", "", "velocity"};
     if (section.documenting() || !is_mixed(section))
       return {displacement};
-    return {displacement, {"pressure", 1, 0, "volume", "pressure", "", -1, false}};
+    return {displacement, {"pressure", 1, 0, "volume", "pressure", "", -1, false, true}};
   }
 
   void add_terms(const std::vector<Field> &all, typename MaterialPart<dim>::Terms &terms) const override

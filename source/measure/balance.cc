@@ -205,6 +205,8 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
     const std::vector<FlowsOfField> flows = find_flows(model, *domain, reactions, solution);
     for (unsigned int f = 0; f < flows.size(); ++f) {
       const Field &field = domain->fields()[f];
+      if (field.is_multiplier) // nothing flows
+        continue;
       const Imbalance imbalance(flows[f]);
       ordered_json &result = balance.report[domain->name][field.name];
       result = {{"stored", value(imbalance.stored)},

@@ -14,11 +14,11 @@ namespace dovetail {
 
 namespace {
 
-std::vector<bool> blocks_of_multipliers(const Numbering &numbering)
+std::vector<bool> blocks_of_constraints(const Numbering &numbering)
 {
   std::vector<bool> are;
   for (const Block &block : numbering.blocks())
-    are.push_back(block.is_of_multipliers);
+    are.push_back(block.is_constraint);
   return are;
 }
 
@@ -28,7 +28,7 @@ template <int dim>
 StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system, const Newton &newton,
                               LinearSolver &solver, Phases &phases, Log &log)
     : model(model), system(system), linear_solver(solver), phases(phases), log(log),
-      criterion(system.fields_of_blocks(), blocks_of_multipliers(*model.numbering),
+      criterion(system.fields_of_blocks(), blocks_of_constraints(*model.numbering),
                 newton.residual_tolerance(), newton.absolute_tolerance())
 {
 }
@@ -175,7 +175,7 @@ double StepProblem<dim>::norm(const Vector &dx) const
 {
   double square = 0;
   for (unsigned int b = 0; b < scales.size(); ++b)
-    if (scales[b] > 0 && !model.numbering->blocks()[b].is_of_multipliers)
+    if (scales[b] > 0 && !model.numbering->blocks()[b].is_constraint)
       square += std::pow(dx.block(b).l2_norm() / scales[b], 2);
   return std::sqrt(square);
 }

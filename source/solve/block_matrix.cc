@@ -13,6 +13,8 @@
 #include <Epetra_Vector.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace dovetail {
 
@@ -301,17 +303,42 @@ void BlockMatrix::for_each_product(const Vector &x, const VisitProduct &visit) c
       visit_products(p, part_column.first, x, visit);
 }
 
+/// The unknowns that the own rows of a pair of parts multiply.
+Epetra_Vector BlockMatrix::ghosted(const unsigned int p, const unsigned int q, const Vector &x) const
+{
+  const Epetra_CrsMatrix &matrix = part(p, q).trilinos_matrix();
+  Epetra_Vector own(matrix.DomainMap()), result(matrix.ColMap());
+  numberings[q].gather(x, own.Values());
+  if (matrix.Importer() != nullptr)
+    result.Import(own, *matrix.Importer(), Insert);
+  else
+    result = own;
+  return result;
+}
+
+double BlockMatrix::size_of_product(const unsigned int row, const Vector &x) const
+{
+  const auto [p, i] = place[row];
+  const unsigned int first = numberings[p].first_local_of(i), end = numberings[p].first_local_of(i + 1);
+  std::vector<double> sums(end - first, 0.);
+  for (const auto &[q, part] : parts[p]) {
+    const Epetra_Vector factors = ghosted(p, q, x);
+    for (unsigned int local = first; local < end; ++local) {
+      const RowView view(part->trilinos_matrix(), local);
+      for (int k = 0; k < view.n; ++k)
+        sums[local - first] += std::abs(view.values[k] * factors[view.columns[k]]);
+    }
+  }
+  const double square = std::inner_product(sums.begin(), sums.end(), sums.begin(), 0.);
+  return std::sqrt(dealii::Utilities::MPI::sum(square, get_mpi_communicator()));
+}
+
 /// Of the blocks of a pair of parts, in one pass through each row.
 void BlockMatrix::visit_products(const unsigned int p, const unsigned int q, const Vector &x,
                                  const VisitProduct &visit) const
 {
   const Epetra_CrsMatrix &matrix = part(p, q).trilinos_matrix();
-  Epetra_Vector own(matrix.DomainMap()), ghosted(matrix.ColMap());
-  numberings[q].gather(x, own.Values());
-  if (matrix.Importer() != nullptr)
-    ghosted.Import(own, *matrix.Importer(), Insert);
-  else
-    ghosted = own;
+  const Epetra_Vector factors = ghosted(p, q, x);
   std::vector<unsigned int> block_of_column;
   for (int k = 0; k < matrix.NumMyCols(); ++k)
     block_of_column.push_back(numberings[q].unknown(matrix.GCID(k)).first);
@@ -329,7 +356,7 @@ void BlockMatrix::visit_products(const unsigned int p, const unsigned int q, con
     for (unsigned int row = first; row < end; ++row) {
       const RowView view(matrix, row);
       for (int k = 0; k < view.n; ++k)
-        sums[block_of_column[view.columns[k]]][row - first] += view.values[k] * ghosted[view.columns[k]];
+        sums[block_of_column[view.columns[k]]][row - first] += view.values[k] * factors[view.columns[k]];
     }
     for (const auto &[c, product] : products)
       visit(r, c, product);

@@ -3,6 +3,8 @@
 
 #include "chebyshev_smoother.h"
 
+#include <dovetail/solve/group_solver.h>
+
 #include <deal.II/base/index_set.h>
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_control.h>
@@ -22,6 +24,11 @@ namespace dovetail {
 namespace {
 
 using SingleVector = dealii::TrilinosWrappers::MPI::Vector;
+
+MPI_Comm communicator_of(const Epetra_CrsMatrix &A)
+{
+  return dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm();
+}
 
 /// As deal.II's CG sees A and M.
 struct Product
@@ -150,10 +157,13 @@ std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_factorisation(const E
 {
   const double largest_accepted = 10; // a pivot close to zero, or below it, gives a larger eigenvalue
   std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
+  const Agreement ranks{communicator_of(A), {}};
   for (const double shift : {0.05, 0.3, 1.}) {
-    result->M = make_incomplete_factorisation(A, shift);
-    result->estimate_spectrum();
-    if (result->largest_eigenvalue > 0 && result->largest_eigenvalue < largest_accepted)
+    const bool is_made = ranks.succeeds(
+        "smoother", [&]() { result->M = make_incomplete_factorisation(A, shift); }); // no memory
+    if (is_made)
+      result->estimate_spectrum();
+    if (is_made && result->largest_eigenvalue > 0 && result->largest_eigenvalue < largest_accepted)
       return result;
   }
   return with_diagonal(A, range);
@@ -163,11 +173,10 @@ std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_factorisation(const E
 void ChebyshevSmoother::estimate_spectrum()
 {
   const unsigned int n_iterations = 10;
-  const auto &communicator = dynamic_cast<const Epetra_MpiComm &>(A.Comm());
   dealii::IndexSet owned(A.NumGlobalRows());
   if (A.NumMyRows() > 0)
     owned.add_range(A.GRID(0), A.GRID(0) + A.NumMyRows());
-  SingleVector x(owned, communicator.Comm()), b(owned, communicator.Comm());
+  SingleVector x(owned, communicator_of(A)), b(owned, communicator_of(A));
   Epetra_Vector diagonal(A.RowMap());
   A.ExtractDiagonalCopy(diagonal);
   for (int row = 0; row < A.NumMyRows(); ++row)
@@ -177,7 +186,7 @@ void ChebyshevSmoother::estimate_spectrum()
   largest_eigenvalue = 0;
   solver.connect_eigenvalues_slot([this](const std::vector<double> &eigenvalues) {
     if (!eigenvalues.empty() && eigenvalues.front() > 0)
-      largest_eigenvalue = 1.1 * eigenvalues.back(); // approached from below
+      largest_eigenvalue = 1.2 * eigenvalues.back(); // approached from below
   });
   try {
     solver.solve(Product{A}, x, b, Inverse{*M});

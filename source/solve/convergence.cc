@@ -9,9 +9,9 @@
 
 namespace dovetail {
 
-Convergence::Convergence(std::vector<unsigned int> field_of_part, std::vector<bool> is_of_multipliers,
+Convergence::Convergence(std::vector<unsigned int> field_of_part, std::vector<bool> is_constraint,
                          const double relative_tolerance, const double absolute_tolerance)
-    : field_of_part(std::move(field_of_part)), is_of_multipliers(std::move(is_of_multipliers)),
+    : field_of_part(std::move(field_of_part)), is_constraint(std::move(is_constraint)),
       relative_tolerance(relative_tolerance), absolute_tolerance(absolute_tolerance)
 {
   begin_step();
@@ -66,7 +66,7 @@ bool Convergence::is_small(const WorkingUpdate &update) const
     const unsigned int f = field_of_part[p];
     const double range = std::max(largest[f] - smallest[f],
                                   smallest_range * std::max(std::abs(largest[f]), std::abs(smallest[f])));
-    if (is_of_multipliers[p])
+    if (is_constraint[p])
       continue;
     if (!(update.largest[p] <= largest_update * range))
       return false;

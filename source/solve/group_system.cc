@@ -18,6 +18,7 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
   static_cast<GroupTraits &>(all_facts) = group;
   all_facts.has_multipliers = !group.multiplier_blocks.empty();
   all_facts.near_null_space = [this]() { return near_null_space(); };
+  all_facts.field_of_row = [this]() { return field_of_row(); };
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
 }
@@ -85,6 +86,17 @@ double GroupSystem::contrast() const
   return largest / smallest;
 }
 
+/// Of a block: a temperature has one, a displacement up to six.
+unsigned int GroupSystem::largest_number_of_modes() const
+{
+  const std::vector<int> field = field_of_block();
+  unsigned int largest = 0;
+  for (unsigned int i = 0; i < field.size(); ++i)
+    if (std::find(field.begin(), field.begin() + i, field[i]) == field.begin() + i)
+      largest = std::max<unsigned int>(largest, group.near_null_space(group.blocks[i], true).size());
+  return largest;
+}
+
 /// Rigid-body modes of each body for itself, zero on the others, keep the iteration count flat in any
 /// contrast of the stiffness, but they double the coarse matrices of two bodies and worse for more. The modes
 /// of all bodies together cost nothing extra, and some iterations at a high contrast (measured on two blocks,
@@ -95,7 +107,7 @@ GroupSystem::Modes GroupSystem::near_null_space() const
 {
   const double largest_shared_contrast = 1e3;
   const unsigned int largest_number = 24;
-  const unsigned int n_of_block = group.near_null_space(group.blocks[0], true).size();
+  const unsigned int n_of_block = largest_number_of_modes();
   const std::vector<unsigned int> set_of = color_blocks();
   const unsigned int n_sets = *std::max_element(set_of.begin(), set_of.end()) + 1;
   const bool is_shared =
@@ -130,6 +142,25 @@ std::vector<unsigned int> GroupSystem::color_blocks() const
     colors.push_back(next);
   }
   return colors;
+}
+
+/// Numbers of the fields of the blocks, from 0 on.
+std::vector<int> GroupSystem::field_of_block() const
+{
+  std::map<std::string, int> number;
+  std::vector<int> result;
+  for (const unsigned int block : group.blocks)
+    result.push_back(number.try_emplace(group.field ? group.field(block) : "", number.size()).first->second);
+  return result;
+}
+
+std::vector<int> GroupSystem::field_of_row() const
+{
+  const std::vector<int> field = field_of_block();
+  std::vector<int> result;
+  for (unsigned int i = 0; i < field.size(); ++i)
+    result.insert(result.end(), matrix->owned_unknowns()[group.blocks[i]].n_elements(), field[i]);
+  return result;
 }
 
 /// Rows are those of the bodies alone.

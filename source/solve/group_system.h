@@ -41,6 +41,9 @@ public:
 private:
   Modes near_null_space() const;
   std::vector<GroupFacts::Sum> linear_part() const;
+  std::vector<int> field_of_block() const;
+  std::vector<int> field_of_row() const;
+  unsigned int largest_number_of_modes() const;
   double contrast() const;
   std::vector<unsigned int> color_blocks() const;
 

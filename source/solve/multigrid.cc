@@ -17,13 +17,16 @@
 
 #include <deal.II/lac/solver_control.h>
 
-#include <EpetraExt_MatrixMatrix.h>
+#include <EpetraExt_Transpose_RowMatrix.h>
 #include <Epetra_CrsMatrix.h>
+#include <Epetra_Import.h>
+#include <Epetra_IntVector.h>
 #include <Epetra_MultiVector.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 
 namespace dovetail {
@@ -34,7 +37,7 @@ public:
   Multigrid(const Section &, const GroupFacts &facts) : facts(facts) {}
 
   std::string description() const override { return describe_iteration(facts, "multigrid"); }
-  void prepare(const GroupOperator &K, const Agreement &ranks) override;
+  void prepare(const GroupOperator &K, const Agreement &all_ranks) override;
   unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) override;
   void forget() override
   {
@@ -52,6 +55,7 @@ private:
                        const std::function<bool(unsigned int n, double r)> &gives_up);
 
   const GroupFacts &facts;
+  Agreement ranks;
   std::unique_ptr<Epetra_MultiVector> modes;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< of a matrix that is not symmetric
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
@@ -60,13 +64,35 @@ private:
   std::unique_ptr<DegreeCoarsening> by_degree; ///< instead, for a degree above one
 };
 
-/// (A + A^T) / 2
-std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A)
+/// (A + A^T) / 2 within each field, and nothing between fields, whose units differ: what is left is positive
+/// definite if the fields are by themselves. An entry without a partner across the diagonal is left out too.
+std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A,
+                                                      const std::vector<int> &field_of_row)
 {
-  auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), A.MaxNumEntries());
-  EpetraExt::MatrixMatrix::Add(A, false, 0.5, *sum, 0.);
-  EpetraExt::MatrixMatrix::Add(A, true, 0.5, *sum, 1.);
-  sum->FillComplete(A.OperatorDomainMap(), A.OperatorRangeMap());
+  EpetraExt::RowMatrix_Transpose transposer;
+  const auto &transposed = dynamic_cast<Epetra_CrsMatrix &>(transposer(const_cast<Epetra_CrsMatrix &>(A)));
+  const Epetra_IntVector row_field(Copy, A.RowMap(), const_cast<int *>(field_of_row.data()));
+  Epetra_IntVector column_field(A.ColMap());
+  column_field.Import(row_field, Epetra_Import(A.ColMap(), A.RowMap()), Insert);
+
+  auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, A.Graph()); // the same graph, held once
+  std::vector<double> partner(A.NumMyCols()); // by column, of one row; NaN: none
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n = 0, n_transposed = 0, *columns = nullptr, *transposed_columns = nullptr;
+    double *values = nullptr, *transposed_values = nullptr, *result = nullptr;
+    A.ExtractMyRowView(row, n, values, columns);
+    transposed.ExtractMyRowView(row, n_transposed, transposed_values, transposed_columns);
+    sum->ExtractMyRowView(row, n, result);
+    for (int k = 0; k < n; ++k)
+      partner[columns[k]] = std::numeric_limits<double>::quiet_NaN();
+    for (int k = 0; k < n_transposed; ++k)
+      if (const int column = A.LCID(transposed.GCID(transposed_columns[k])); column >= 0)
+        partner[column] = transposed_values[k];
+    for (int k = 0; k < n; ++k) {
+      const bool is_left_out = std::isnan(partner[columns[k]]) || column_field[columns[k]] != row_field[row];
+      result[k] = is_left_out ? 0 : (values[k] + partner[columns[k]]) / 2;
+    }
+  }
   return sum;
 }
 
@@ -77,13 +103,14 @@ void Multigrid::forget_values()
   symmetric_part.reset();
 }
 
-void Multigrid::prepare(const GroupOperator &K, const Agreement &ranks)
+void Multigrid::prepare(const GroupOperator &K, const Agreement &all_ranks)
 {
   forget_values();
+  ranks = all_ranks;
   matrix = K.bodies().matrix();
   ranks.run("modes", [&]() { make_modes(*matrix); });
   if (!facts.is_symmetric) {
-    ranks.run("symmetric part", [&]() { symmetric_part = make_symmetric_part(*matrix); });
+    ranks.run("symmetric part", [&]() { symmetric_part = make_symmetric_part(*matrix, facts.field_of_row()); });
     matrix = symmetric_part.get();
   }
   ranks.run("multigrid", [&]() { make_levels(); });
@@ -131,11 +158,11 @@ unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const Grou
   unsigned int n_iterations = 0;
   try {
     return iterate(K, x, b, goal, will_take_too_many);
-  } catch (const dealii::SolverControl::NoConvergence &end) {
+  } catch (const dealii::SolverControl::NoConvergence &end) { // on all ranks
     n_iterations = end.last_step;
   }
   is_slow = true;
-  make_aggregation();
+  ranks.run("multigrid", [this]() { make_aggregation(); });
   GroupVector residual(b), correction(K.vector());
   K.vmult(residual, x);
   residual.sadd(-1., 1., b);

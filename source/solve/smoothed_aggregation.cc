@@ -49,7 +49,8 @@ Teuchos::ParameterList parameters_of_ml(const Epetra_MultiVector &modes)
   list.set("PDE equations", rows_per_node(modes));
   list.set("null space: type", "pre-computed");
   list.set("null space: dimension", modes.NumVectors());
-  list.set("null space: vectors", modes.Values());
+  static double none = 0;
+  list.set("null space: vectors", modes.MyLength() > 0 ? modes.Values() : &none); // ML refuses a null pointer
   return list;
 }
 

@@ -63,7 +63,9 @@ BlockSystem<dim>::BlockSystem(Model<dim> &model) : model(model)
     field_of_block.push_back(
         std::find(fields.begin(), fields.end(), block.is_of_multipliers ? fields.back() : block.field) -
         fields.begin());
+    is_constraint.push_back(block.is_constraint && !block.is_of_multipliers);
   }
+  tangent_at_x = products_at_x = std::vector<double>(field_of_block.size(), 0.);
   is_of_multipliers.assign(fields.size(), false);
   for (unsigned int b = 0; b < field_of_block.size(); ++b)
     is_of_multipliers[field_of_block[b]] = model.numbering->blocks()[b].is_of_multipliers;
@@ -304,8 +306,8 @@ void BlockSystem<dim>::make_sparsity(const double t)
                 model.communicator);
 }
 
-/// The bodies' blocks of each group of fields, and its multipliers' ones: what a linear solver wants as one
-/// matrix.
+/// Of each group of fields the blocks with a positive diagonal, and those of constraints: what a linear solver
+/// wants as one matrix.
 template <int dim>
 std::vector<unsigned int> BlockSystem<dim>::parts_of_blocks() const
 {
@@ -317,7 +319,7 @@ std::vector<unsigned int> BlockSystem<dim>::parts_of_blocks() const
       return std::find(group_fields.begin(), group_fields.end(), block.field) != group_fields.end();
     });
     parts.push_back(
-        number.try_emplace({group - groups.begin(), block.is_of_multipliers}, number.size()).first->second);
+        number.try_emplace({group - groups.begin(), block.is_constraint}, number.size()).first->second);
   }
   return parts;
 }
@@ -501,8 +503,8 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   problem_here = {};
   last_undefined() = {};
   const unsigned int n_blocks = field_of_block.size();
-  sizes = {std::vector<double>(n_blocks, 0.), std::vector<double>(n_blocks, 0.),
-           std::vector<double>(n_blocks, 0.)};
+  const std::vector<double> none(n_blocks, 0.);
+  sizes = {none, none, none, none};
 
   std::exception_ptr fault;
   bool is_defined = true;
@@ -516,10 +518,12 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   right_hand_side.compress(dealii::VectorOperation::add);
   if (share < 1)
     right_hand_side.add(share - 1, held_back);
-  for (auto *block_sums : {&sizes.forces, &sizes.on_free, &sizes.tangents})
+  for (auto *block_sums : {&sizes.forces, &sizes.on_free, &sizes.tangents, &sizes.products})
     dealii::Utilities::MPI::sum(*block_sums, model.communicator, *block_sums);
-  if (with_tangent)
+  if (with_tangent) {
     tangent_at_x = sizes.tangents;
+    products_at_x = sizes.products;
+  }
   throw_on_all_ranks(fault, model.communicator);
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   has_tangent = with_tangent ? is_defined : has_tangent;
@@ -798,6 +802,7 @@ void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_ind
       const double force = weight * weight * forces[i] * forces[i];
       sizes.forces[block] += force;
       sizes.on_free[block] += longest_sum * force;
+      sizes.products[block] += weight * weight * row_sum * row_sum;
       sizes.tangents[block] += longest_sum * weight * weight * row_sum * row_sum;
     };
     const unsigned int block = model.numbering->block_of(dofs[i]);
@@ -820,12 +825,14 @@ std::vector<double> BlockSystem<dim>::residuals() const
   return norms;
 }
 
+/// Nothing is at work in the equations of a constraint of a body, as one on its volume, but the terms that
+/// cancel.
 template <int dim>
 std::vector<double> BlockSystem<dim>::forces() const
 {
   std::vector<double> norms;
-  for (const double square : sizes.forces)
-    norms.push_back(std::sqrt(square));
+  for (unsigned int b = 0; b < sizes.forces.size(); ++b)
+    norms.push_back(std::sqrt(sizes.forces[b] + (is_constraint[b] ? products_at_x[b] : 0)));
   return norms;
 }
 
@@ -855,6 +862,9 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx, Vector &rest)
     if (row != column)
       reference[row] = std::max(reference[row], product.l2_norm());
   });
+  for (unsigned int b = 0; b < dx.n_blocks(); ++b)
+    if (is_constraint[b])
+      reference[b] = std::max(reference[b], matrix.size_of_product(b, dx));
   // a block on which nothing acts keeps the rounding of the others, with which it is solved
   std::vector<double> rounding(fields.size(), 0.);
   for (unsigned int b = 0; b < dx.n_blocks(); ++b)

@@ -249,7 +249,7 @@ void Model<dim>::check_constants(const std::optional<double> t) const
         const auto [entry, is_new] = held.try_emplace({field.name, c});
         if (is_new)
           entry->second = held_domains(field.name, c, t);
-        if (field.law == "volume") // the pressure follows from the displacement
+        if (field.is_multiplier)
           continue;
         const bool is_radial = domain->measure.has_hoop_strain(field) && c == 0; // strained, so held
         if (!is_radial && entry->second.count(domain.get()) == 0)

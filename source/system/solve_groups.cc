@@ -5,6 +5,7 @@
 #include <dovetail/system/solve_groups.h>
 
 #include <algorithm>
+#include <set>
 
 namespace dovetail {
 
@@ -40,7 +41,6 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.name = comma_separated(fields);
     group.dim = dim;
     group.degree = model.degree();
-    group.is_symmetric = fields.size() == 1 && model.is_symmetric(fields[0]);
     group.allows_jumps = std::any_of(fields.begin(), fields.end(),
                                      [&model](const auto &field) { return model.allows_jumps(field); });
     group.near_null_space = [&model](const unsigned int block, const bool about_one_point) {
@@ -56,11 +56,18 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
       return own_part;
     };
     const auto &blocks = model.numbering->blocks();
+    std::set<std::string> body_fields;
     for (unsigned int b = 0; b < blocks.size(); ++b)
       if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end()) {
-        (blocks[b].is_of_multipliers ? group.multiplier_blocks : group.blocks).push_back(b);
+        (blocks[b].is_constraint ? group.multiplier_blocks : group.blocks).push_back(b);
         group.n_unknowns += blocks[b].end - blocks[b].begin;
+        if (!blocks[b].is_constraint)
+          body_fields.insert(blocks[b].field);
       }
+    group.is_symmetric = body_fields.size() == 1 && model.is_symmetric(*body_fields.begin());
+    group.field = [&model](const unsigned int block) {
+      return model.numbering->blocks()[block].field;
+    };
     groups.push_back(std::move(group));
   }
   return groups;

@@ -21,7 +21,8 @@ struct Block
 {
   std::string name; ///< of the domain or interface
   std::string field;
-  bool is_of_multipliers;
+  bool is_of_multipliers; ///< of an interface
+  bool is_constraint;     ///< of those, or of a field that is a multiplier: its diagonal is zero or negative
   unsigned int domain_index; ///< if it is of a domain
   unsigned int field_index;  ///< among the fields of the domain
   dealii::types::global_dof_index begin, end;

@@ -28,6 +28,8 @@ struct Field
   std::string rate = "";        ///< what its rate is called, if a scene may give it: velocity
   int relative_degree = 0;      ///< of its elements against the Degree of the domain: 0 or -1
   bool is_continuous = true;    ///< across faces; if not, its terms have no flux, and it has no trace
+  /// Of a constraint on the other fields of the body, as a pressure is of its volume: nothing has to hold it.
+  bool is_multiplier = false;
 };
 
 /// What a law sees at a point: position, time, for each component c the trace B_c and its gradient, and what

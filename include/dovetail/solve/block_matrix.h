@@ -82,6 +82,8 @@ public:
   using VisitProduct =
       std::function<void(unsigned int row, unsigned int column, const Vector::BlockType &product)>;
   void for_each_product(const Vector &x, const VisitProduct &visit) const;
+  /// || |K| |x| || of the rows of a block. Collective.
+  double size_of_product(unsigned int row, const Vector &x) const;
 
   /// Of an unknown that this rank owns.
   void extract_row(size_type row, std::vector<size_type> &columns, std::vector<double> &values) const;
@@ -102,6 +104,7 @@ private:
   void add_product(unsigned int row, unsigned int column, double factor, const Vector &x, Vector &y) const;
   void visit_products(unsigned int row, unsigned int column, const Vector &x,
                       const VisitProduct &visit) const;
+  Epetra_Vector ghosted(unsigned int row, unsigned int column, const Vector &x) const;
 
   dealii::BlockIndices indices;
   std::vector<Place> place;

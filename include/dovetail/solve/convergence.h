@@ -2,7 +2,8 @@
 // Copyright (C) 2026 by the Dovetail authors
 //
 // When a state of a nonlinear system is its solution: doc/theory/convergence.md. Knows numbers by part only;
-// a part is one field of one domain, or the multipliers of an interface for a field.
+// a part is one field of one domain, or the multipliers of an interface for a field. The unknowns of a
+// constraint follow from the others: their updates are not measured.
 
 #pragma once
 
@@ -34,7 +35,7 @@ struct WorkingUpdate
 class Convergence
 {
 public:
-  Convergence(std::vector<unsigned int> field_of_part, std::vector<bool> is_of_multipliers,
+  Convergence(std::vector<unsigned int> field_of_part, std::vector<bool> is_constraint,
               double relative_tolerance, double absolute_tolerance);
 
   void begin_step();
@@ -54,7 +55,7 @@ public:
 
 private:
   std::vector<unsigned int> field_of_part;
-  std::vector<bool> is_of_multipliers;
+  std::vector<bool> is_constraint;
   double relative_tolerance, absolute_tolerance;
   std::vector<double> first_forces; ///< by field
   std::vector<double> last_forces;

@@ -63,6 +63,8 @@ struct GroupFacts : GroupTraits
   /// Collective.
   using Sum = std::vector<std::pair<int, double>>;
   std::function<std::vector<Sum>()> linear_part;
+  /// Of each own row of the bodies: the number of its field, from 0.
+  std::function<std::vector<int>()> field_of_row;
 };
 
 /// Lets all ranks go the same way where an exception (of a library, no memory) may meet one of them alone.

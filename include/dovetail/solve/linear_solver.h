@@ -22,7 +22,7 @@ namespace dovetail {
 struct SolveGroup : GroupTraits
 {
   std::vector<unsigned int> blocks; ///< of the bodies
-  std::vector<unsigned int> multiplier_blocks;
+  std::vector<unsigned int> multiplier_blocks; ///< of interfaces, and of constraints within bodies
   bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
   /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks
   /// together or by itself; asked for only if a solver does.
@@ -33,6 +33,8 @@ struct SolveGroup : GroupTraits
   /// may be missing, which costs time only.
   using Sum = std::vector<std::pair<dealii::types::global_dof_index, double>>;
   std::function<std::vector<Sum>(unsigned int block)> linear_part;
+  /// The name of the field of a block of the bodies. If missing, all have the same.
+  std::function<std::string(unsigned int block)> field;
   /// Of each of this rank's multipliers of a block: whether it was dropped, so that it is alone in its
   /// equation. If missing, none was.
   std::function<std::vector<bool>(unsigned int block)> dropped;

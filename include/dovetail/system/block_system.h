@@ -174,6 +174,7 @@ private:
   std::vector<std::string> fields; ///< of the norms; multipliers have one of their own for each interface
   std::vector<unsigned int> field_of_block;
   std::vector<bool> is_of_multipliers; ///< by field
+  std::vector<bool> is_constraint;     ///< by block: of a body, not of an interface
   dealii::IndexSet relevant;           ///< relevant unknowns of the domains and those behind interface points
   ConstraintLines tie_lines;           ///< of owned unknowns
   std::set<dealii::types::global_dof_index>
@@ -197,13 +198,13 @@ private:
   dealii::FullMatrix<double> local_matrix;
   dealii::Vector<double> local_rhs;
   /// Sums of squares over cells and ties, by block: of the forces; of those on free unknowns, and of
-  /// sum_j |K_ij x_j| there, times the number of terms.
+  /// sum_j |K_ij x_j| there, times the number of terms; of the latter as it is.
   struct Sizes
   {
-    std::vector<double> forces, on_free, tangents;
+    std::vector<double> forces, on_free, tangents, products;
   };
   Sizes sizes;
-  std::vector<double> tangent_at_x;                             ///< tangents of the last tangent
+  std::vector<double> tangent_at_x, products_at_x;              ///< of the last tangent
   double share = 1;                                             ///< of what is held back
   Vector held_back;                                             ///< the negative residual
   std::map<dealii::types::global_dof_index, double> held_moves; ///< of relevant constrained unknowns

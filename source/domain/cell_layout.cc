@@ -99,9 +99,9 @@ std::unique_ptr<dealii::FESystem<dim>> make_system(const Elements<dim> &elements
   return std::make_unique<dealii::FESystem<dim>>(elements, multiplicities);
 }
 
-/// A multiplier, as the pressure that keeps the volume, is stable beside displacements of one degree more if it
-/// is discontinuous with all polynomials (FE_DGP) on hypercubes, continuous on simplices (Taylor & Hood 1973;
-/// Boffi, Brezzi & Fortin 2013, chapter 8).
+/// A multiplier, as the pressure that keeps the volume, is stable beside displacements of one degree more if
+/// it is discontinuous with all polynomials (FE_DGP) on hypercubes, continuous on simplices (Taylor & Hood
+/// 1973; Boffi, Brezzi & Fortin 2013, chapter 8).
 bool has_continuous_element(const Field &field, const bool simplices)
 {
   return field.is_continuous || (simplices && field.is_multiplier);

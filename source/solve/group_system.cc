@@ -46,14 +46,15 @@ void GroupSystem::make_scaled()
   if (!all_facts.has_multipliers)
     return;
   if (!saddle) {
-    std::vector<bool> dropped;
+    std::vector<MultiplierTraits> traits;
     for (const unsigned int block : group.multiplier_blocks) {
-      const auto block_dropped = group.dropped
-                                     ? group.dropped(block)
-                                     : std::vector<bool>(matrix->owned_unknowns()[block].n_elements());
-      dropped.insert(dropped.end(), block_dropped.begin(), block_dropped.end());
+      const unsigned int n_own = matrix->owned_unknowns()[block].n_elements();
+      const auto dropped = group.dropped ? group.dropped(block) : std::vector<bool>(n_own);
+      const bool is_of_cells = group.is_of_cells && group.is_of_cells(block);
+      for (unsigned int i = 0; i < n_own; ++i)
+        traits.push_back({dropped[i], is_of_cells});
     }
-    saddle = std::make_unique<SaddlePoint>(*matrix, *merged, group.blocks, group.multiplier_blocks, dropped);
+    saddle = std::make_unique<SaddlePoint>(*matrix, *merged, group.blocks, group.multiplier_blocks, traits);
   }
   saddle->update();
 }

@@ -20,7 +20,7 @@ struct Bodies
   void vmult(GroupVector &z, const GroupVector &r) const { P(z, r); }
 };
 
-/// z = [A 0; B -S]^-1 r
+/// z = [A 0; B -S]^-1 [I B^T W; 0 I] r, with A augmented
 struct BlockTriangular
 {
   const GroupOperator &K;
@@ -33,6 +33,7 @@ struct BlockTriangular
     const unsigned int n_of_bodies = body_part.trilinos_vector().MyLength();
     const double *residual = r.trilinos_vector()[0];
     std::copy(residual, residual + n_of_bodies, body_part.trilinos_vector()[0]);
+    add_augmentation(r, body_part);
     P(solved, body_part);
     z = 0;
     double *result = z.trilinos_vector()[0];
@@ -41,6 +42,22 @@ struct BlockTriangular
     for (unsigned int i = 0; i < schur.size(); ++i)
       result[n_of_bodies + i] =
           -(residual[n_of_bodies + i] - product.trilinos_vector()[0][n_of_bodies + i]) / schur[i];
+  }
+
+private:
+  /// += B^T W r
+  void add_augmentation(const GroupVector &r, GroupVector &body_part) const
+  {
+    const std::vector<double> *W = K.augmentation();
+    if (W == nullptr)
+      return;
+    GroupVector weighted = K.vector(), product(weighted);
+    const unsigned int n_of_bodies = body_part.trilinos_vector().MyLength();
+    for (unsigned int i = 0; i < W->size(); ++i)
+      weighted.trilinos_vector()[0][n_of_bodies + i] = (*W)[i] * r.trilinos_vector()[0][n_of_bodies + i];
+    K.vmult(product, weighted);
+    for (unsigned int i = 0; i < n_of_bodies; ++i)
+      body_part.trilinos_vector()[0][i] += product.trilinos_vector()[0][i];
   }
 };
 

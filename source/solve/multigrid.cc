@@ -76,7 +76,7 @@ std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A,
   column_field.Import(row_field, Epetra_Import(A.ColMap(), A.RowMap()), Insert);
 
   auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, A.Graph()); // the same graph, held once
-  std::vector<double> partner(A.NumMyCols()); // by column, of one row; NaN: none
+  std::vector<double> partner(A.NumMyCols());                     // by column, of one row; NaN: none
   for (int row = 0; row < A.NumMyRows(); ++row) {
     int n = 0, n_transposed = 0, *columns = nullptr, *transposed_columns = nullptr;
     double *values = nullptr, *transposed_values = nullptr, *result = nullptr;
@@ -110,7 +110,8 @@ void Multigrid::prepare(const GroupOperator &K, const Agreement &all_ranks)
   matrix = K.bodies().matrix();
   ranks.run("modes", [&]() { make_modes(*matrix); });
   if (!facts.is_symmetric) {
-    ranks.run("symmetric part", [&]() { symmetric_part = make_symmetric_part(*matrix, facts.field_of_row()); });
+    ranks.run("symmetric part",
+              [&]() { symmetric_part = make_symmetric_part(*matrix, facts.field_of_row()); });
     matrix = symmetric_part.get();
   }
   ranks.run("multigrid", [&]() { make_levels(); });

@@ -12,17 +12,45 @@
 
 namespace dovetail {
 
-/// [A B^T; B -C] with the multipliers scaled: the diagonal of the Schur complement C + B diag(A)^-1 B^T
+/// Of a multiplier: it was dropped, and C may well have a diagonal; it belongs to one cell, as a
+/// discontinuous pressure does.
+struct MultiplierTraits
+{
+  bool is_dropped, is_of_cell;
+};
+
+/// A + B^T W B, with the pattern of A: W is zero but for multipliers of cells.
+class AugmentedBodies : public GroupOperator
+{
+public:
+  explicit AugmentedBodies(const MergedMatrix &A) : A(A) {}
+  /// @p B: of the multipliers. Collective.
+  void update(const BlockMatrix::Part &A_values, const Epetra_CrsMatrix &B, const std::vector<double> &W);
+
+  GroupVector vector() const override { return A.vector(); }
+  void vmult(GroupVector &destination, const GroupVector &source) const override;
+  void diagonal(GroupVector &destination) const override;
+  const Epetra_CrsMatrix *matrix() const override { return &sum.trilinos_matrix(); }
+
+private:
+  const MergedMatrix &A;
+  BlockMatrix::Part sum;
+};
+
+/// [A B^T; B -C] with the multipliers scaled: the diagonal d of the Schur complement C + B diag(A)^-1 B^T
 /// becomes the mean diagonal entry of A. Then all unknowns, and all residuals, have one unit. With D the
-/// scale it is D K D, its unknowns D^-1 x, its right-hand side D b. A multiplier that was dropped is marked:
-/// C may well have a diagonal.
+/// scale it is D K D, its unknowns D^-1 x, its right-hand side D b.
+///
+/// Multipliers of cells augment A with W = w / d: where a pressure takes all of the resistance to a change of
+/// volume, A has none, which multigrid does not like (M. Benzi, M. A. Olshanskii: An augmented
+/// Lagrangian-based approach to the Oseen problem, 2006).
 class SaddlePoint : public GroupOperator
 {
 public:
   /// @p all: with the multipliers, last; @p bodies and @p multipliers: their blocks, a part each;
-  /// @p dropped: of each own multiplier.
+  /// @p traits: of each own multiplier. Collective.
   SaddlePoint(const BlockMatrix &matrix, const MergedMatrix &all, const std::vector<unsigned int> &bodies,
-              const std::vector<unsigned int> &multipliers, std::vector<bool> dropped);
+              const std::vector<unsigned int> &multipliers, std::vector<MultiplierTraits> traits);
   /// The matrix has new values. Collective.
   void update();
 
@@ -31,16 +59,18 @@ public:
   GroupVector vector() const override { return all.vector(); }
   void vmult(GroupVector &destination, const GroupVector &source) const override;
   void diagonal(GroupVector &destination) const override;
-  const GroupOperator &bodies() const override { return body_operator; }
+  const GroupOperator &bodies() const override;
   const std::vector<double> &schur_complement() const override { return schur; }
+  const std::vector<double> *augmentation() const override { return augmented ? &weight : nullptr; }
 
 private:
   const BlockMatrix &matrix;
   const MergedMatrix &all;
   MergedMatrix body_operator;
   const unsigned int body_part, multiplier_part;
-  const std::vector<bool> dropped;
-  std::vector<double> scale, schur; ///< of the own multipliers
+  const std::vector<MultiplierTraits> traits;
+  std::unique_ptr<AugmentedBodies> augmented;
+  std::vector<double> scale, schur, weight; ///< of the own multipliers; the latter two scaled
 };
 
 } // namespace dovetail

@@ -306,8 +306,8 @@ void BlockSystem<dim>::make_sparsity(const double t)
                 model.communicator);
 }
 
-/// Of each group of fields the blocks with a positive diagonal, and those of constraints: what a linear solver
-/// wants as one matrix.
+/// Of each group of fields the blocks with a positive diagonal, and those of constraints: what a linear
+/// solver wants as one matrix.
 template <int dim>
 std::vector<unsigned int> BlockSystem<dim>::parts_of_blocks() const
 {

@@ -49,6 +49,13 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.linear_part = [&model, system](const unsigned int block) {
       return constrained_linear_part(model, system(), block);
     };
+    group.is_of_cells = [&model](const unsigned int number) {
+      const Block &block = model.numbering->blocks()[number];
+      if (block.is_of_multipliers)
+        return false;
+      const Domain<dim> &domain = *model.domains[block.domain_index];
+      return !domain.layout().is_continuous(domain.fields()[block.field_index].first_component);
+    };
     group.dropped = [&model, system](const unsigned int block) {
       std::vector<bool> own_part;
       for (const auto i : model.numbering->blocks()[block].owned)
@@ -65,9 +72,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
           body_fields.insert(blocks[b].field);
       }
     group.is_symmetric = body_fields.size() == 1 && model.is_symmetric(*body_fields.begin());
-    group.field = [&model](const unsigned int block) {
-      return model.numbering->blocks()[block].field;
-    };
+    group.field = [&model](const unsigned int block) { return model.numbering->blocks()[block].field; };
     groups.push_back(std::move(group));
   }
   return groups;

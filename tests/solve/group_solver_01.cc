@@ -8,11 +8,11 @@
 //
 // ranks: 1, 2, 3
 
+#include "assembled_scene.h"
 #include "tied_cubes.h"
 
 #include <dovetail/scene/user_error.h>
 #include <dovetail/solve/krylov.h>
-#include <dovetail/solve/linear_solver.h>
 
 #include <limits>
 #include <new>
@@ -87,33 +87,17 @@ private:
 const bool registered =
     SolverCatalogue::add<Jacobi>("Jacobi", "For this test.") && SolverCatalogue::add<Bad>("bad", "Likewise.");
 
-SolveGroup group_of(const Model<3> &model)
-{
-  SolveGroup group;
-  group.name = "temperature";
-  group.is_symmetric = model.is_symmetric(group.name);
-  for (unsigned int b = 0; b < model.numbering->blocks().size(); ++b)
-    (model.numbering->blocks()[b].is_of_multipliers ? group.multiplier_blocks : group.blocks).push_back(b);
-  return group;
-}
-
 void check(const std::string &name, const std::string &tie, const std::vector<std::string> &settings)
 {
-  SceneModel<3> scene_model(tied_cubes(tie));
-  BlockSystem<3> system(scene_model.model);
-  system.set_up(1.);
-  Vector x = system.owned_vector();
-  system.begin_step(1., x);
-  system.assemble(x, true);
+  const AssembledScene<3> assembled(tied_cubes(tie));
   if (is_rank_0())
     std::cout << name << std::endl;
 
   Vector reference;
   const auto solve = [&](const std::string &entries) {
-    LinearSolver solver(SceneText::root(SceneText::from_prm(entries)), {group_of(scene_model.model)});
-    Vector solution = system.owned_vector();
-    solver.set_matrix(system.tangent());
-    const auto n_iterations = solver.solve(solution, system.negative_residual());
+    LinearSolver solver(SceneText::root(SceneText::from_prm(entries)), assembled.groups());
+    Vector solution;
+    const auto n_iterations = assembled.solve(solver, solution);
     if (reference.n_blocks() == 0)
       reference = solution;
     Vector difference = solution;

@@ -7,9 +7,7 @@
 //
 // ranks: 1, 2, 3
 
-#include "../system/scene_model.h"
-
-#include <dovetail/solve/linear_solver.h>
+#include "assembled_scene.h"
 
 using namespace test;
 
@@ -44,35 +42,11 @@ std::string scene(const std::string &theta, const std::string &cells)
                                           set("Destination", "right : 0") + set("Theta", theta));
 }
 
-/// The groups as a simulation chooses them.
-std::vector<SolveGroup> groups_of(const Model<3> &model)
-{
-  std::vector<SolveGroup> groups;
-  for (const auto &fields : model.field_groups()) {
-    SolveGroup group;
-    group.name = fields[0];
-    group.is_symmetric = model.is_symmetric(fields[0]);
-    group.near_null_space = [&model](const unsigned int block, const bool of_all_blocks) {
-      return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
-    };
-    for (unsigned int b = 0; b < model.numbering->blocks().size(); ++b)
-      if (model.numbering->blocks()[b].field == fields[0])
-        group.blocks.push_back(b);
-    groups.push_back(group);
-  }
-  return groups;
-}
-
 void check(const std::string &theta)
 {
-  SceneModel<3> scene_model(scene(theta, "3, 5, 4"));
-  Model<3> &model = scene_model.model;
-  BlockSystem<3> system(model);
-  system.set_up(1.);
-  Vector x = system.owned_vector();
-  system.begin_step(1., x);
-  system.assemble(x, true);
-  const auto groups = groups_of(model);
+  const AssembledScene<3> assembled(scene(theta, "3, 5, 4"));
+  const BlockSystem<3> &system = assembled.system;
+  const auto groups = assembled.groups();
   SolveGroup everything;
   everything.name = "everything";
   everything.is_symmetric = false;
@@ -82,9 +56,7 @@ void check(const std::string &theta)
   const auto solve = [&](const std::vector<SolveGroup> &of_groups, const std::string &settings,
                          Vector &solution) {
     LinearSolver solver(SceneText::root(SceneText::from_prm(settings)), of_groups);
-    solution = system.owned_vector();
-    solver.set_matrix(system.tangent());
-    const auto n_iterations = solver.solve(solution, system.negative_residual());
+    const auto n_iterations = assembled.solve(solver, solution);
     report("solved", n_iterations && *n_iterations > 0);
     if (is_rank_0())
       for (const std::string &line : solver.description())

@@ -10,9 +10,8 @@
 //
 // ranks: 2 3
 
+#include "assembled_scene.h"
 #include "tied_cubes.h"
-
-#include <dovetail/solve/linear_solver.h>
 
 #include <algorithm>
 #include <new>
@@ -22,18 +21,6 @@ using namespace test;
 namespace {
 
 /// One group of all blocks, as a simulation makes it.
-SolveGroup group_of(const Model<3> &model)
-{
-  SolveGroup group;
-  group.name = "temperature";
-  group.near_null_space = [&model](const unsigned int block, const bool of_all_blocks) {
-    return model.near_null_space(model.numbering->blocks()[block], of_all_blocks);
-  };
-  for (unsigned int b = 0; b < model.numbering->blocks().size(); ++b)
-    (model.numbering->blocks()[b].is_of_multipliers ? group.multiplier_blocks : group.blocks).push_back(b);
-  return group;
-}
-
 /// What came out, the same on all ranks: "solved" by what, "not solved", or where the ranks differ.
 std::string outcome(const std::optional<unsigned int> &n_iterations, const LinearSolver &solver,
                     const double error)
@@ -48,12 +35,7 @@ std::string outcome(const std::optional<unsigned int> &n_iterations, const Linea
 
 void check(const std::string &name, const std::string &tie)
 {
-  SceneModel<3> scene_model(tied_cubes(tie));
-  BlockSystem<3> system(scene_model.model);
-  system.set_up(1.);
-  Vector x = system.owned_vector();
-  system.begin_step(1., x);
-  system.assemble(x, true);
+  const AssembledScene<3> assembled(tied_cubes(tie));
 
   const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD),
                      n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD);
@@ -62,14 +44,13 @@ void check(const std::string &name, const std::string &tie)
                          const unsigned int faulty_rank) {
     LinearSolver solver(
         SceneText::root(SceneText::from_prm(set("Type", type) + set("Relative tolerance", "1e-12"))),
-        {group_of(scene_model.model)});
+        assembled.groups());
     solver.set_fault([&](const std::string &place) {
       if (rank == faulty_rank && std::find(places.begin(), places.end(), place) != places.end())
         throw std::bad_alloc();
     });
-    Vector solution = system.owned_vector();
-    solver.set_matrix(system.tangent());
-    const auto n_iterations = solver.solve(solution, system.negative_residual());
+    Vector solution;
+    const auto n_iterations = assembled.solve(solver, solution);
     if (places.empty())
       reference = solution;
     Vector difference = solution;

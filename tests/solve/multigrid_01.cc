@@ -9,10 +9,7 @@
 //
 // ranks: 1, 3
 
-#include "../system/scene_model.h"
-
-#include <dovetail/solve/linear_solver.h>
-#include <dovetail/system/solve_groups.h>
+#include "assembled_scene.h"
 
 using namespace test;
 
@@ -55,19 +52,10 @@ std::string scene(const Case &of)
 
 void check(const Case &of)
 {
-  SceneModel<2> scene_model(scene(of));
-  BlockSystem<2> system(scene_model.model);
-  system.set_up(1.);
-  Vector x = system.owned_vector();
-  system.begin_step(1., x);
-  system.assemble(x, true);
+  const AssembledScene<2> assembled(scene(of));
   const auto solve = [&](const std::string &type, Vector &solution) {
-    LinearSolver solver(
-        SceneText::root(SceneText::from_prm(set("Type", type))),
-        make_solve_groups<2>(scene_model.model, [&]() -> const BlockSystem<2> & { return system; }));
-    solution = system.owned_vector();
-    solver.set_matrix(system.tangent());
-    return solver.solve(solution, system.negative_residual()).value_or(0);
+    LinearSolver solver(SceneText::root(SceneText::from_prm(set("Type", type))), assembled.groups());
+    return assembled.solve(solver, solution).value_or(0);
   };
   Vector reference, solution;
   solve("direct", reference);

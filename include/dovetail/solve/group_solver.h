@@ -34,11 +34,16 @@ public:
   /// nullptr if there is none, but only vmult.
   virtual const Epetra_CrsMatrix *matrix() const { return nullptr; }
 
-  /// A of [A B^T; B -C]: without the multipliers. *this if there are none.
+  /// A of [A B^T; B -C]: without the multipliers; or A + B^T W B. *this if there are none.
   virtual const GroupOperator &bodies() const { return *this; }
-  /// By own multiplier the diagonal of C + B diag(A)^-1 B^T; -1 if it was dropped, so that x = b is its
-  /// equation.
+  /// By own multiplier the diagonal of about C + B diag(A)^-1 B^T, or of the Schur complement with A + B^T W
+  /// B; -1 if it was dropped, so that x = b is its equation.
   virtual const std::vector<double> &schur_complement() const;
+  /// The diagonal W by own multiplier; nullptr if W = 0 on all ranks. [A B^T; B -C] x = b is preconditioned
+  /// as
+  /// @f[ \begin{pmatrix} A + B^T W B & B^T (I - W C) \\ B & -C \end{pmatrix} x
+  ///     = \begin{pmatrix} I & B^T W \\ 0 & I \end{pmatrix} b. @f]
+  virtual const std::vector<double> *augmentation() const { return nullptr; }
 };
 
 /// What describes a group of fields that is solved at once.

@@ -21,7 +21,7 @@ namespace dovetail {
 /// A group of blocks that is solved at once.
 struct SolveGroup : GroupTraits
 {
-  std::vector<unsigned int> blocks; ///< of the bodies
+  std::vector<unsigned int> blocks;            ///< of the bodies
   std::vector<unsigned int> multiplier_blocks; ///< of interfaces, and of constraints within bodies
   bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
   /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks
@@ -35,6 +35,9 @@ struct SolveGroup : GroupTraits
   std::function<std::vector<Sum>(unsigned int block)> linear_part;
   /// The name of the field of a block of the bodies. If missing, all have the same.
   std::function<std::string(unsigned int block)> field;
+  /// Whether each multiplier of a block belongs to one cell, as a discontinuous pressure does. If missing,
+  /// none.
+  std::function<bool(unsigned int block)> is_of_cells;
   /// Of each of this rank's multipliers of a block: whether it was dropped, so that it is alone in its
   /// equation. If missing, none was.
   std::function<std::vector<bool>(unsigned int block)> dropped;

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// For tests of solvers: the linear system of a scene at t = 1, and its groups as a simulation has them.
+
+#pragma once
+
+#include "../system/scene_model.h"
+
+#include <dovetail/solve/linear_solver.h>
+#include <dovetail/system/solve_groups.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace test {
+
+template <int dim>
+struct AssembledScene
+{
+  explicit AssembledScene(const std::string &prm) : scene(prm), system(scene.model)
+  {
+    system.set_up(1.);
+    const Vector x = system.owned_vector();
+    system.begin_step(1., x);
+    system.assemble(x, true);
+  }
+
+  std::vector<SolveGroup> groups() const
+  {
+    return make_solve_groups<dim>(scene.model, [this]() -> const BlockSystem<dim> & { return system; });
+  }
+
+  std::optional<unsigned int> solve(LinearSolver &solver, Vector &solution) const
+  {
+    solution = system.owned_vector();
+    solver.set_matrix(system.tangent());
+    return solver.solve(solution, system.negative_residual());
+  }
+
+  SceneModel<dim> scene;
+  BlockSystem<dim> system;
+};
+
+} // namespace test

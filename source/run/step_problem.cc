@@ -91,15 +91,21 @@ void StepProblem<dim>::check_is_held() const
 }
 
 template <int dim>
-std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
+void StepProblem<dim>::give_tangent()
 {
-  const Phases::Scope scope(phases, "solve");
   if (has_new_tangent) {
     linear_solver.set_matrix(system.tangent());
     if (model.is_linear())
       check_is_held();
   }
   has_new_tangent = false;
+}
+
+template <int dim>
+std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
+{
+  const Phases::Scope scope(phases, "solve");
+  give_tangent();
   const auto n_iterations = linear_solver.solve(dx, system.negative_residual());
   if (model.is_linear() && n_iterations)
     residual_of_solver = refine_linear_solution(dx);
@@ -201,6 +207,7 @@ bool StepProblem<dim>::correct(const Vector &x, const Vector &trial, const doubl
     system.assemble(trial, false);
   }
   const Phases::Scope scope(phases, "solve");
+  give_tangent();
   Vector loads = system.negative_residual();
   if (has_to_move)
     loads.add(1 - damping, *moving_loads);

@@ -59,6 +59,7 @@ private:
   void reduce_rest(double &norm);
   void iteration_ends(double norm, double damping);
   double predict() const;
+  bool is_confirmed_by_next_update(double update);
   double search_line(double norm, bool with_tangent);
   void iterate(double norm);
   void cross_limit_point();
@@ -134,6 +135,20 @@ double Newton::Iteration::predict() const
   return std::min(1., std::max(predicted, smallest_damping));
 }
 
+/// The tangent at x may say nothing of the trial state: where a slender body turns, what is left of a good
+/// step is small in the stiffness there, but large in that along the old axis. A full step with a smaller
+/// residual is good as well if the next update, with the tangent at the trial state, is smaller. The tangent
+/// stays there then, and returns to x otherwise.
+bool Newton::Iteration::is_confirmed_by_next_update(const double update)
+{
+  if (std::isfinite(problem.residual_and_tangent(trial)) && problem.correct(x, trial, 1, correction) &&
+      problem.norm(correction) < update)
+    return true;
+  problem.residual_and_tangent(x);
+  problem.residual(trial);
+  return false;
+}
+
 /// The updates are measured, not the residual. The full update is taken as long as it is defined and not
 /// larger than the two before: a slender body goes through states with large residuals, and needs them, but
 /// not through any. Else, and until a full update is taken again, the tangent K that dx was solved with must
@@ -180,6 +195,11 @@ double Newton::Iteration::search_line(const double norm, const bool with_tangent
     const double distance = problem.norm(difference);
     const double best = distance > 0 ? 0.5 * update * damping.factor * damping.factor / distance : 1.;
     if (!(size < (is_full ? 1 : 1 - damping.factor / 4) * update)) {
+      const bool is_smaller = is_full && with_tangent && new_norm < norm && !problem.moves_constraints();
+      if (is_smaller && is_confirmed_by_next_update(update)) {
+        damping.correction = problem.norm(correction);
+        return new_norm;
+      }
       reduce(best);
       may_grow = false;
     } else if (may_grow && best >= 4 * damping.factor && !is_full) {

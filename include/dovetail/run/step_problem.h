@@ -70,6 +70,7 @@ private:
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);
   void check_is_held() const;
+  void give_tangent(); ///< to the linear solver, if it is new
   bool has_large_strain() const;
   bool is_scalar(unsigned int block) const;
 

@@ -41,7 +41,7 @@ public:
   /// there says nothing about a good damping.
   virtual bool moves_constraints() const = 0;
 
-  /// The simplified Newton correction c, K c = -R(x + damping dx), with the tangent that dx was solved with
+  /// The simplified Newton correction c, K c = -R(x + damping dx), with the tangent that was assembled last
   /// and the share 1 - damping of what the constraints have still to move. @pre R(@p trial) was assembled
   /// last, at trial = x + damping dx. @return whether the solver succeeded.
   virtual bool correct(const Vector &x, const Vector &trial, double damping, Vector &correction) = 0;

@@ -328,7 +328,7 @@ std::string NonlinearStep<dim>::what_may_help() const
 {
   if (has_rates()) // its Initial is no guess
     return "Take smaller steps: raise Number of steps in the subsection Steps.";
-  if (last_result.linear_iterations.size() == newton.largest_number())
+  if (last_result.linear_iterations.size() >= newton.largest_number())
     return "Raise Maximum iterations in the subsection Newton, or give an Initial that is nearer to the "
            "solution.";
   return "Let the load grow with t in more steps, or give an Initial that is nearer to the solution.";

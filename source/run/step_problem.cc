@@ -29,8 +29,90 @@ StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system,
                               LinearSolver &solver, Phases &phases, Log &log)
     : model(model), system(system), linear_solver(solver), phases(phases), log(log),
       criterion(system.fields_of_blocks(), blocks_of_constraints(*model.numbering),
-                newton.residual_tolerance(), newton.absolute_tolerance())
+                newton.residual_tolerance(), newton.absolute_tolerance()),
+      stages(make_stages())
 {
+  enter_all_stages();
+}
+
+/// A linear scene has one stage: the linear solver takes the groups one after the other anyway.
+template <int dim>
+std::vector<typename StepProblem<dim>::Stage> StepProblem<dim>::make_stages() const
+{
+  const auto groups = model.field_groups();
+  const auto depends = [this](const auto &fields, const auto &on_fields) {
+    return std::any_of(fields.begin(), fields.end(), [&](const std::string &field) {
+      return std::any_of(on_fields.begin(), on_fields.end(),
+                         [&](const std::string &other) { return model.depends(field, other); });
+    });
+  };
+  std::vector<Stage> result;
+  std::vector<std::string> fields; // of the last stage
+  for (unsigned int g = 0; g < groups.size(); ++g) {
+    if (g == 0 || (depends(groups[g], fields) && !model.is_linear())) {
+      result.push_back({g, g, {}, true});
+      fields.clear();
+    }
+    fields.insert(fields.end(), groups[g].begin(), groups[g].end());
+    Stage &stage = result.back();
+    stage.end_group = g + 1;
+    stage.is_linear = model.is_linear(fields);
+    stage.has_block.clear();
+    for (const Block &block : model.numbering->blocks())
+      stage.has_block.push_back(std::find(fields.begin(), fields.end(), block.field) != fields.end());
+  }
+  return result;
+}
+
+template <int dim>
+void StepProblem<dim>::enter_stage(const unsigned int number)
+{
+  present_stage = number;
+  has_block = stages[number].has_block;
+  criterion.restrict_to(has_block);
+}
+
+/// Between solves.
+template <int dim>
+void StepProblem<dim>::enter_all_stages()
+{
+  has_block.assign(model.numbering->blocks().size(), true);
+  criterion.restrict_to(has_block);
+}
+
+/// After the last one everything is measured. If something is not solved, it depends on what no material
+/// knows of, for instance by a condition: then all is one stage from now on.
+template <int dim>
+bool StepProblem<dim>::next_stage()
+{
+  if (present_stage + 1 < stages.size()) {
+    enter_stage(present_stage + 1);
+    return true;
+  }
+  enter_all_stages();
+  if (stages.size() == 1 || measure(true) <= criterion.tolerance())
+    return false;
+  stages = {{0, stages.back().end_group, has_block, false}};
+  enter_stage(0);
+  return true;
+}
+
+/// Other updates are zero.
+template <int dim>
+void StepProblem<dim>::keep_stage(Vector &dx) const
+{
+  for (unsigned int b = 0; b < has_block.size(); ++b)
+    if (!has_block[b])
+      dx.block(b) = 0;
+}
+
+template <int dim>
+bool StepProblem<dim>::moves_constraints() const
+{
+  for (unsigned int b = 0; b < has_block.size(); ++b)
+    if (has_block[b] && system.moves_constraints(b))
+      return true;
+  return false;
 }
 
 template <int dim>
@@ -42,6 +124,7 @@ void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
   may_adapt_penalties = starts_from_guess;
   is_first_assembly = true;
   criterion.begin_step();
+  enter_all_stages();
   smallest_at_start.clear();
   largest_at_start.clear();
   for (unsigned int b = 0; b < x.n_blocks(); ++b) {
@@ -101,18 +184,31 @@ void StepProblem<dim>::give_tangent()
   has_new_tangent = false;
 }
 
+/// The last iteration does not have to solve far below the tolerance. Others do: an update that is not exact
+/// costs the quadratic convergence, and the line search relies on it.
+template <int dim>
+LinearSolver::Demand StepProblem<dim>::demand() const
+{
+  const double largest = 1e-2, rest = 1e-3; // of the tolerance
+  const Stage &stage = stages[present_stage];
+  const bool is_exact = model.is_linear() || is_remembered() || !(residual_of_last > 0);
+  return {stage.first_group, stage.end_group,
+          is_exact ? 0 : std::min(largest, rest * criterion.tolerance() / residual_of_last)};
+}
+
 template <int dim>
 std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
 {
   const Phases::Scope scope(phases, "solve");
   give_tangent();
-  const auto n_iterations = linear_solver.solve(dx, system.negative_residual());
+  const auto n_iterations = linear_solver.solve(dx, system.negative_residual(), demand());
   if (model.is_linear() && n_iterations)
     residual_of_solver = refine_linear_solution(dx);
-  update_moves = system.moves_constraints();
+  update_moves = moves_constraints();
   update_loads = system.negative_residual();
   moving_loads.reset();
   system.distribute(dx);
+  keep_stage(dx);
   if (!model.is_linear())
     learn_scales(x, dx);
   return n_iterations;
@@ -159,7 +255,10 @@ void StepProblem<dim>::learn_scales(const Vector &x, const Vector &dx)
   std::vector<double> smallest(n_blocks, std::numeric_limits<double>::infinity()),
       largest(n_blocks, -std::numeric_limits<double>::infinity()); // by field
   Vector state = x;
-  if (std::all_of(scales.begin(), scales.end(), [](const double scale) { return scale == 0; }))
+  bool is_without_scale = true;
+  for (unsigned int b = 0; b < n_blocks; ++b)
+    is_without_scale = is_without_scale && (!has_block[b] || scales[b] == 0);
+  if (is_without_scale)
     state += dx; // where prescribed values have not moved yet, all may be zero
   for (unsigned int b = 0; b < n_blocks; ++b) {
     const unsigned int f = field[b];
@@ -211,9 +310,10 @@ bool StepProblem<dim>::correct(const Vector &x, const Vector &trial, const doubl
   Vector loads = system.negative_residual();
   if (has_to_move)
     loads.add(1 - damping, *moving_loads);
-  if (!linear_solver.solve(correction, loads))
+  if (!linear_solver.solve(correction, loads, demand()))
     return false;
   system.distribute(correction);
+  keep_stage(correction);
   return true;
 }
 
@@ -221,6 +321,8 @@ bool StepProblem<dim>::correct(const Vector &x, const Vector &trial, const doubl
 template <int dim>
 bool StepProblem<dim>::is_small(const Vector &dx, const Vector &x) const
 {
+  if (has_linear_stage())
+    return true;
   const unsigned int n_blocks = dx.n_blocks();
   std::vector<double> largest(n_blocks, 0.), energies(n_blocks, 0.);
   WorkingUpdate sizes;

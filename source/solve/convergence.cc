@@ -12,7 +12,8 @@ namespace dovetail {
 Convergence::Convergence(std::vector<unsigned int> field_of_part, std::vector<bool> is_constraint,
                          const double relative_tolerance, const double absolute_tolerance)
     : field_of_part(std::move(field_of_part)), is_constraint(std::move(is_constraint)),
-      relative_tolerance(relative_tolerance), absolute_tolerance(absolute_tolerance)
+      is_measured(this->field_of_part.size(), true), relative_tolerance(relative_tolerance),
+      absolute_tolerance(absolute_tolerance)
 {
   begin_step();
 }
@@ -29,8 +30,9 @@ double Convergence::residual(const WorkingForces &now)
   const unsigned int n_parts = field_of_part.size();
   std::vector<double> field_forces(first_forces.size(), 0.);
   for (unsigned int p = 0; p < n_parts; ++p) // moving prescribed values act at first by the residual alone
-    field_forces[field_of_part[p]] =
-        std::hypot(field_forces[field_of_part[p]], std::max(now.forces[p], now.residuals[p]));
+    if (is_measured[p])
+      field_forces[field_of_part[p]] =
+          std::hypot(field_forces[field_of_part[p]], std::max(now.forces[p], now.residuals[p]));
   for (unsigned int f = 0; f < field_forces.size(); ++f)
     if (first_forces[f] == 0 && std::isfinite(field_forces[f]))
       first_forces[f] = field_forces[f];
@@ -39,6 +41,8 @@ double Convergence::residual(const WorkingForces &now)
   double largest = 0;
   for (unsigned int p = 0; p < n_parts; ++p) {
     const double first = first_forces[field_of_part[p]];
+    if (!is_measured[p])
+      continue;
     if (!std::isfinite(now.residuals[p]) || !std::isfinite(now.forces[p])) {
       worst = p;
       return std::numeric_limits<double>::quiet_NaN();
@@ -66,7 +70,7 @@ bool Convergence::is_small(const WorkingUpdate &update) const
     const unsigned int f = field_of_part[p];
     const double range = std::max(largest[f] - smallest[f],
                                   smallest_range * std::max(std::abs(largest[f]), std::abs(smallest[f])));
-    if (is_constraint[p])
+    if (is_constraint[p] || !is_measured[p])
       continue;
     if (!(update.largest[p] <= largest_update * range))
       return false;

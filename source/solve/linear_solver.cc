@@ -141,7 +141,7 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
   GroupVector residual(b), correction(b);
   system.scale_multipliers(residual);
   const GroupVector given(residual);
-  const double goal = owner.relative_tolerance * given.l2_norm();
+  const double goal = owner.present_tolerance * given.l2_norm();
   double norm = given.l2_norm();
   for (unsigned int pass = 0; pass < 3 && norm > goal; ++pass) {
     correction = 0;
@@ -200,7 +200,7 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
   words.precision(2);
   words << "the iteration for " << system.facts().name;
   if (n_iterations)
-    words << " ended at a relative residual of " << ended_at << " in place of " << owner.relative_tolerance;
+    words << " ended at a relative residual of " << ended_at << " in place of " << owner.present_tolerance;
   else
     words << " failed";
   x = 0;
@@ -258,14 +258,21 @@ void LinearSolver::forget_matrix()
 
 std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_hand_side)
 {
+  return solve(dx, right_hand_side, {0, static_cast<unsigned int>(groups.size())});
+}
+
+std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_hand_side,
+                                                const Demand &demand)
+{
   unsigned int n_iterations = 0;
+  present_tolerance = std::max(relative_tolerance, demand.enough);
   dx = 0;
-  for (unsigned int g = 0; g < groups.size(); ++g) {
+  for (unsigned int g = demand.first_group; g < demand.end_group; ++g) {
     const GroupSystem &system = groups[g]->system;
     Vector rest;
     rest.reinit(right_hand_side);
     rest = right_hand_side;
-    for (unsigned int before = 0; before < g; ++before)
+    for (unsigned int before = demand.first_group; before < g; ++before)
       matrix->subtract_product(system.blocks().blocks, groups[before]->system.blocks().blocks, dx, rest);
 
     GroupVector x = system.plain().vector(), b = system.plain().vector();

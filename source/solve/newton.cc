@@ -64,6 +64,8 @@ private:
   void iterate(double norm);
   void cross_limit_point();
   void solve_linear();
+  void solve_stage();
+  unsigned int n_iterations() const { return result.linear_iterations.size() - n_before; }
 
   /// Of the last iteration; what the next one predicts its damping from.
   struct Damping
@@ -78,6 +80,7 @@ private:
   Vector trial, dx, correction;
   Damping damping;
   NewtonResult result;
+  unsigned int n_before = 0; ///< iterations, in other stages
 };
 
 bool Newton::Iteration::solve_for_update()
@@ -163,7 +166,7 @@ double Newton::Iteration::search_line(const double norm, const bool with_tangent
   damping.update_before = damping.update;
   damping.update = update;
   const bool is_first = before == 0;
-  bool is_trusted = !settings.line_search ||
+  bool is_trusted = !settings.line_search || problem.has_linear_stage() ||
                     (damping.factor == 1 && (is_first ? start == Start::nearby : update <= before));
   const double largest_norm =
       problem.moves_constraints() ? std::numeric_limits<double>::max() : largest_growth * norm;
@@ -221,8 +224,7 @@ void Newton::Iteration::cross_limit_point()
 {
   const double first_share = 1, smallest_share = 1e-8, largest_share = 1e4, largest_last_share = 1e-3;
   double norm = problem.residual_and_tangent(x), share = first_share;
-  while (result.linear_iterations.size() < most_passes * settings.maximum_iterations &&
-         share <= largest_share) {
+  while (n_iterations() < most_passes * settings.maximum_iterations && share <= largest_share) {
     if (!problem.stabilise(x, share) || !solve_for_update())
       return;
     try_update(1);
@@ -259,11 +261,11 @@ void Newton::Iteration::solve_linear()
 void Newton::Iteration::iterate(double norm)
 {
   double first_update = 0;
-  while (result.linear_iterations.size() < settings.maximum_iterations) {
+  while (n_iterations() < settings.maximum_iterations) {
     if (!solve_for_update())
       return;
     // near convergence the next tangent is probably not needed
-    const bool is_near = norm * norm <= settings.relative_tolerance;
+    const bool is_near = problem.has_linear_stage() || norm * norm <= settings.relative_tolerance;
     if (first_update == 0)
       first_update = problem.norm(dx);
     norm = search_line(norm, !is_near);
@@ -294,12 +296,16 @@ void Newton::Iteration::iterate(double norm)
   }
 }
 
-NewtonResult Newton::Iteration::solve()
+void Newton::Iteration::solve_stage()
 {
+  result.is_converged = false;
+  damping = {};
+  n_before = result.linear_iterations.size();
   const double norm = problem.residual_and_tangent(x);
-  result.residuals.push_back(norm);
+  if (result.residuals.empty() || !std::isfinite(norm))
+    result.residuals.push_back(norm);
   if (!std::isfinite(norm))
-    return result;
+    return;
   const double sufficient = problem.is_remembered() ? 0 : settings.relative_tolerance;
   if (norm <= sufficient && !problem.moves_constraints()) // nothing has changed
     result.is_converged = true;
@@ -307,6 +313,14 @@ NewtonResult Newton::Iteration::solve()
     solve_linear();
   else
     iterate(norm);
+}
+
+NewtonResult Newton::Iteration::solve()
+{
+  problem.first_stage();
+  do
+    solve_stage();
+  while (result.is_converged && problem.next_stage());
   return result;
 }
 

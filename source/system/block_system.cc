@@ -459,22 +459,27 @@ ValuesOf BlockSystem<dim>::ghosted_values() const
 template <int dim>
 void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
 {
-  double largest_move = 0, largest_value = 0;
+  std::vector<double> largest_move(field_of_block.size(), 0.), largest_value(largest_move);
   for (const auto &line : constraints.get_lines()) {
     double target = line.inhomogeneity;
     for (const auto &[other, weight] : line.entries)
       target += weight * ghosted(other);
     if (share < 1)
       target -= (1 - share) * held_moves.at(line.index);
-    const double move = target - ghosted(line.index);
-    largest_move = std::max(largest_move, std::abs(move));
-    largest_value = std::max(largest_value, std::abs(target));
-    update_constraints.set_inhomogeneity(line.index, move);
+    const double distance = target - ghosted(line.index);
+    const unsigned int block = model.numbering->block_of(line.index);
+    largest_move[block] = std::max(largest_move[block], std::abs(distance));
+    largest_value[block] = std::max(largest_value[block], std::abs(target));
+    update_constraints.set_inhomogeneity(line.index, distance);
   }
-  largest_move = dealii::Utilities::MPI::max(largest_move, model.communicator);
-  largest_value = dealii::Utilities::MPI::max(largest_value, model.communicator);
-  constraints_move = largest_move > 1e-14 * largest_value;
-  move = largest_move;
+  dealii::Utilities::MPI::max(largest_move, model.communicator, largest_move);
+  dealii::Utilities::MPI::max(largest_value, model.communicator, largest_value);
+  constraints_move.clear();
+  move = 0;
+  for (unsigned int b = 0; b < largest_move.size(); ++b) {
+    constraints_move.push_back(largest_move[b] > 1e-14 * largest_value[b]);
+    move = std::max(move, largest_move[b]);
+  }
 }
 
 namespace {

@@ -369,18 +369,42 @@ unsigned int Model<dim>::order_in_time() const
 template <int dim>
 bool Model<dim>::is_linear() const
 {
+  const auto groups = field_groups();
+  return std::all_of(groups.begin(), groups.end(), [this](const auto &fields) { return is_linear(fields); });
+}
+
+template <int dim>
+bool Model<dim>::is_linear(const std::vector<std::string> &fields) const
+{
+  const auto is_asked = [&fields](const std::string &field) {
+    return std::find(fields.begin(), fields.end(), field) != fields.end();
+  };
   for (const auto &domain : domains) {
     for (unsigned int f = 0; f < domain->fields().size(); ++f)
-      if (!domain->material.is_linear(f))
+      if (is_asked(domain->fields()[f].name) && !domain->material.is_linear(f))
         return false;
     for (const auto &condition : domain->conditions())
-      if (!condition->is_linear())
+      if (is_asked(condition->field.name) && !condition->is_linear())
         return false;
   }
   for (const auto &interface : interfaces)
-    if (!interface->tie().is_linear())
-      return false;
+    for (const TiedField &tied : interface->fields)
+      if (is_asked(tied.name) && !interface->tie().is_linear())
+        return false;
   return true;
+}
+
+template <int dim>
+bool Model<dim>::depends(const std::string &field, const std::string &on_field) const
+{
+  for (const auto &domain : domains) {
+    const auto &fields = domain->fields();
+    for (unsigned int f = 0; f < fields.size(); ++f)
+      for (unsigned int g = 0; g < fields.size(); ++g)
+        if (fields[f].name == field && fields[g].name == on_field && domain->material.depends(f, g))
+          return true;
+  }
+  return false;
 }
 
 template <int dim>

@@ -47,12 +47,15 @@ public:
   const std::vector<std::string> &notes() const { return all_notes; }
 
   bool is_linear() const override { return model.is_linear(); }
+  void first_stage() override { enter_stage(0); }
+  bool next_stage() override;
+  bool has_linear_stage() const override { return stages[present_stage].is_linear; }
   bool is_remembered() const override { return model.order_in_time() > 0; }
   double residual(const Vector &x) override;
   double residual_and_tangent(const Vector &x) override;
   std::optional<unsigned int> solve(const Vector &x, Vector &dx) override;
   double linear_residual() const override { return residual_of_solver; }
-  bool moves_constraints() const override { return system.moves_constraints(); }
+  bool moves_constraints() const override;
   bool correct(const Vector &x, const Vector &trial, double damping, Vector &correction) override;
   double norm(const Vector &dx) const override;
   bool is_small(const Vector &dx, const Vector &x) const override;
@@ -64,6 +67,19 @@ public:
                       double damping) override;
 
 private:
+  /// Groups of fields that follow each other and do not depend on each other, but may depend on those before.
+  struct Stage
+  {
+    unsigned int first_group, end_group;
+    std::vector<bool> has_block;
+    bool is_linear;
+  };
+
+  std::vector<Stage> make_stages() const;
+  void enter_stage(unsigned int number);
+  void enter_all_stages();
+  void keep_stage(Vector &dx) const;
+  LinearSolver::Demand demand() const;
   double measure(bool is_defined);
   void set_matrix();
   double refine_linear_solution(Vector &dx);
@@ -80,6 +96,11 @@ private:
   Phases &phases;
   Log &log;
   Convergence criterion;
+  std::vector<Stage> stages;
+
+  // of a solve
+  std::vector<bool> has_block; ///< the present stage, or all of them
+  unsigned int present_stage = 0;
 
   // of a step
   double t = 0;

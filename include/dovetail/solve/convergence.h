@@ -7,6 +7,7 @@
 
 #pragma once
 
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -39,6 +40,8 @@ public:
               double relative_tolerance, double absolute_tolerance);
 
   void begin_step();
+  /// From now on only these parts are measured.
+  void restrict_to(std::vector<bool> parts) { is_measured = std::move(parts); }
   /// The largest of ||R_p|| over its reference, 0 for a part whose residual is rounding; NaN if one is not
   /// finite.
   double residual(const WorkingForces &now);
@@ -55,7 +58,7 @@ public:
 
 private:
   std::vector<unsigned int> field_of_part;
-  std::vector<bool> is_constraint;
+  std::vector<bool> is_constraint, is_measured;
   double relative_tolerance, absolute_tolerance;
   std::vector<double> first_forces; ///< by field
   std::vector<double> last_forces;

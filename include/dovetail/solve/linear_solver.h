@@ -66,6 +66,14 @@ public:
   /// is solved directly, now and from then on. What one rank alone meets (an exception of a library, no
   /// memory) all ranks agree on before another way is tried.
   std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side);
+  /// Of some groups that follow each other; dx = 0 for others. A residual of @p enough times the right-hand
+  /// side will do, even if that is more than the tolerance of the scene.
+  struct Demand
+  {
+    unsigned int first_group, end_group;
+    double enough = 0;
+  };
+  std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side, const Demand &demand);
 
   /// From now on everything is solved directly. @return false if it is already.
   bool prefer_direct();
@@ -95,6 +103,7 @@ private:
   std::vector<std::string> types; ///< "automatic" and the names of all solvers
   std::string type;
   double relative_tolerance;
+  double present_tolerance = 0; ///< of the present solve
   Agreement ranks;
   Counts all_counts;
   std::vector<std::string> all_notes;

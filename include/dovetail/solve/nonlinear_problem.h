@@ -22,6 +22,14 @@ public:
   virtual ~NonlinearProblem() = default;
 
   virtual bool is_linear() const = 0; ///< one iteration is exact
+
+  /// Unknowns that only receive from others are found after them. The problem has stages; all that follows
+  /// means the unknowns of the present one. Others are as they are: their updates are zero.
+  virtual void first_stage() {}
+  /// When the present one is solved. @pre The last assembly was at the iterate. @return whether there is one.
+  virtual bool next_stage() { return false; }
+  virtual bool has_linear_stage() const { return false; } ///< one iteration of the present one is exact
+
   /// Whether what is left of the residual counts, too: in time the next steps would remember it. Then a
   /// system is solved even if its first residual is within the tolerance, and the last tangent is used once
   /// more.

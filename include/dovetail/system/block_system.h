@@ -17,6 +17,7 @@
 #include <deal.II/lac/affine_constraints.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <vector>
@@ -108,7 +109,12 @@ public:
   double linear_residual_norm(const Vector &dx, Vector &rest);
 
   /// Whether the last assembled right-hand side moves prescribed values.
-  bool moves_constraints() const { return constraints_move; }
+  /// Whether the constraints move unknowns of a block.
+  bool moves_constraints(unsigned int block) const { return constraints_move[block]; }
+  bool moves_constraints() const
+  {
+    return std::find(constraints_move.begin(), constraints_move.end(), true) != constraints_move.end();
+  }
   double largest_move() const { return move; } ///< of a prescribed value, likewise
   /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
   /// nothing where all bodies are surely held, unless @p in_any_case.
@@ -182,7 +188,7 @@ private:
   std::set<dealii::types::global_dof_index> dropped;    ///< multipliers
   dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx
-  bool constraints_move = false;
+  std::vector<bool> constraints_move;                   ///< by block
   double move = 0;
   std::vector<bool> toggles_of_set_up;
   double time_of_set_up = 0;

@@ -46,8 +46,11 @@ public:
   /// field comes after those its fluxes depend on. Fields that depend on each other stand in one group.
   std::vector<std::vector<std::string>> field_groups() const;
 
-  unsigned int order_in_time() const;                ///< of the rates that materials ask for
-  bool is_linear() const;                            ///< one Newton iteration is exact
+  unsigned int order_in_time() const; ///< of the rates that materials ask for
+  bool is_linear() const;             ///< one Newton iteration is exact
+  bool
+  is_linear(const std::vector<std::string> &fields) const; ///< likewise, for these fields of field_groups()
+  bool depends(const std::string &field, const std::string &on_field) const; ///< in some material
   bool has_constant_tangent() const;                 ///< likewise, and it changes with toggles only
   bool is_symmetric(const std::string &field) const; ///< the field's own block of the tangent
   bool allows_jumps(const std::string &field) const; ///< some interface lets its sides come apart

@@ -10,6 +10,7 @@
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/scene/shortened.h>
 #include <dovetail/scene/user_error.h>
+#include <dovetail/study/run_picture.h>
 #include <dovetail/study/study.h>
 
 #include <deal.II/base/exceptions.h>
@@ -19,6 +20,7 @@
 #include <chrono>
 #include <csignal>
 #include <fcntl.h>
+#include <functional>
 #include <iostream>
 #include <poll.h>
 #include <string>
@@ -41,6 +43,7 @@ const char *const usage = R"(Dovetail: heat and solids on several bodies whose m
   dovetail --set 'PATH=value' … scene.prm     override an entry, for instance 'Interface seam/Theta=-1'
   dovetail --study scene.prm                  error against run time over the levels and variants of subsection Study
   dovetail --mesh FILE                        what a mesh file holds: cells, extents, names, quality; a preview for ParaView
+  dovetail --plot DIRECTORY                   residuals, run time and probes of a run that has ended, by gnuplot
   dovetail --parameters                       every entry of a scene, as Markdown
   dovetail --version | --help
 
@@ -52,7 +55,7 @@ struct Arguments
 {
   bool help = false, version = false, parameters = false, check = false, study = false;
   std::vector<std::string> overrides;
-  std::string scene, mesh;
+  std::string scene, mesh, plot;
 };
 
 Arguments parse(const int argc, char **argv)
@@ -78,12 +81,16 @@ Arguments parse(const int argc, char **argv)
       if (i + 1 == argc)
         throw UserError("--mesh needs the name of a mesh file.");
       arguments.mesh = argv[++i];
+    } else if (word == "--plot") {
+      if (i + 1 == argc)
+        throw UserError("--plot needs the Directory of the Output of a run.");
+      arguments.plot = argv[++i];
     } else if (word == "--resume")
       throw UserError("The option " + word + " is not available yet.");
     else if (!word.empty() && word[0] == '-')
       throw UserError("The option '" + word + "' is not known. " +
                       did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set",
-                                          "--study", "--mesh"}) +
+                                          "--study", "--mesh", "--plot"}) +
                       " See dovetail --help.");
     else if (!arguments.scene.empty())
       throw UserError("Two scenes are given, " + arguments.scene + " and " + word + "; run them one by one.");
@@ -115,12 +122,12 @@ std::string needs_scene(const Arguments &arguments)
 }
 
 /// An error is one of all ranks.
-void report_on_first_rank(const std::string &mesh_file, const bool is_first_rank)
+void on_first_rank(const bool is_first_rank, const std::function<void()> &action)
 {
   std::string problem;
   if (is_first_rank)
     try {
-      report_on_mesh(mesh_file, std::cout);
+      action();
     } catch (const std::exception &error) {
       problem = error.what();
     }
@@ -132,7 +139,11 @@ void report_on_first_rank(const std::string &mesh_file, const bool is_first_rank
 Status run(const Arguments &arguments, const bool is_first_rank)
 {
   if (!arguments.mesh.empty()) {
-    report_on_first_rank(arguments.mesh, is_first_rank);
+    on_first_rank(is_first_rank, [&]() { report_on_mesh(arguments.mesh, std::cout); });
+    return done;
+  }
+  if (!arguments.plot.empty()) {
+    on_first_rank(is_first_rank, [&]() { draw_run(arguments.plot, std::cout); });
     return done;
   }
   if (arguments.version || arguments.help || arguments.parameters) {

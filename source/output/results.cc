@@ -61,7 +61,7 @@ void Results<dim>::begin(const Plan &plan)
   report()["left out"] = plan.left_out;
   report().write(); // so that an interrupted run does not look like the one before it
   if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
-    remove_file(directory + "/probes.csv", StepTable::first_word); // likewise
+    remove_file(directory + "/" + StepTable::file, StepTable::first_word); // likewise
   write_used();
 }
 
@@ -159,6 +159,18 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
     for (auto &field_flows : domain_flows)
       field_flows.erase("rounding");
   step_table.add(solution.t, probes.evaluate(ghosted, reactions), flows);
+  if (step_table.is_due())
+    write_step_table();
+}
+
+template <int dim>
+void Results<dim>::write_step_table()
+{
+  try_to_write([&]() {
+    if (const Obstacle obstacle = write_on_first_rank(
+            directory + "/" + StepTable::file, StepTable::first_word, step_table.text(), model.communicator))
+      obstacle.raise(set_another_directory);
+  });
 }
 
 template <int dim>
@@ -226,11 +238,7 @@ void Results<dim>::finish(const bool is_converged, const Plan &plan, const nlohm
   report()["notes"] = notes.all();
   try_to_write([&]() { report().write(); });
   if (!step_table.is_empty())
-    try_to_write([&]() {
-      if (const Obstacle obstacle = write_on_first_rank(directory + "/probes.csv", StepTable::first_word,
-                                                        step_table.text(), model.communicator))
-        obstacle.raise(set_another_directory);
-    });
+    write_step_table();
   log.finish(report().all(), directory);
 }
 

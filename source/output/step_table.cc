@@ -46,4 +46,13 @@ void StepTable::add(const double time, const ordered_json &probes, const ordered
   rows += line(texts);
 }
 
+bool StepTable::is_due()
+{
+  const std::size_t some = 20000;
+  if (rows.size() > some && rows.size() < n_kept + n_kept / 100)
+    return false;
+  n_kept = rows.size();
+  return true;
+}
+
 } // namespace dovetail

@@ -241,7 +241,7 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   if (!results.is_due(n_good) && t < almost_end())
     return;
   results.write_pictures({step.system(), x, t, true});
-  if (step.has_rates())
+  if (step.has_rates() || (steps.n_steps > 1 && results.has_probes()))
     results.record_step({step.system(), x, t, true}, step.tolerance());
 }
 

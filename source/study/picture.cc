@@ -2,45 +2,20 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include "picture.h"
-#include "process.h"
-
-#include <dovetail/output/new_file.h>
+#include "gnuplot.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <sstream>
 #include <tuple>
-#include <unistd.h>
 
 namespace dovetail {
 
 namespace {
 
-/// Told apart with every kind of colour blindness (Okabe and Ito 2008), without their yellow.
-constexpr std::array<const char *, 7> colours{
-    {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#444444"}};
 constexpr std::array<unsigned int, 6> shapes{{7, 5, 9, 13, 11, 6}};
-
-std::string number(const double value)
-{
-  std::ostringstream text;
-  text.precision(6);
-  text << value;
-  return text.str();
-}
-
-/// A string of gnuplot's that means just itself.
-std::string quoted(const std::string &text)
-{
-  std::string result = "'";
-  for (const char letter : text)
-    result += letter == '\'' ? "''" : std::string(1, letter);
-  return result + "'";
-}
 
 /// One of the two pictures: what is to the right in it.
 struct Axis
@@ -240,7 +215,7 @@ void write_plot(std::ostream &out, const std::vector<StudyCurve> &curves, const 
     const unsigned int member = n_of_family[curve.family]++;
     const unsigned int shape = has_families ? member : curve.family;
     const std::string data = "$curve_" + std::to_string(c + 1);
-    const std::string colour = std::string("lc rgb '") + colours[curve.family % colours.size()] + "'";
+    const std::string colour = "lc rgb '" + colour_of_curve(curve.family) + "'";
     const bool has_spread =
         std::any_of(curve.points.begin(), curve.points.end(),
                     [](const StudyPoint &point) { return point.slowest > point.fastest; });
@@ -267,28 +242,13 @@ void write_script(std::ostream &out, const std::string &title, const std::vector
   std::size_t letters = 20; // the legend makes the picture as wide as it needs
   for (const StudyCurve &curve : curves)
     letters = std::max(letters, legend(curve).size());
-  const double width = 1040 + 8.2 * letters, height = 560, enlargement = 1.5;
+  const double width = 1040 + 8.2 * letters, height = 560;
   const auto across = [&](const double position) { return number(position / width); };
 
-  out << "# Error against run time: gnuplot study.gp writes study.svg and study.png.\n"
-         "if (!exists('folder')) folder = '.'\n\n";
   write_curves(out, curves);
   write_front(out, curves);
-  out << "set encoding utf8\n"
-         "do for [kind in 'svg png'] {\n"
-         "if (kind eq 'svg') { set terminal svg size "
-      << number(width) << "," << height
-      << " dynamic background 'white' "
-         "font 'DejaVu Sans,Helvetica,sans-serif,13' }\n"
-         "if (kind eq 'png') { set terminal pngcairo size "
-      << number(std::round(enlargement * width)) << "," << enlargement * height
-      << " fontscale 1.4 linewidth 1.4 pointscale 1.4 font 'DejaVu Sans,13' }\n"
-         "set output folder.'/study.'.kind\n"
-         "set multiplot\n"
-         "set logscale xy\n"
-         "set border 3 lc rgb '#444444'\n"
-         "set tics nomirror scale 0.6 tc rgb '#222222'\n"
-         "set grid xtics ytics lc rgb '#C8C8C8' lw 0.8 dt 1\n"
+  begin_pictures(out, "study", width, height);
+  out << "set logscale xy\n"
          "set tmargin at screen 0.88\n"
          "set bmargin at screen 0.14\n"
       << "set label 1 " << quoted(title + ": error against run time and unknowns") << " at screen "
@@ -314,28 +274,7 @@ void write_script(std::ostream &out, const std::string &title, const std::vector
     write_plot(out, curves, *axis, is_first, !is_first);
     out << "unset object\nunset label\n";
   }
-  out << "unset multiplot\nunset output\n}\n";
-}
-
-/// From the folder where gnuplot has made them, if they are whole.
-/// @return what stands in the way, if anything does.
-std::string draw_pictures(const std::string &folder, const std::string &directory)
-{
-  struct Kind
-  {
-    std::string ending, beginning, end;
-  };
-  for (const Kind &kind : {Kind{"svg", "<?xml", "</svg>"}, Kind{"png", "\x89PNG", "IEND"}}) {
-    std::ostringstream picture;
-    picture << std::ifstream(folder + "/study." + kind.ending, std::ios::binary).rdbuf();
-    const std::size_t end = picture.str().rfind(kind.end);
-    if (end == std::string::npos || end + kind.end.size() + 8 < picture.str().size())
-      return "No picture: that of gnuplot is not whole. Is the disk full?";
-    if (const Obstacle obstacle =
-            write_file(directory + "/study." + kind.ending, kind.beginning, picture.str()))
-      return "No picture: " + obstacle.text;
-  }
-  return "";
+  end_pictures(out);
 }
 
 } // namespace
@@ -350,27 +289,10 @@ std::string draw_study(const std::string &directory, const std::string &title,
   };
   if (std::none_of(curves.begin(), curves.end(), has_points))
     return "No picture: no run has an error to show.";
-  const std::string script = directory + "/study.gp", errors = directory + "/gnuplot.txt";
   std::ostringstream text;
   write_script(text, title, curves, measure, dim);
-  if (const Obstacle obstacle = write_file(script, "# Error against run time", text.str()))
-    obstacle.raise(set_another_directory);
-  const std::string folder = directory + "/" + unfinished_prefix(host_name(), getpid()) + "pictures";
-  if (const Obstacle obstacle = make_directories(folder))
-    obstacle.raise(set_another_directory);
-  const Outcome outcome =
-      run_process({"gnuplot", "-e", "folder=" + quoted(folder), script}, "/dev/null", errors, [] {});
-  const std::string problem = outcome.status == 0 ? draw_pictures(folder, directory) : "";
-  std::error_code error;
-  std::filesystem::remove_all(folder, error);
-  if (outcome.status == 0) {
-    remove_file(errors, "");
-    return problem;
-  }
-  if (outcome.status == 127)
-    return "No picture: gnuplot was not found. Install it (Debian, Ubuntu: apt-get install gnuplot-nox) and "
-           "do this study again, which runs nothing twice.";
-  return "No picture: gnuplot failed, " + errors + " says why.";
+  return draw_by_gnuplot(directory, "study", "Error against run time", text.str(),
+                         "do this study again, which runs nothing twice.");
 }
 
 } // namespace dovetail

@@ -46,6 +46,8 @@ public:
   /// Find the points again after the meshes have changed. Collective.
   void locate_again();
 
+  bool is_empty() const { return probes.empty(); }
+
   /// A number, or an array of components. Collective; @p solution is ghosted.
   nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
 

@@ -58,6 +58,7 @@ public:
 
   /// Probes and balance of a good step, for probes.csv, and its largest imbalance for the report.
   void record_step(const Solution<dim> &solution, double tolerance);
+  bool has_probes() const { return !probes.is_empty(); }
   /// Numbers about domains, interfaces, balance and probes. @p tolerance: of Newton's method.
   void measure(const Solution<dim> &solution, double tolerance);
   /// With a run that is more exact, or for runs that are less so.
@@ -75,6 +76,7 @@ private:
   template <typename Write>
   void try_to_write(const Write &write);
   void write_used() const;
+  void write_step_table();
   const NodalForces<dim> &nodal_forces(const Solution<dim> &solution);
   double last_residual() const;
   double tolerance_of_balance(double tolerance) const;

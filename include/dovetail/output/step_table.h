@@ -22,10 +22,14 @@ public:
 
   bool is_empty() const { return rows.empty(); }
   std::string text() const { return header + rows; }
-  static constexpr const char *first_word = "time";
+  /// Whether text() should be kept, for a run that is killed: each time until there are some, then at each
+  /// hundredth part more, so that long runs do not write the table over and over.
+  bool is_due();
+  static constexpr const char *first_word = "time", *file = "probes.csv";
 
 private:
   std::string header, rows;
+  std::size_t n_kept = 0; ///< letters of rows
 };
 
 } // namespace dovetail

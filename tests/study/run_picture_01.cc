@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// A picture of a run, from a report of two steps and a table of two probes, one with components and a gap:
+// the data that gnuplot gets, and that it draws them. A probe with a single row, or none, is not drawn. What
+// is no report is an error.
+
+#include <dovetail/scene/user_error.h>
+#include <dovetail/study/run_picture.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+using namespace dovetail;
+
+namespace {
+
+void write(const std::string &file, const std::string &text)
+{
+  std::ofstream(file) << text;
+}
+
+/// The lines between "$name << END" and END.
+void print_data(const std::string &script, const std::string &name)
+{
+  std::ifstream in(script);
+  bool is_inside = false;
+  for (std::string line; std::getline(in, line);) {
+    is_inside = is_inside ? line != "END" : line.rfind("$" + name + " ", 0) == 0;
+    if (is_inside)
+      std::cout << line << '\n';
+  }
+}
+
+void print_beginning(const std::string &file)
+{
+  std::ifstream in(file, std::ios::binary);
+  std::string beginning(5, ' ');
+  in.read(&beginning[0], 5);
+  std::cout << file << ": "
+            << (beginning == "<?xml" || beginning.substr(1, 3) == "PNG" ? "drawn" : "not drawn") << '\n';
+}
+
+void try_to_draw(const std::string &directory)
+{
+  try {
+    draw_run(directory, std::cout);
+  } catch (const UserError &error) {
+    std::cout << error.what() << '\n';
+  }
+}
+
+} // namespace
+
+int main()
+{
+  try_to_draw("nowhere");
+  std::filesystem::create_directory("run");
+  write("run/report.json", "[1, 2]");
+  try_to_draw("run");
+  write("run/report.json", R"({"steps": [{"residuals": [1, 1e-3, 0]}, {"residuals": [0.5, null]}],
+                              "seconds": {"mesh": 0.25, "solve": 1.5, "total": 1.75},
+                              "probes": {"force": [1, 2], "tip's": 3, "new": 4}})");
+  try_to_draw("run");
+  write("run/probes.csv", "time,force x,force y,tip's\n0.5,1,2,3\n1,1.5,,3.25\n");
+  try_to_draw("run");
+  for (const std::string name : {"residuals", "seconds", "probe_2", "probe_3"})
+    print_data("run/run.gp", name);
+  print_beginning("run/run.svg");
+  print_beginning("run/run.png");
+}

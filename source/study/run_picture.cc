@@ -194,7 +194,7 @@ void draw_run(const std::string &directory, std::ostream &out)
       if (is_history && panels.size() < most_panels)
         panels.push_back(draw_probe(probe, panels.size(), columns));
       else
-        left_out.push_back(probe + (is_history ? " (no more room)" : " (one step only)"));
+        left_out.push_back(probe + (is_history ? " (no more room)" : " (no history)"));
     }
   const std::string problem =
       draw_by_gnuplot(directory, "run", "How a run went", write_panels(panels), "try again.");

@@ -35,7 +35,9 @@ StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system,
   enter_all_stages();
 }
 
-/// A linear scene has one stage: the linear solver takes the groups one after the other anyway.
+/// A group that is affine gets a stage of its own, since one update solves it there. Others iterate beside
+/// those that drive them: one after the other they would take more assemblies. A linear scene has one stage,
+/// because the linear solver takes the groups one after the other anyway.
 template <int dim>
 std::vector<typename StepProblem<dim>::Stage> StepProblem<dim>::make_stages() const
 {
@@ -49,7 +51,7 @@ std::vector<typename StepProblem<dim>::Stage> StepProblem<dim>::make_stages() co
   std::vector<Stage> result;
   std::vector<std::string> fields; // of the last stage
   for (unsigned int g = 0; g < groups.size(); ++g) {
-    if (g == 0 || (depends(groups[g], fields) && !model.is_linear())) {
+    if (g == 0 || (depends(groups[g], fields) && model.is_linear(groups[g]) && !model.is_linear())) {
       result.push_back({g, g, {}, true});
       fields.clear();
     }

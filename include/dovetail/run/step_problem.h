@@ -67,7 +67,7 @@ public:
                       double damping) override;
 
 private:
-  /// Groups of fields that follow each other and do not depend on each other, but may depend on those before.
+  /// Groups of fields that follow each other, and iterate together; they may depend on those before.
   struct Stage
   {
     unsigned int first_group, end_group;

@@ -366,19 +366,11 @@ unsigned int Model<dim>::order_in_time() const
   return order;
 }
 
+/// Of the fields, by name, for which @p is_asked.
 template <int dim>
-bool Model<dim>::is_linear() const
+template <typename IsAsked>
+bool Model<dim>::is_linear_in(const IsAsked &is_asked) const
 {
-  const auto groups = field_groups();
-  return std::all_of(groups.begin(), groups.end(), [this](const auto &fields) { return is_linear(fields); });
-}
-
-template <int dim>
-bool Model<dim>::is_linear(const std::vector<std::string> &fields) const
-{
-  const auto is_asked = [&fields](const std::string &field) {
-    return std::find(fields.begin(), fields.end(), field) != fields.end();
-  };
   for (const auto &domain : domains) {
     for (unsigned int f = 0; f < domain->fields().size(); ++f)
       if (is_asked(domain->fields()[f].name) && !domain->material.is_linear(f))
@@ -392,6 +384,20 @@ bool Model<dim>::is_linear(const std::vector<std::string> &fields) const
       if (is_asked(tied.name) && !interface->tie().is_linear())
         return false;
   return true;
+}
+
+template <int dim>
+bool Model<dim>::is_linear() const
+{
+  return is_linear_in([](const std::string &) { return true; });
+}
+
+template <int dim>
+bool Model<dim>::is_linear(const std::vector<std::string> &fields) const
+{
+  return is_linear_in([&fields](const std::string &field) {
+    return std::find(fields.begin(), fields.end(), field) != fields.end();
+  });
 }
 
 template <int dim>

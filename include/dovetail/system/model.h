@@ -65,6 +65,8 @@ public:
   double search_seconds = 0;  ///< the search alone, this rank
 
 private:
+  template <typename IsAsked>
+  bool is_linear_in(const IsAsked &is_asked) const;
   void find_interfaces(const Section &scene) const;
   void tell_other_interfaces();
   void number();

@@ -23,8 +23,8 @@ public:
 
   virtual bool is_linear() const = 0; ///< one iteration is exact
 
-  /// Some unknowns that only receive from others are found after them. The problem has stages; all that follows
-  /// means the unknowns of the present one. Others are as they are: their updates are zero.
+  /// Some unknowns that only receive from others are found after them. The problem has stages; all that
+  /// follows means the unknowns of the present one. Others are as they are: their updates are zero.
   virtual void first_stage() {}
   /// When the present one is solved. @pre The last assembly was at the iterate. @return whether there is one.
   virtual bool next_stage() { return false; }

@@ -94,7 +94,7 @@ bool CellTerms<dim>::add_lumped_storage(const double JxW, const std::vector<doub
     return true;
   for (const unsigned int c : lumped)
     point.state.rate[c] = 1; // what is stored is linear in it
-  const bool is_defined = domain.material.evaluate_storage(point.state, lumped_response);
+  const bool is_defined = point.evaluate_storage(lumped_response);
   point.state.rate_by_value = rates->by_value; // for the next point
   if (!is_defined)
     return false;
@@ -246,7 +246,8 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
     point.reinit(cell_values, q, unknowns);
     hide_lumped_rates();
     const double JxW = domain.measure(cell_values, q);
-    const bool is_defined = point.evaluate_storage() && add_lumped_storage(JxW, unknowns, residual, nullptr);
+    const bool is_defined =
+        point.evaluate_storage(point.response) && add_lumped_storage(JxW, unknowns, residual, nullptr);
     add_source_of_laws(is_defined ? JxW : std::numeric_limits<double>::quiet_NaN(), residual);
   }
   return true;

@@ -111,7 +111,7 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
   if (domain.material.has_linear_flux(field_index) || !domain.material.has_curvature(field_index))
     return; // without it the updates converge linearly, as the mismatch vanishes
   dealii::FullMatrix<double> H;
-  domain.material.curvature(point.state, contraction, H);
+  point.curvature(contraction, H);
   for (unsigned int c = first; c < first + n_c; ++c)
     for (unsigned int d = 0; d < n; ++d)
       for (unsigned int a = 0; a < n_nodes; ++a) {

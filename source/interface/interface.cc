@@ -204,6 +204,7 @@ void Interface<dim>::read_fields()
     for (const unsigned int side : {source, destination})
       for (unsigned int f = 0; f < sides[side].domain->fields().size(); ++f)
         if (const Field &side_field = sides[side].domain->fields()[f]; side_field.name == field) {
+          tied.symbol = side_field.symbol;
           tied.n_components = side_field.n_components;
           tied.first_component[side] = side_field.first_component;
           tied.field[side] = f;

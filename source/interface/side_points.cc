@@ -55,6 +55,13 @@ bool SidePoints<dim>::evaluate(const unsigned int side, const bool with_derivati
   return interface->sides[side].domain->material.evaluate(state[side], with_derivatives, response[side]);
 }
 
+template <int dim>
+void SidePoints<dim>::curvature(const unsigned int side, const std::vector<dealii::Tensor<1, dim>> &w,
+                                dealii::FullMatrix<double> &result) const
+{
+  interface->sides[side].domain->material.curvature(state[side], w, result);
+}
+
 template class SidePoints<2>;
 template class SidePoints<3>;
 

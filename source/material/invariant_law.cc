@@ -3,8 +3,13 @@
 
 #include <dovetail/material/invariant_law.h>
 
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/math/tools/toms748_solve.hpp>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace dovetail {
@@ -240,6 +245,27 @@ VolumetricEnergy Volumetric::times(const double kappa, const double J_minus_1) c
             kappa / (exponent * J * J) * ((exponent + 1) * power - 1),
             kappa / (exponent * J * J * J) * (2 - (exponent + 1) * (exponent + 2) * power)};
   }
+}
+
+double Volumetric::energy_at(const double p) const
+{
+  const double strain = p * compressibility();
+  if (strain == 0)
+    return 0;
+  const auto excess = [&](const double log_J) { return times(1., std::expm1(log_J)).U_1 - strain; };
+  double log_J = strain;
+  for (unsigned int i = 0; i < 10 && excess(log_J) * strain < 0; ++i)
+    log_J *= 2;
+  if (!(excess(log_J) * strain >= 0))
+    return std::numeric_limits<double>::quiet_NaN();
+  boost::uintmax_t n_evaluations = 100;
+  const auto [below, above] =
+      boost::math::tools::toms748_solve(excess, std::min(0., log_J), std::max(0., log_J),
+                                        boost::math::tools::eps_tolerance<double>(50), n_evaluations);
+  const double change = std::expm1((below + above) / 2);
+  const auto power = [&](const double s) { return times(1., s * change).U_1 * change; };
+  return boost::math::quadrature::gauss_kronrod<double, 15>::integrate(power, 0., 1., 10, 1e-10) /
+         compressibility();
 }
 
 double require_bulk_modulus(const Section &section)

@@ -120,6 +120,15 @@ public:
     return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
   }
 
+  /// The part that unloading gives back.
+  double energy(const Tensor<2, 3> &H, const double e, const Place &place) const override
+  {
+    Response response;
+    static_cast<Place &>(response) = place;
+    return evaluate(H, e, false, response) ? moduli.energy_of(response.P)
+                                           : std::numeric_limits<double>::quiet_NaN();
+  }
+
   bool has_large_strain() const override { return false; }
 
 private:

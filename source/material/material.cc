@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace dovetail {
 
@@ -174,6 +175,14 @@ Tensor<2, 3> Material<dim>::cauchy_stress(const State<dim> &state) const
     if (const auto *solid = dynamic_cast<const SolidTerm<dim> *>(term.get()))
       sigma += solid->cauchy_stress(state);
   return sigma;
+}
+
+template <int dim>
+double Material<dim>::energy_density(const State<dim> &state) const
+{
+  return std::accumulate(terms.begin(), terms.end(), 0., [&](const double sum, const auto &term) {
+    return sum + term->energy_density(state);
+  });
 }
 
 template <int dim>

@@ -29,6 +29,7 @@
 #include <dovetail/scene/undefined.h>
 
 #include <cmath>
+#include <limits>
 
 namespace dovetail {
 
@@ -74,6 +75,15 @@ public:
     if (with_derivatives)
       set_derivatives(trial, ratio, 1 / (1 + flow * exponent / stress * power(q, exponent - 1)), response);
     return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
+  }
+
+  /// The part that unloading gives back.
+  double energy(const Tensor<2, 3> &H, const double e, const Place &place) const override
+  {
+    Response response;
+    static_cast<Place &>(response) = place;
+    return evaluate(H, e, false, response) ? moduli.energy_of(response.P)
+                                           : std::numeric_limits<double>::quiet_NaN();
   }
 
   bool has_large_strain() const override { return false; }

@@ -140,4 +140,15 @@ std::optional<Tensor<2, 3>> PlaneStress::full_gradient(const Tensor<2, 3> &H, co
   return find_thickness(full, e, response) ? std::optional(full) : std::nullopt;
 }
 
+double PlaneStress::energy(const Tensor<2, 3> &H, const double e, const Place &place) const
+{
+  const auto full = full_gradient(H, e, place);
+  if (!full)
+    return std::numeric_limits<double>::quiet_NaN();
+  Place of_law = place;
+  if (n_of_law > 0)
+    of_law.memory = place.memory.slice(0, n_of_law);
+  return law->energy(*full, e, of_law);
+}
+
 } // namespace dovetail

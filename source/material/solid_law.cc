@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/material/solid_law.h>
+#include <dovetail/material/hyperelastic_law.h>
 
+#include <deal.II/base/symmetric_tensor.h>
+
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+
+#include <cmath>
 #include <limits>
 
 namespace dovetail {
+
+using dealii::Tensor;
 
 namespace {
 const std::string remedy = "give either Young modulus and Poisson ratio, or Shear modulus and Bulk modulus.";
@@ -15,7 +22,33 @@ std::string one_set(const Section &section, const std::string &first, const std:
 {
   return section.is_set(first) ? first : section.is_set(second) ? second : "";
 }
+
+/// U - I of the stretch U = C^1/2, by the eigenvectors of the Green strain, which are exact where it is
+/// small.
+Tensor<2, 3> stretch_minus_1(const Tensor<2, 3> &H)
+{
+  const dealii::SymmetricTensor<2, 3> E = symmetrize(Deformation(H).green_strain());
+  Tensor<2, 3> result;
+  for (const auto &[strain, axis] : eigenvectors(E, dealii::SymmetricTensorEigenvectorMethod::jacobi))
+    result += 2 * strain / (1 + std::sqrt(1 + 2 * strain)) * outer_product(axis, axis);
+  return result;
+}
 } // namespace
+
+double SolidLaw::energy(const Tensor<2, 3> &H, const double e, const Place &place) const
+{
+  const double not_known = std::numeric_limits<double>::quiet_NaN();
+  if (!internal_variables().empty() || (has_large_strain() && !(Deformation(H).J > 0)))
+    return not_known;
+  const Tensor<2, 3> free = e * Tensor<2, 3>(dealii::unit_symmetric_tensor<3>());
+  const Tensor<2, 3> way = (has_large_strain() ? stretch_minus_1(H) : 0.5 * (H + transpose(H))) - free;
+  const auto power = [&](const double s) {
+    Response at_s;
+    static_cast<Place &>(at_s) = place;
+    return evaluate(free + s * way, e, false, at_s) ? scalar_product(at_s.P, way) : not_known;
+  };
+  return boost::math::quadrature::gauss_kronrod<double, 15>::integrate(power, 0., 1., 10, 1e-10);
+}
 
 bool is_mixed(const Section &solid)
 {
@@ -31,6 +64,12 @@ double read_bulk_modulus(const Section &solid, const std::string &description)
   const double kappa = solid.require<double>("Bulk modulus", description);
   solid.check(kappa > 0, "Bulk modulus", "must be positive.");
   return kappa;
+}
+
+double IsotropicModuli::energy_of(const Tensor<2, 3> &stress) const
+{
+  const double tr = trace(stress);
+  return (stress.norm_square() - tr * tr / 3) / (4 * shear) + tr * tr / (18 * bulk);
 }
 
 IsotropicModuli::IsotropicModuli(const Section &section) : is_mixed(dovetail::is_mixed(section))

@@ -170,6 +170,12 @@ void SolidTerm<dim>::add_curvature(const State<dim> &state, const std::vector<Te
 }
 
 template <int dim>
+double SolidTerm<dim>::energy_density(const State<dim> &state) const
+{
+  return law->energy(displacement_gradient(state), thermal_strain(state), place(state));
+}
+
+template <int dim>
 Tensor<2, 3> SolidTerm<dim>::cauchy_stress(const State<dim> &state) const
 {
   const Tensor<2, 3> H = displacement_gradient(state);

@@ -90,9 +90,7 @@ Coupling VolumeTerm<dim>::coupling(const unsigned int c, const unsigned int d) c
 template <int dim>
 bool VolumeTerm<dim>::find_volume(const State<dim> &state, Volume &volume) const
 {
-  const double e =
-      expansion ? expansion->coefficient * (state.value[expansion->temperature] - expansion->reference) : 0;
-  const double s = 1 + e;
+  const double e = thermal_strain(state), s = 1 + e;
   Tensor<2, 3> H = solid.full_displacement_gradient(state);
   if (!solid.has_large_strain()) {
     volume = {trace(H) - 3 * e, -3, dealii::unit_symmetric_tensor<3>()};
@@ -132,6 +130,13 @@ bool VolumeTerm<dim>::add(const State<dim> &state, const bool with_derivatives, 
     response.source_by_gradient[p * n + first][0] += by_gradient * volume.by_F[2][2];
   }
   return true;
+}
+
+template <int dim>
+double VolumeTerm<dim>::energy_density(const State<dim> &state) const
+{
+  const double s = solid.has_large_strain() ? 1 + thermal_strain(state) : 1;
+  return s * s * s * U.energy_at(state.value[this->field.first_component]);
 }
 
 template class VolumeTerm<2>;

@@ -46,7 +46,7 @@ template <int dim>
 const dealii::Tensor<2, 3> &DomainPoint<dim>::cauchy_stress()
 {
   if (!has_stress)
-    stress = domain.material.cauchy_stress(point.state);
+    stress = point.cauchy_stress();
   has_stress = true;
   return stress;
 }
@@ -54,7 +54,7 @@ const dealii::Tensor<2, 3> &DomainPoint<dim>::cauchy_stress()
 template <int dim>
 dealii::Tensor<2, 3> DomainPoint<dim>::displacement_gradient() const
 {
-  return domain.material.displacement_gradient(point.state);
+  return point.displacement_gradient();
 }
 
 template class DomainPoint<2>;

@@ -18,12 +18,12 @@
 //       set Conductance = 2000 + 3*T      # W/(m^2 K)
 //     end
 
-#include <dovetail/material/temperature.h>
 #include <dovetail/scene/undefined.h>
 #include <dovetail/tie/nitsche.h>
 
 #include <deal.II/base/mpi.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <sstream>
@@ -38,18 +38,14 @@ class ContactResistance : public Nitsche<dim>
 public:
   explicit ContactResistance(const Section &section)
       : Nitsche<dim>(section), section(section),
-        conductance(
-            section.read_expression("Conductance", "", {1},
-                                    "Flux per jump of a scalar field such as the temperature, which may "
-                                    "depend on T, the mean temperature of both sides; from 0 (no contact) to "
-                                    "inf (tied); required if such a field is tied [W/(m^2 K)]",
-                                    {"T"})),
         stiffness(
             section.read_expression("Joint stiffness", "", {1, 2},
                                     "Force per area and jump of the displacement: one number for all "
                                     "directions, or two numbers, normal; tangential; from 0 (no contact) to "
                                     "inf (tied); required if the displacement is tied [Pa/m]"))
   {
+    if (section.documenting())
+      read_conductance();
   }
 
   void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
@@ -79,8 +75,17 @@ protected:
                   typename Nitsche<dim>::Joint &joint) const override;
 
 private:
+  void read_conductance()
+  {
+    conductance = section.read_expression(
+        "Conductance", "", {1},
+        "Flux per jump of a scalar field such as the temperature, which may depend on the mean of both sides "
+        "by the field's symbol, T for the temperature; from 0 (no contact) to inf (tied); required if such a "
+        "field is tied [W/(m^2 K)]",
+        {symbol});
+  }
   bool explain(const TiedField &field, const dealii::Point<dim> &X, double t, double h,
-               std::optional<double> T = {}) const;
+               std::optional<double> mean = {}) const;
   const Expression &law_of(const TiedField &field) const
   {
     return field.n_components == 1 ? conductance : stiffness;
@@ -99,14 +104,24 @@ private:
     return field.n_components == 1 ? "Conductance" : "Joint stiffness";
   }
 
-  const Section section; ///< for error messages
-  const Expression conductance, stiffness;
+  const Section section;    ///< for error messages
+  std::string symbol = "T"; ///< of the scalar that is tied
+  Expression conductance;
+  const Expression stiffness;
 };
 
 template <int dim>
 void ContactResistance<dim>::set_fields(const Section &section, const std::vector<TiedField> &fields)
 {
   Nitsche<dim>::set_fields(section, fields);
+  const auto is_scalar = [](const TiedField &field) { return field.n_components == 1; };
+  section.check(
+      std::count_if(fields.begin(), fields.end(), is_scalar) < 2, "Conductance",
+      "is one number, but the interface ties several scalars, whose conductances have different units. Set "
+      "Fields to one of them, and tie the others by interfaces of their own.");
+  if (const auto scalar = std::find_if(fields.begin(), fields.end(), is_scalar); scalar != fields.end())
+    symbol = scalar->symbol;
+  read_conductance();
   for (const std::string entry : {"Conductance", "Joint stiffness"}) {
     const TiedField *tied = nullptr, *other = nullptr;
     for (const TiedField &field : fields)
@@ -122,18 +137,6 @@ void ContactResistance<dim>::set_fields(const Section &section, const std::vecto
             (entry == "Conductance" ? "scalar fields such as the temperature" : "the displacement") +
             ", which this interface does not tie. Remove it, or change Fields.");
   }
-  unsigned int n_scalars = 0;
-  for (const TiedField &field : fields)
-    if (field.n_components == 1) {
-      ++n_scalars;
-      section.check(!conductance.depends_on_scalars() || is_temperature(field.name), "Conductance",
-                    "depends on the temperature T, but belongs to the " + field.name +
-                        ": give it in x, y, z and t.");
-    }
-  section.check(
-      n_scalars < 2, "Conductance",
-      "is one number, but the interface ties several scalars, whose conductances have different units. Set "
-      "Fields to one of them, and tie the others by interfaces of their own.");
   for (const TiedField &field : fields) {
     const Expression &law = law_of(field);
     if (!law.depends_on_position() && !law.depends_on_time() && !law.depends_on_scalars())
@@ -180,16 +183,17 @@ bool ContactResistance<dim>::find_joint(const TiedField &field, const std::array
                  law_of(field).depends_on_scalars() ? std::optional(mean) : std::nullopt);
 }
 
-/// Leave the reason why h is no conductance, at the temperature T if it depends on that. @return false
+/// Leave the reason why h is no conductance, at the mean of the scalar if it depends on that. @return false
 template <int dim>
 bool ContactResistance<dim>::explain(const TiedField &field, const dealii::Point<dim> &X, const double t,
-                                     const double h, const std::optional<double> T) const
+                                     const double h, const std::optional<double> mean) const
 {
   return undefined(sentence_about(section, entry_of(field),
                                   (std::isnan(h) ? "is not a number" : "is " + in_words(h)) + " at " +
-                                      (T ? "T = " + in_words(*T) + ", " : "") + in_words(X) + " and t = " +
-                                      in_words(t) + ", but must be from 0 (no contact) to inf (tied)."),
-                   !T);
+                                      (mean ? symbol + " = " + in_words(*mean) + ", " : "") + in_words(X) +
+                                      " and t = " + in_words(t) +
+                                      ", but must be from 0 (no contact) to inf (tied)."),
+                   !mean);
 }
 
 /// What does not depend on the solution must be right from the start; the rest makes a step shorter.

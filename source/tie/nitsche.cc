@@ -595,7 +595,7 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
                                                        p.weight[side] * pairing.weight(q) * mismatch[c] *
                                                        pairing.N(side, q);
       dealii::FullMatrix<double> &H = second_derivative;
-      domain.material.curvature(sides.state[side], contraction, H);
+      sides.curvature(side, contraction, H);
 
       // delta{A} varies the tied field only
       for (unsigned int c = field.first_component[side]; c < field.first_component[side] + field.n_components;

@@ -221,7 +221,7 @@ void check_energy(const Material<3> &material, const Energy &W)
   using Third = Sacado::Fad::SFad<Second, 1>;
 
   Random random;
-  double flux_error = 0, error = 0, curvature_error = 0;
+  double flux_error = 0, error = 0, curvature_error = 0, energy_error = 0;
   for (unsigned int sample = 0; sample < 5; ++sample) {
     const State<3> state = random.state(material);
     std::vector<Tensor<1, 3>> w(4);
@@ -244,6 +244,11 @@ void check_energy(const Material<3> &material, const Energy &W)
     for (unsigned int s = 0; s < 9; ++s)
       F[s / 3][s % 3] = S[s];
     const Third energy = W(F, S[9]);
+    Matrix<Third> free; // F = (1 + e) I
+    for (unsigned int s = 0; s < 9; ++s)
+      free[s / 3][s % 3] = s / 3 == s % 3 ? Third(1. + S[9]) : Third(0.);
+    const double stored = energy.val().val().val() - W(free, S[9]).val().val().val();
+    energy_error = std::max(energy_error, std::abs(material.energy_density(state) / stored - 1));
 
     FullMatrix<double> P(9, 1), P_W(9, 1), D(9, N), D_W(9, N), FF(N, N), FF_W(N, N);
     const auto row = [](unsigned int s) { return s < 9 ? (s / 3) * 4 + 1 + s % 3 : 12; };
@@ -264,6 +269,7 @@ void check_energy(const Material<3> &material, const Energy &W)
     error = std::max(error, relative_error(D, D_W));
     curvature_error = std::max(curvature_error, relative_error(FF, FF_W));
   }
+  report("energy density", energy_error, 1e-9);
   report("flux against energy", flux_error, 1e-13);
   report("derivative against energy", error, 1e-13);
   report("curvature against energy", curvature_error, 1e-13);

@@ -53,8 +53,18 @@ public:
     return domain.material.evaluate(state, with_derivatives, response);
   }
 
-  /// Of the sources only what is stored. @pre The rates are known.
-  bool evaluate_storage() { return domain.material.evaluate_storage(state, response); }
+  /// Material::evaluate_storage() into a response of its own, beside that of evaluate().
+  bool evaluate_storage(Response<dim> &storage) const
+  {
+    return domain.material.evaluate_storage(state, storage);
+  }
+  void curvature(const std::vector<dealii::Tensor<1, dim>> &w, dealii::FullMatrix<double> &result) const
+  {
+    domain.material.curvature(state, w, result);
+  }
+  dealii::Tensor<2, 3> cauchy_stress() const { return domain.material.cauchy_stress(state); }
+  dealii::Tensor<2, 3> displacement_gradient() const { return domain.material.displacement_gradient(state); }
+  double energy_density() const { return domain.material.energy_density(state); }
 
   const std::vector<double> &shape_values() const { return shape; } ///< of the first reinit()
   const std::vector<dealii::Tensor<1, dim>> &shape_gradients() const { return gradient; }

@@ -33,6 +33,9 @@ public:
               const std::vector<double> &unknowns);
   /// The response at the state of a side; @return false if a law is not defined there.
   bool evaluate(unsigned int side, bool with_derivatives);
+  /// Material::curvature() there.
+  void curvature(unsigned int side, const std::vector<dealii::Tensor<1, dim>> &w,
+                 dealii::FullMatrix<double> &result) const;
 
   std::array<State<dim>, 2> state;
   std::array<Response<dim>, 2> response;

@@ -28,8 +28,8 @@ class Interface;
 /// A field that both sides have and that is tied.
 struct TiedField
 {
-  std::string name;
-  unsigned int index; ///< among Interface::fields
+  std::string name, symbol; ///< those of Field
+  unsigned int index;       ///< among Interface::fields
   unsigned int n_components;
   std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
   std::array<unsigned int, 2> first_component; ///< among the components of each side's domain

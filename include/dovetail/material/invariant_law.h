@@ -93,6 +93,8 @@ public:
 
   VolumetricEnergy per_bulk_modulus(const double J_minus_1) const { return times(1., J_minus_1); }
   double compressibility() const { return 1 / kappa; } ///< [1/Pa]
+  /// kappa U(J) where the mean tension kappa U'(J) is @p p; NaN where it is never so large.
+  double energy_at(double p) const;
 
 private:
   VolumetricEnergy times(double factor, double J_minus_1) const;

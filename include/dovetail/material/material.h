@@ -50,6 +50,7 @@ public:
   /// The force per deformed area, three-dimensional also in plane strain (SolidTerm::cauchy_stress). @pre The
   /// material has a displacement.
   dealii::Tensor<2, 3> cauchy_stress(const State<dim> &state) const;
+  double energy_density(const State<dim> &state) const; ///< that of all terms, Term::energy_density()
   /// H = F - I = grad u, also across the plane of a scene in 2D. NaN where the solid law is not defined.
   /// @pre likewise.
   dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;

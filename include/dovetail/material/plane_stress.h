@@ -30,6 +30,7 @@ public:
   bool is_linear() const override { return law->is_linear(); }
   std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double e,
                                                     const Place &place) const override;
+  double energy(const dealii::Tensor<2, 3> &H, double e, const Place &place) const override;
   std::vector<InternalVariable> internal_variables() const override;
   bool has_curvature() const override { return law->has_curvature(); }
   bool is_symmetric() const override { return law->is_symmetric(); }

@@ -70,6 +70,13 @@ public:
     return H;
   }
 
+  /// The elastic energy per undeformed volume [J/m^3]: what the stress does on the straight way from the free
+  /// body, F = (1 + e) I, to the stretch U of F = R U, or of small displacements to U = I + sym H,
+  /// @f[ W = \int_0^1 P(eI + sD, e) : D \,\mathrm ds, \qquad D = U - (1 + e) I. @f]
+  /// NaN where the law is not defined, and of a law that remembers unless it overrides this: its work is not
+  /// stored as a whole.
+  virtual double energy(const dealii::Tensor<2, 3> &H, double e, const Place &place) const;
+
   /// What it remembers at a point; nothing if the stress is a function of the present state.
   virtual std::vector<InternalVariable> internal_variables() const { return {}; }
   /// Whether the second derivatives exist. A law with memory has different branches, so it has none.
@@ -98,6 +105,7 @@ struct IsotropicModuli
   double bulk;  ///< kappa [Pa], three-dimensional; infinite: the volume does not change (mixed only)
   double bulk_of_stress() const { return is_mixed ? 0 : bulk; } ///< what a field of pressure does not take
   double lame() const { return bulk_of_stress() - 2. / 3. * shear; }
+  double energy_of(const dealii::Tensor<2, 3> &stress) const; ///< elastic, of small displacements [J/m^3]
 
 private:
   bool is_mixed;

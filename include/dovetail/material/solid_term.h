@@ -52,6 +52,7 @@ public:
   void add_curvature(const State<dim> &state, const std::vector<dealii::Tensor<1, dim>> &w,
                      dealii::FullMatrix<double> &result) const override;
 
+  double energy_density(const State<dim> &state) const override;
   /// sigma = P F^T / J, the force per deformed area (P itself for a law of small displacements, which knows
   /// no deformed area); three-dimensional also in plane strain. NaN where the law is not defined.
   dealii::Tensor<2, 3> cauchy_stress(const State<dim> &state) const;

@@ -133,6 +133,9 @@ public:
   {
   }
 
+  /// What it stores per undeformed volume and gives back [J/m^3]; NaN where it is not defined.
+  virtual double energy_density(const State<dim> & /*state*/) const { return 0; }
+
 protected:
   // Rows of a curvature.
   static unsigned int value_row(const unsigned int c) { return c * (1 + dim); }

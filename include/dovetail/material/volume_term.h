@@ -25,6 +25,8 @@ public:
   Curvature curvature(const dealii::Tensor<2, 3> &H, double p, const dealii::Tensor<2, 3> &w,
                       const Place &place) const override;
   bool is_linear() const override { return !is_large; }
+  /// That of the volume stands in VolumeTerm.
+  double energy(const dealii::Tensor<2, 3> &, double, const Place &) const override { return 0; }
 
 private:
   const bool is_large;
@@ -52,8 +54,15 @@ public:
   bool depends_on_time() const override { return false; }
   std::string description() const override { return "volume"; }
   bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const override;
+  /// That of the volume which has the pressure p: J itself is only near it, and kappa large.
+  double energy_density(const State<dim> &state) const override;
 
 private:
+  double thermal_strain(const State<dim> &state) const
+  {
+    return expansion ? expansion->coefficient * (state.value[expansion->temperature] - expansion->reference)
+                     : 0;
+  }
   /// g and its derivatives.
   struct Volume
   {

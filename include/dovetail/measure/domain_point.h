@@ -47,6 +47,7 @@ public:
   const dealii::Tensor<2, 3> &cauchy_stress();
   /// Material::displacement_gradient(), H = F - I = grad u. @pre likewise.
   dealii::Tensor<2, 3> displacement_gradient() const;
+  double energy_density() const { return point.energy_density(); } ///< Material::energy_density()
 
   /// Of the cell, in the order component, node (Domain::cell_dofs).
   const std::vector<dealii::types::global_dof_index> &dofs() const { return cell_dofs; }

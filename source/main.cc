@@ -161,7 +161,7 @@ Status run(const Arguments &arguments, const bool is_first_rank)
     return done;
   }
   const auto text = SceneText::from_file(needs_scene(arguments), arguments.overrides);
-  return read_dimension(SceneText::root(text)) == 2 ? run<2>(text, arguments.check)
+  return begin_scene(SceneText::root(text)) == 2 ? run<2>(text, arguments.check)
                                                     : run<3>(text, arguments.check);
 }
 

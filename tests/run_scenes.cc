@@ -22,7 +22,7 @@ namespace {
 
 bool run(const std::shared_ptr<SceneText> &text)
 {
-  return read_dimension(SceneText::root(text)) == 2 ? Simulation<2>(text, MPI_COMM_WORLD).run()
+  return begin_scene(SceneText::root(text)) == 2 ? Simulation<2>(text, MPI_COMM_WORLD).run()
                                                     : Simulation<3>(text, MPI_COMM_WORLD).run();
 }
 

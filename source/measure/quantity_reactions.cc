@@ -31,7 +31,7 @@ public:
 
   bool is_of_nodes() const override { return true; }
 
-  void take(const Reactions<dim> &reactions) override
+  void set_reactions(const Reactions<dim> &reactions) override
   {
     const auto &dof_handler = this->domain.dof_handler();
     const MPI_Comm communicator = this->domain.mesh().get_communicator();

@@ -212,7 +212,7 @@ void Paraview<dim>::write(const double time, const Vector &solution, const React
   Assert(reactions != nullptr || !needs_reactions(), dealii::ExcMessage("The reactions are asked for."));
   for (const auto &quantity : quantities)
     if (quantity->is_of_nodes())
-      quantity->take(*reactions);
+      quantity->set_reactions(*reactions);
   const auto flags = flags_at(time);
   for (Block &block : blocks)
     write_picture(directory + "/steps/" + file_of(block.stem, times.size(), ".vtu"), flags,

@@ -91,14 +91,14 @@ void NonlinearStep<dim>::start(const Vector &x)
 }
 
 template <int dim>
-StepTime NonlinearStep<dim>::step_to(const double t) const
+const StepTime &NonlinearStep<dim>::step_to(const double t)
 {
   const StepTime &last = scheme->memory().last;
-  if (examined.begin != last.end || examined.end != t || examined.size == 0) {
+  if (present_step.begin != last.end || present_step.end != t || present_step.size == 0) {
     const bool looks_back = last.size > 0 && scheme->order() > 1;
-    examined = scheme->step_to(t, looks_back && starts_anew(last.end, t));
+    present_step = scheme->step_to(t, looks_back && starts_anew(last.end, t));
   }
-  return examined;
+  return present_step;
 }
 
 /// Toggles are asked just before and just after a step begins, too, which it may do where one switches.
@@ -131,7 +131,7 @@ double NonlinearStep<dim>::end_before_switch(const double begin, const double en
 }
 
 template <int dim>
-Rates NonlinearStep<dim>::rates_to(const double t) const
+Rates NonlinearStep<dim>::rates_to(const double t)
 {
   return scheme ? scheme->rates(step_to(t)) : Rates();
 }
@@ -149,7 +149,7 @@ void NonlinearStep<dim>::accept_step(const double t, const Vector &x)
 }
 
 template <int dim>
-bool NonlinearStep<dim>::must_start_anew(const double t, const Vector &x) const
+bool NonlinearStep<dim>::must_start_anew(const double t, const Vector &x)
 {
   const bool looks_back = scheme && scheme->order() > 1 && scheme->memory().states.size() > 1;
   return looks_back && !step_to(t).starts_anew &&
@@ -361,7 +361,7 @@ void NonlinearStep<dim>::explain_steps()
 /// d^2/2. Prescribed values may jump at the beginning, and give the range. A field that has none then, and
 /// one that moves by its inertia, are not judged before the second step.
 template <int dim>
-typename NonlinearStep<dim>::Error NonlinearStep<dim>::error(const double t, const Vector &x) const
+typename NonlinearStep<dim>::Error NonlinearStep<dim>::error(const double t, const Vector &x)
 {
   StepError error = scheme->local_error(step_to(t), x);
   const bool is_first = error.order == 0;

@@ -13,7 +13,7 @@
 
 namespace dovetail {
 
-unsigned int read_dimension(const Section &scene)
+unsigned int begin_scene(const Section &scene)
 {
   const auto dimension =
       scene.require<std::string>("Dimension", "The dimension of space [-]", Patterns::Selection("2|3"));
@@ -58,7 +58,7 @@ template <int dim>
 Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Comm &communicator)
     : text(text), scene(SceneText::root(text)), log(communicator), notes(log),
       steps(scene.subsection("Steps")), model([&]() -> Model<dim> {
-        read_dimension(scene);
+        begin_scene(scene);
         const Phases::Scope scope(phases, "mesh");
         return Model<dim>(scene, communicator);
       }()),

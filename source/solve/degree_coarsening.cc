@@ -78,7 +78,7 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums)
   }
   result->FillComplete(matrix.RowMap(), matrix.RowMap());
 
-  const unsigned int longest_chain = 4; // squared so often: 16 steps
+  const unsigned int longest_chain = 4; // number of squares: 16 steps
   for (unsigned int i = 0; i < longest_chain; ++i) {
     const Epetra_IntVector column_kind = column_values(*result, kind);
     bool has_sums = false;

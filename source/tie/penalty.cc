@@ -309,7 +309,7 @@ void Penalty<dim>::freeze(const Interface<dim> &interface, const double t, const
 }
 
 /// The penalty of the beginning of a step may be far too small at its end, where a conductivity k(T) has
-/// grown by decades: then the form is not coercive, and Newton may find a solution that is none. The margin
+/// grown by decades: then the form is not coercive, and Newton may find a spurious solution. The margin
 /// of the report is that of the penalty that was used, with the eigenvalues of the solution.
 template <int dim>
 bool Penalty<dim>::update(const Interface<dim> &interface, const double t, const ValuesOf &values_of,

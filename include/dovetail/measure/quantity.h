@@ -45,7 +45,7 @@ public:
   /// A quantity whose values are forces at nodes is no density, so no probe can show it; it gets the
   /// reactions before each picture. Collective.
   virtual bool is_of_nodes() const { return false; }
-  virtual void take(const Reactions<dim> & /*reactions*/) {}
+  virtual void set_reactions(const Reactions<dim> & /*reactions*/) {}
 
 protected:
   const std::string name; ///< in the scene

@@ -44,8 +44,8 @@ public:
   double end_before_switch(double begin, double end) const;
   /// Whether the step to time @p t that has led to @p x looks back on more than one state, and leaves the
   /// range of what is given although capacity is lumped: then backward Euler does not. Collective.
-  bool must_start_anew(double t, const Vector &x) const;
-  void start_anew(const double t) { examined = scheme->step_to(t, true); } ///< in the step to time @p t
+  bool must_start_anew(double t, const Vector &x);
+  void start_anew(const double t) { present_step = scheme->step_to(t, true); } ///< in the step to time @p t
 
   /// Before start(): error() will be asked.
   void estimate_errors();
@@ -58,7 +58,7 @@ public:
     bool is_first = false; ///< after a new start
   };
   /// Of the step to time @p t that has led to @p x. Collective.
-  Error error(double t, const Vector &x) const;
+  Error error(double t, const Vector &x);
   /// A step has that error and is taken: it is the smallest one that is allowed or, after a jump, the cells
   /// are too large for a smaller one. Once.
   void note_inexact_step(double t, double relative_error, bool is_of_mesh);
@@ -112,8 +112,9 @@ public:
 private:
   void set_up(double t);
   void begin(double t, const Vector &x, const Rates &rates);
-  StepTime step_to(double t) const;
-  Rates rates_to(double t) const;
+  /// present_step, once it is the step to time @p t.
+  const StepTime &step_to(double t);
+  Rates rates_to(double t);
   bool starts_anew(double begin, double t) const;
   void widen_ranges(const Vector &x);
   ValueRange range_for_error(const std::string &field, const Vector &x, bool is_first) const;
@@ -131,7 +132,7 @@ private:
   std::unique_ptr<RangeWatch<dim>> range_watch; ///< likewise
   std::map<std::string, ValueRange> ranges;     ///< of the fields so far, for errors
   bool has_noted_inexact_step = false;
-  mutable StepTime examined; ///< by step_to()
+  StepTime present_step; ///< the last one that was asked for
   Rates rates_of_last_good;
   std::unique_ptr<BlockSystem<dim>> present_system;
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first

@@ -37,7 +37,7 @@ private:
   Phases phases;
   Log log;
   Notes notes;
-  Steps steps; ///< read first: materials depend on its Kind
+  Steps steps; ///< read first: materials ask for its Kind
   Model<dim> model;
   Probes<dim> probes;
   NonlinearStep<dim> step;
@@ -49,7 +49,9 @@ private:
 /// Read every entry that a scene can have, for the reference (@p text from SceneText::for_documentation).
 void read_all_entries(const std::shared_ptr<SceneText> &text);
 
-/// The dimension of a scene, and a check of its geometry.
-unsigned int read_dimension(const Section &scene);
+/// Read the entries at the top of a scene and load the plugins that it names, because later entries may name
+/// their laws.
+/// @return the dimension
+unsigned int begin_scene(const Section &scene);
 
 } // namespace dovetail

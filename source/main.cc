@@ -162,7 +162,7 @@ Status run(const Arguments &arguments, const bool is_first_rank)
   }
   const auto text = SceneText::from_file(needs_scene(arguments), arguments.overrides);
   return begin_scene(SceneText::root(text)) == 2 ? run<2>(text, arguments.check)
-                                                    : run<3>(text, arguments.check);
+                                                 : run<3>(text, arguments.check);
 }
 
 /// Deal.II's reason without its banner.

@@ -23,7 +23,7 @@ namespace {
 bool run(const std::shared_ptr<SceneText> &text)
 {
   return begin_scene(SceneText::root(text)) == 2 ? Simulation<2>(text, MPI_COMM_WORLD).run()
-                                                    : Simulation<3>(text, MPI_COMM_WORLD).run();
+                                                 : Simulation<3>(text, MPI_COMM_WORLD).run();
 }
 
 } // namespace

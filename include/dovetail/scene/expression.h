@@ -19,8 +19,8 @@ namespace dovetail {
 
 /// A list of formulas, one per component ("sin(pi*x); t"), of position, time and scalars.
 ///
-/// A formula means what muParser says, which parses and checks it; its values and exact derivatives come from a
-/// tape of elementary operations (tape.h), which muParser does not give. Both values must agree.
+/// A formula means what muParser says, which parses and checks it; its values and exact derivatives come from
+/// a tape of elementary operations (tape.h), which muParser does not give. Both values must agree.
 ///
 /// Known besides muParser's own: pi, inf, ln and log (natural), log10, if(a,b,c), min, max, abs, sign, floor,
 /// ceil,

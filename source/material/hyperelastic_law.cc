@@ -101,4 +101,27 @@ SolidLaw::Curvature HyperelasticLaw::curvature(const Tensor<2, 3> &H, double e, 
   return result;
 }
 
+void HyperelasticLaw::add_material_stiffness(const Tensor<2, 3> &A, const Tensor<2, 3> &B,
+                                             const Tensor<4, 3> &C, Tensor<4, 3> &D)
+{
+  for (unsigned int J = 0; J < 3; ++J)
+    for (unsigned int L = 0; L < 3; ++L) {
+      Tensor<2, 3> block;
+      for (unsigned int M = 0; M < 3; ++M)
+        for (unsigned int N = 0; N < 3; ++N)
+          block[M][N] = C[M][J][N][L];
+      block = A * block * transpose(B);
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int k = 0; k < 3; ++k)
+          D[i][J][k][L] += block[i][k];
+    }
+}
+
+void HyperelasticLaw::add_geometric_stiffness(const Tensor<2, 3> &S, Tensor<4, 3> &D)
+{
+  for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int J = 0; J < 3; ++J)
+      D[i][J][i] += S[J];
+}
+
 } // namespace dovetail

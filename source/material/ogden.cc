@@ -124,10 +124,8 @@ protected:
     if (D == nullptr)
       return;
     *D = 0;
-    add_both(deformation.F, deformation.F, turned(at.stiffness(), at.N), *D);
-    for (unsigned int i = 0; i < 3; ++i)
-      for (unsigned int J = 0; J < 3; ++J)
-        (*D)[i][J][i] += S[J];
+    add_material_stiffness(deformation.F, deformation.F, turned(at.stiffness(), at.N), *D);
+    add_geometric_stiffness(S, *D);
   }
 
   // with X = sym(F^T w) and K = dC/dE : X
@@ -139,9 +137,9 @@ protected:
     const Tensor<2, 3> X = 0.5 * (transpose(F) * w + transpose(w) * F);
     const Tensor<4, 3> C = turned(at.stiffness(), N);
     Tensor<4, 3> result;
-    add_both(F, F, turned(at.change_of_stiffness(transpose(N) * X * N), N), result);
-    add_both(w, F, C, result);
-    add_both(F, w, C, result);
+    add_material_stiffness(F, F, turned(at.change_of_stiffness(transpose(N) * X * N), N), result);
+    add_material_stiffness(w, F, C, result);
+    add_material_stiffness(F, w, C, result);
     for (unsigned int i = 0; i < 3; ++i)
       for (unsigned int J = 0; J < 3; ++J)
         for (unsigned int L = 0; L < 3; ++L)
@@ -176,22 +174,6 @@ private:
     double a_1, a_2, a_3; ///< J U' and its derivatives by ln J
     double factor;        ///< of 1/c
   };
-
-  /// D_iJkL += A_iM B_kN C_MJNL
-  static void add_both(const Tensor<2, 3> &A, const Tensor<2, 3> &B, const Tensor<4, 3> &C, Tensor<4, 3> &D)
-  {
-    for (unsigned int J = 0; J < 3; ++J)
-      for (unsigned int L = 0; L < 3; ++L) {
-        Tensor<2, 3> block;
-        for (unsigned int M = 0; M < 3; ++M)
-          for (unsigned int N = 0; N < 3; ++N)
-            block[M][N] = C[M][J][N][L];
-        block = A * block * transpose(B);
-        for (unsigned int i = 0; i < 3; ++i)
-          for (unsigned int k = 0; k < 3; ++k)
-            D[i][J][k][L] += block[i][k];
-      }
-  }
 
   const std::vector<double> mu, alpha;
   const Volumetric U;

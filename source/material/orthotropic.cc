@@ -202,8 +202,8 @@ protected:
     if (D == nullptr)
       return;
     *D = 0;
-    add_both(deformation.F, deformation.F, C, *D);
-    add_across(S, *D);
+    add_material_stiffness(deformation.F, deformation.F, C, *D);
+    add_geometric_stiffness(S, *D);
   }
 
   // (w_iA F_kB + F_iA w_kB) C_AJBL + delta_ik (C : F^T w)_JL
@@ -212,37 +212,13 @@ protected:
     const Tensor<4, 3> C = *stiffness.at(deformation.place);
     const Tensor<2, 3> &F = deformation.F;
     Tensor<4, 3> result;
-    add_both(w, F, C, result);
-    add_both(F, w, C, result);
-    add_across(stress_of(C, transpose(F) * w), result);
+    add_material_stiffness(w, F, C, result);
+    add_material_stiffness(F, w, C, result);
+    add_geometric_stiffness(stress_of(C, transpose(F) * w), result);
     return result;
   }
 
 private:
-  /// D_iJkL += delta_ik S_JL
-  static void add_across(const Tensor<2, 3> &S, Tensor<4, 3> &D)
-  {
-    for (unsigned int i = 0; i < 3; ++i)
-      for (unsigned int J = 0; J < 3; ++J)
-        D[i][J][i] += S[J];
-  }
-
-  /// D_iJkL += A_iM B_kN C_MJNL
-  static void add_both(const Tensor<2, 3> &A, const Tensor<2, 3> &B, const Tensor<4, 3> &C, Tensor<4, 3> &D)
-  {
-    for (unsigned int J = 0; J < 3; ++J)
-      for (unsigned int L = 0; L < 3; ++L) {
-        Tensor<2, 3> block;
-        for (unsigned int M = 0; M < 3; ++M)
-          for (unsigned int N = 0; N < 3; ++N)
-            block[M][N] = C[M][J][N][L];
-        block = A * block * transpose(B);
-        for (unsigned int i = 0; i < 3; ++i)
-          for (unsigned int k = 0; k < 3; ++k)
-            D[i][J][k][L] += block[i][k];
-      }
-  }
-
   const OrthotropicStiffness stiffness;
 };
 

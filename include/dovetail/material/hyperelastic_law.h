@@ -45,6 +45,13 @@ protected:
   /// d²(w:P)/dF² for the same P. @pre J = det F > 0.
   virtual dealii::Tensor<4, 3> elastic_curvature(const Deformation &deformation,
                                                  const dealii::Tensor<2, 3> &w) const = 0;
+
+  /// Of a law that gives S = F^-1 P by E, C = dS/dE: D_iJkL += A_iM B_kN C_MJNL, where A = B = F gives that
+  /// part of dP/dF.
+  static void add_material_stiffness(const dealii::Tensor<2, 3> &A, const dealii::Tensor<2, 3> &B,
+                                     const dealii::Tensor<4, 3> &C, dealii::Tensor<4, 3> &D);
+  /// And the other part: D_iJkL += delta_ik S_JL.
+  static void add_geometric_stiffness(const dealii::Tensor<2, 3> &S, dealii::Tensor<4, 3> &D);
 };
 
 } // namespace dovetail

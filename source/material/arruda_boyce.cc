@@ -31,7 +31,7 @@ class ArrudaBoyce : public InvariantLaw
 {
 public:
   explicit ArrudaBoyce(const Section &section)
-      : moduli(section), U(section, moduli.bulk),
+      : moduli(*this, section), U(section, moduli),
         locking(section.require<double>("Locking stretch",
                                         "l, at which the chains are straight, greater than 1 [-]"))
   {
@@ -39,7 +39,7 @@ public:
     double at_rest = 0; // dW/dI_1 of m = 1
     for (unsigned int i = 1; i <= 5; ++i)
       at_rest += factor(i) * i * std::pow(3, i - 1);
-    network_modulus = moduli.shear / (2 * at_rest);
+    network_per_shear = 1 / (2 * at_rest);
   }
 
   const Volumetric *volume() const override { return &U; }
@@ -47,10 +47,11 @@ public:
 protected:
   IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
   {
-    const double I = 3 + invariants.first_minus_3();
+    const double I = 3 + invariants.first_minus_3(),
+                 m = network_per_shear * moduli.shear.at(invariants.place());
     IsochoricEnergy W;
     for (unsigned int i = 5; i >= 1; --i) { // Horner's scheme of the three derivatives
-      const double c = network_modulus * factor(i) * i;
+      const double c = m * factor(i) * i;
       W.W_1 = W.W_1 * I + c;
       if (i >= 2)
         W.W_11 = W.W_11 * I + c * (i - 1);
@@ -71,10 +72,10 @@ private:
     return c[i - 1] / std::pow(locking, 2. * i - 2);
   }
 
-  const IsotropicModuli moduli;
+  const VaryingModuli moduli;
   const Volumetric U;
   const double locking;
-  double network_modulus; ///< m [Pa]
+  double network_per_shear; ///< m/mu
 };
 
 namespace {

@@ -3,7 +3,7 @@
 //
 // A hyperelastic solid by its energy per undeformed volume, a formula of the invariants of C = F^T F:
 //
-//     W_e = W(I1, I2, I1_bar, I2_bar, J, x, y, z, t)
+//     W_e = W(I1, I2, I1_bar, I2_bar, J, T, x, y, z, t)
 //     I1 = tr C,  I2 = (I1^2 - tr C^2)/2,  J = det F,  I1_bar = J^(-2/3) I1,  I2_bar = J^(-4/3) I2
 //
 // The formula is written in I1_bar, I2_bar and J and then differentiated exactly, up to the third order. At
@@ -35,26 +35,27 @@ public:
       : as_written(section.require_expression(
             "Energy", {1},
             "W per undeformed volume, a formula of I1, I2, J and of I1_bar = J^(-2/3) I1, I2_bar "
-            "= J^(-4/3) I2 [Pa]",
-            {"I1", "I2", "I1_bar", "I2_bar", "J"})),
+            "= J^(-4/3) I2, T, x, y, z, t [Pa]",
+            {"I1", "I2", "I1_bar", "I2_bar", "J", "T"})),
         W(section.documenting() ? "0" : in_isochoric_invariants(section.peek("Energy")),
-          {section.dimension(), {"I1_bar", "I2_bar", "J"}})
+          {section.dimension(), {"I1_bar", "I2_bar", "J", "T"}})
   {
+    if (W.depends_on_position() || W.depends_on_time() || W.depends_on_scalar(3))
+      add_formula({section, "Energy", W, W.depends_on_scalar(3), std::nullopt});
     if (section.documenting() || is_inhomogeneous())
       return;
     const std::string fault = fault_at_rest({});
     section.check(fault.empty(), "Energy", fault + ".");
   }
 
-  bool depends_on_time() const override { return W.depends_on_time(); }
-
 protected:
   bool is_defined(const Deformation &deformation) const override
   {
-    if (!is_inhomogeneous())
+    if (!is_inhomogeneous() || deformation.place.derivative > 0)
       return true;
     const std::string fault = fault_at_rest(deformation.place);
-    return fault.empty() || undefined("at " + in_words(deformation.place.X) + " the Energy " + fault, true);
+    return fault.empty() ||
+           undefined("at " + in_words(deformation.place.X) + " the Energy " + fault, !W.depends_on_scalar(3));
   }
 
   IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
@@ -82,12 +83,12 @@ protected:
   }
 
 private:
-  bool is_inhomogeneous() const { return W.depends_on_position() || W.depends_on_time(); }
+  bool is_inhomogeneous() const { return !formulas().empty(); }
 
   /// What is wrong with the energy of a body at rest; empty: nothing.
   std::string fault_at_rest(const SolidLaw::Place &place) const
   {
-    const AtPoint rest{*this, place, {{3, 3, 1}}};
+    const AtPoint rest{*this, place, {{3, 3, 1, place.T}}};
     const double shear = 2 * (rest({0}) + rest({1})), bulk = rest({2, 2}), stress = rest({2});
     const std::string at_rest = " at rest (I1 = I2 = 3, J = 1)";
     if (!(shear > 0 && bulk > 0 && std::isfinite(shear + bulk)))
@@ -106,20 +107,23 @@ private:
   /// Derivatives of W at one point.
   struct AtPoint
   {
-    double operator()(const std::vector<unsigned int> &by) const
+    /// By the arguments of these numbers, and by T as often as the place asks for it.
+    double operator()(std::vector<unsigned int> by) const
     {
+      by.insert(by.end(), place.derivative, 3);
       return law.W.derivative(place.X, place.t, 0, {arguments.data(), arguments.size()}, by);
     }
     const EnergyLaw &law;
     const SolidLaw::Place place;
-    const std::array<double, 3> arguments; ///< I1_bar, I2_bar, J
+    const std::array<double, 4> arguments; ///< I1_bar, I2_bar, J, T
   };
 
   AtPoint here(const IsochoricInvariants &invariants) const
   {
     return {*this,
             invariants.place(),
-            {{3 + invariants.first_minus_3(), 3 + invariants.second_minus_3(), invariants.J()}}};
+            {{3 + invariants.first_minus_3(), 3 + invariants.second_minus_3(), invariants.J(),
+              invariants.place().T}}};
   }
 
   static std::string in_isochoric_invariants(const std::string &text)

@@ -27,7 +27,7 @@ class Gent : public InvariantLaw
 {
 public:
   explicit Gent(const Section &section)
-      : moduli(section), U(section, moduli.bulk),
+      : moduli(*this, section), U(section, moduli),
         limit(section.require<double>(
             "Limit", "J_m, which the first invariant minus 3 cannot reach: 30 to 100 for rubber [-]",
             Patterns::Double(1e-300)))
@@ -48,7 +48,7 @@ protected:
   {
     const double rest = limit - invariants.first_minus_3();
     IsochoricEnergy W;
-    W.W_1 = moduli.shear / 2 * limit / rest;
+    W.W_1 = moduli.shear.at(invariants.place()) / 2 * limit / rest;
     W.W_11 = W.W_1 / rest;
     W.W_111 = 2 * W.W_11 / rest;
     return W;
@@ -59,7 +59,7 @@ protected:
   }
 
 private:
-  const IsotropicModuli moduli;
+  const VaryingModuli moduli;
   const Volumetric U;
   const double limit;
 };

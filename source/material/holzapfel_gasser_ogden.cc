@@ -42,7 +42,8 @@ namespace {
 class GroundMatrix : public InvariantLaw
 {
 public:
-  explicit GroundMatrix(const Section &section) : moduli(section), U(section, moduli.bulk) {}
+  /// The formulas belong to @p owner.
+  GroundMatrix(SolidLaw &owner, const Section &section) : moduli(owner, section), U(section, moduli) {}
 
   const Volumetric *volume() const override { return &U; }
 
@@ -50,10 +51,10 @@ public:
   using InvariantLaw::elastic_response;
 
 protected:
-  IsochoricEnergy isochoric(const IsochoricInvariants &) const override
+  IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
   {
     IsochoricEnergy W;
-    W.W_1 = moduli.shear / 2;
+    W.W_1 = moduli.shear.at(invariants.place()) / 2;
     return W;
   }
   VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
@@ -62,7 +63,7 @@ protected:
   }
 
 private:
-  const IsotropicModuli moduli;
+  const VaryingModuli moduli;
   const Volumetric U;
 };
 
@@ -72,7 +73,7 @@ class HolzapfelGasserOgden : public HyperelasticLaw
 {
 public:
   explicit HolzapfelGasserOgden(const Section &section)
-      : matrix(section), k_1(section.require<double>("Fibre modulus", "k_1 [Pa]", Patterns::Double(0))),
+      : matrix(*this, section), k_1(*this, section, "Fibre modulus", "k_1 [Pa]", Coefficient::not_negative()),
         k_2(section.require<double>("Fibre exponent", "k_2 [-]", Patterns::Double(1e-300)))
   {
     fibres.push_back(section.require_expression("First fibre", {section.dimension(), 3},
@@ -97,7 +98,8 @@ public:
 
   bool depends_on_time() const override
   {
-    return fibres.front().depends_on_time() || fibres.back().depends_on_time();
+    return HyperelasticLaw::depends_on_time() || fibres.front().depends_on_time() ||
+           fibres.back().depends_on_time();
   }
 
 protected:
@@ -147,7 +149,7 @@ private:
       const double E = 2 * (a * (deformation.green_strain() * a)), k = law.k_2; // I_a - 1
       if (E <= 0)
         return;
-      const double grown = law.k_1 * std::exp(k * E * E);
+      const double grown = law.k_1.at(deformation.place) * std::exp(k * E * E);
       first = grown * E;
       second = grown * (1 + 2 * k * E * E);
       third = grown * 2 * k * E * (3 + 2 * k * E * E);
@@ -175,7 +177,8 @@ private:
   }
 
   const GroundMatrix matrix;
-  const double k_1, k_2;
+  const Coefficient k_1;
+  const double k_2;
   std::vector<Expression> fibres;
 };
 

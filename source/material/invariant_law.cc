@@ -215,12 +215,29 @@ void add_change_of_energy(const IsochoricEnergy &W, const InvariantKinematics &k
 } // namespace
 
 Volumetric::Volumetric(const Section &section, const double kappa)
-    : kappa(kappa), is_separate(is_mixed(section)),
-      choice(section.choose(
-          "Volumetric", {"Simo-Taylor", "quadratic", "logarithmic", "Miehe", "Liu", "Ogden"}, 0,
-          "U(J)/kappa: (J^2 - 1 - 2 ln J)/4, (J - 1)^2/2, (ln J)^2/2, J - ln J - 1, J ln J - J + 1 or, with "
-          "the Volumetric exponent b, (J^-b - 1 + b ln J)/b^2 [-]"))
+    : kappa(kappa), inverse(1 / kappa), is_separate(is_mixed(section))
 {
+  read_function(section);
+}
+
+Volumetric::Volumetric(const Section &section, const VaryingModuli &moduli)
+    : kappa(moduli.bulk), inverse(moduli.compressibility), is_separate(is_mixed(section))
+{
+  read_function(section);
+}
+
+Volumetric::Volumetric(SolidLaw &law, const Section &section) : kappa(0), is_separate(is_mixed(section))
+{
+  kappa = read_bulk_modulus(law, section, inverse);
+  read_function(section);
+}
+
+void Volumetric::read_function(const Section &section)
+{
+  choice = section.choose(
+      "Volumetric", {"Simo-Taylor", "quadratic", "logarithmic", "Miehe", "Liu", "Ogden"}, 0,
+      "U(J)/kappa: (J^2 - 1 - 2 ln J)/4, (J - 1)^2/2, (ln J)^2/2, J - ln J - 1, J ln J - J + 1 or, with "
+      "the Volumetric exponent b, (J^-b - 1 + b ln J)/b^2 [-]");
   if (choice == 5 || section.documenting())
     exponent =
         section.read<double>("Volumetric exponent", 9, "b in Ogden's U(J) [-]", Patterns::Double(1e-300));
@@ -247,9 +264,9 @@ VolumetricEnergy Volumetric::times(const double kappa, const double J_minus_1) c
   }
 }
 
-double Volumetric::energy_at(const double p) const
+double Volumetric::energy_at(const double p, const SolidLaw::Place &place) const
 {
-  const double strain = p * compressibility();
+  const double strain = p * inverse.at(place);
   if (strain == 0)
     return 0;
   const auto excess = [&](const double log_J) { return times(1., std::expm1(log_J)).U_1 - strain; };
@@ -265,7 +282,7 @@ double Volumetric::energy_at(const double p) const
   const double change = std::expm1((below + above) / 2);
   const auto power = [&](const double s) { return times(1., s * change).U_1 * change; };
   return boost::math::quadrature::gauss_kronrod<double, 15>::integrate(power, 0., 1., 10, 1e-10) /
-         compressibility();
+         inverse.at(place);
 }
 
 double require_bulk_modulus(const Section &section)

@@ -19,8 +19,6 @@
 #include <dovetail/scene/catalogue.h>
 #include <dovetail/scene/undefined.h>
 
-#include <deal.II/physics/elasticity/standard_tensors.h>
-
 #include <cmath>
 
 namespace dovetail {
@@ -30,23 +28,17 @@ using dealii::Tensor;
 class LinearElastic : public SolidLaw
 {
 public:
-  explicit LinearElastic(const Section &section) : moduli(section), U(moduli.bulk)
-  {
-    const auto I = dealii::unit_symmetric_tensor<3>();
-    tangent = moduli.lame() * outer_product(I, I) + 2 * moduli.shear * dealii::identity_tensor<3>();
-    thermal = -3 * moduli.bulk_of_stress() * I;
-  }
+  explicit LinearElastic(const Section &section) : moduli(*this, section), U(moduli) {}
 
   bool evaluate(const Tensor<2, 3> &H, double e, bool with_derivatives, Response &response) const override
   {
-    const double mu = moduli.shear;
-    response.P = mu * (H + transpose(H));
-    const double pressure = moduli.lame() * trace(H) - 3 * moduli.bulk_of_stress() * e;
+    const IsotropicModuli m = moduli.at(response);
+    response.P = m.shear * (H + transpose(H));
+    const double pressure = m.lame() * trace(H) - 3 * m.bulk_of_stress() * e;
     for (unsigned int i = 0; i < 3; ++i)
       response.P[i][i] += pressure;
     if (with_derivatives) {
-      response.dP_dF = tangent;
-      response.dP_de = thermal;
+      set_derivatives(m, response);
     }
     return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
   }
@@ -60,10 +52,22 @@ public:
   bool is_linear() const override { return true; }
 
 private:
-  const IsotropicModuli moduli;
+  static void set_derivatives(const IsotropicModuli &m, Response &response)
+  {
+    response.dP_dF = 0;
+    response.dP_de = 0;
+    for (unsigned int i = 0; i < 3; ++i) {
+      for (unsigned int J = 0; J < 3; ++J) {
+        response.dP_dF[i][J][i][J] += m.shear;
+        response.dP_dF[i][J][J][i] += m.shear;
+        response.dP_dF[i][i][J][J] += m.lame();
+      }
+      response.dP_de[i][i] = -3 * m.bulk_of_stress();
+    }
+  }
+
+  const VaryingModuli moduli;
   const Volumetric U;
-  Tensor<4, 3> tangent;
-  Tensor<2, 3> thermal;
 };
 
 namespace {

@@ -26,22 +26,24 @@ class MooneyRivlin : public InvariantLaw
 {
 public:
   explicit MooneyRivlin(const Section &section)
-      : C10(section.require<double>("C10", "Coefficient of the first invariant minus 3 [Pa]")),
-        C01(section.require<double>("C01", "Coefficient of the second invariant minus 3 [Pa]")),
-        U(section, require_bulk_modulus(section))
+      : C10(*this, section, "C10", "Coefficient of the first invariant minus 3 [Pa]",
+            Coefficient::not_negative()),
+        C01(*this, section, "C01", "Coefficient of the second invariant minus 3 [Pa]",
+            Coefficient::not_negative()),
+        U(*this, section)
   {
-    section.check(C10 >= 0 && C01 >= 0 && C10 + C01 > 0, "C10",
-                  "and C01 must not be negative, and their sum must be positive.");
+    section.check(!C10.is_constant() || !C01.is_constant() || C10.at({}) + C01.at({}) > 0, "C10",
+                  "and C01 are zero, but their sum must be positive.");
   }
 
   const Volumetric *volume() const override { return &U; }
 
 protected:
-  IsochoricEnergy isochoric(const IsochoricInvariants &) const override
+  IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
   {
     IsochoricEnergy W;
-    W.W_1 = C10;
-    W.W_2 = C01;
+    W.W_1 = C10.at(invariants.place());
+    W.W_2 = C01.at(invariants.place());
     return W;
   }
   VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
@@ -50,7 +52,7 @@ protected:
   }
 
 private:
-  const double C10, C01;
+  const Coefficient C10, C01;
   const Volumetric U;
 };
 

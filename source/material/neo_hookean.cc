@@ -22,15 +22,15 @@ namespace dovetail {
 class NeoHookean : public InvariantLaw
 {
 public:
-  explicit NeoHookean(const Section &section) : moduli(section), U(section, moduli.bulk) {}
+  explicit NeoHookean(const Section &section) : moduli(*this, section), U(section, moduli) {}
 
   const Volumetric *volume() const override { return &U; }
 
 protected:
-  IsochoricEnergy isochoric(const IsochoricInvariants &) const override
+  IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
   {
     IsochoricEnergy W;
-    W.W_1 = moduli.shear / 2;
+    W.W_1 = moduli.shear.at(invariants.place()) / 2;
     return W;
   }
   VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
@@ -39,7 +39,7 @@ protected:
   }
 
 private:
-  const IsotropicModuli moduli;
+  const VaryingModuli moduli;
   const Volumetric U;
 };
 

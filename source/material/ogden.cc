@@ -180,7 +180,7 @@ private:
 };
 
 Ogden::AtPoint::AtPoint(const Ogden &law, const Deformation &deformation)
-    : law(law), log_J(std::log1p(deformation.J_minus_1)), U(law.U.at(deformation.J_minus_1))
+    : law(law), log_J(std::log1p(deformation.J_minus_1)), U(law.U.at(deformation))
 {
   const dealii::SymmetricTensor<2, 3> E = symmetrize(deformation.green_strain());
   const auto pairs = eigenvectors(E, dealii::SymmetricTensorEigenvectorMethod::jacobi);

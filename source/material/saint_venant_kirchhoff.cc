@@ -15,6 +15,7 @@
 //       set Poisson ratio = 0.3
 //     end
 
+#include <dovetail/material/coefficient.h>
 #include <dovetail/material/hyperelastic_law.h>
 #include <dovetail/scene/catalogue.h>
 
@@ -25,13 +26,14 @@ using dealii::Tensor;
 class SaintVenantKirchhoff : public HyperelasticLaw
 {
 public:
-  explicit SaintVenantKirchhoff(const Section &section) : moduli(section) {}
+  explicit SaintVenantKirchhoff(const Section &section) : moduli(*this, section) {}
 
 protected:
   // D_iJkL = delta_ik S_LJ + lambda F_iJ F_kL + mu (F_iL F_kJ + (F F^T)_ik delta_JL)
   void elastic_response(const Deformation &deformation, Tensor<2, 3> &P, Tensor<4, 3> *D) const override
   {
-    const double lambda = moduli.lame(), mu = moduli.shear;
+    const IsotropicModuli m = moduli.at(deformation.place);
+    const double lambda = m.lame(), mu = m.shear;
     const Tensor<2, 3> &F = deformation.F;
     const Tensor<2, 3> S = stress(deformation);
     P = F * S;
@@ -55,7 +57,8 @@ protected:
   // + delta_km (lambda w:F I + mu (w^T F + F^T w))_NL + delta_LN mu (w F^T + F w^T)_km
   Tensor<4, 3> elastic_curvature(const Deformation &deformation, const Tensor<2, 3> &w) const override
   {
-    const double lambda = moduli.lame(), mu = moduli.shear;
+    const IsotropicModuli m = moduli.at(deformation.place);
+    const double lambda = m.lame(), mu = m.shear;
     const Tensor<2, 3> &F = deformation.F;
     const Tensor<2, 3> a = mu * (w * transpose(F) + F * transpose(w));
     Tensor<2, 3> b = mu * (transpose(w) * F + transpose(F) * w);
@@ -78,13 +81,14 @@ protected:
 private:
   Tensor<2, 3> stress(const Deformation &deformation) const
   {
-    Tensor<2, 3> S = 2 * moduli.shear * deformation.green_strain();
+    const IsotropicModuli m = moduli.at(deformation.place);
+    Tensor<2, 3> S = 2 * m.shear * deformation.green_strain();
     for (unsigned int i = 0; i < 3; ++i)
-      S[i][i] += moduli.lame() * deformation.trace_of_green_strain();
+      S[i][i] += m.lame() * deformation.trace_of_green_strain();
     return S;
   }
 
-  const IsotropicModuli moduli;
+  const VaryingModuli moduli;
 };
 
 namespace {

@@ -12,6 +12,7 @@
 #include <dovetail/material/material_part.h>
 #include <dovetail/material/plane_stress.h>
 #include <dovetail/material/solid_term.h>
+#include <dovetail/material/thermal_law.h>
 #include <dovetail/material/transient.h>
 #include <dovetail/material/volume_term.h>
 #include <dovetail/scene/catalogue.h>
@@ -54,22 +55,27 @@ public:
         "Density", 0,
         "Mass per undeformed volume, for body forces by acceleration and rotation, and for inertia [kg/m^3]");
     section.check(density >= 0, "Density", "must be positive (or 0: not given).");
-    const double alpha =
-        section.read<double>("Expansion coefficient", 0,
-                             "alpha in the free thermal strain alpha (T - Reference temperature) [1/K]");
-    const double reference = section.read<double>(
-        "Reference temperature", 0, "Temperature at which the undeformed solid is free of stress [K]");
+    const ThermalStrain strain(section);
     const auto temperature =
         std::find_if(all.begin(), all.end(), [](const Field &field) { return field.name == "temperature"; });
     section.check(
-        temperature != all.end() || alpha == 0, "Expansion coefficient",
+        temperature != all.end() || strain.is_zero(), "Expansion coefficient",
         "needs a Heat law whose temperature expands the solid: add subsection Heat to the material, "
         "or remove the entry.");
     if (section.documenting())
       return;
+    const Volumetric *volume = law->volume();
+    std::optional<unsigned int> T;
+    if (temperature != all.end() && (!strain.is_zero() || depends_on_temperature(*law)))
+      T = temperature->first_component;
     std::optional<typename SolidTerm<dim>::Expansion> expansion;
-    if (alpha != 0)
-      expansion = {temperature->first_component, alpha, reference};
+    if (ThermalLaw::is_needed(*law, strain)) {
+      check_temperature(*law, temperature != all.end());
+      law = std::make_unique<ThermalLaw>(std::move(law), strain);
+      if (T)
+        expansion = {*T, 1, 0};
+    } else if (T)
+      expansion = {*T, *strain.constant_coefficient(), strain.reference_temperature()};
     const std::string name = this->material.path();
     std::string type = section.peek("Type");
     const std::string geometry = dim == 2 ? section.top().peek("Geometry") : "";
@@ -77,7 +83,6 @@ public:
       law = std::make_unique<PlaneStress>(std::move(law));
       type += ", plane stress";
     }
-    const Volumetric *volume = law->volume();
     if (mixed)
       check_mixed(all, volume, geometry);
     const bool is_axisymmetric = geometry == "axisymmetric", is_large = law->has_large_strain();
@@ -91,7 +96,7 @@ public:
           std::make_unique<SolidTerm<dim>>(all.front(), std::make_unique<PressureStress>(is_large),
                                            typename SolidTerm<dim>::Expansion{all[1].first_component, 1, 0},
                                            is_axisymmetric, name_of_material, "pressure", density));
-      terms.push_back(std::make_unique<VolumeTerm<dim>>(all[1], stress, *volume, expansion, is_axisymmetric));
+      terms.push_back(std::make_unique<VolumeTerm<dim>>(all[1], stress, *volume, T, strain, is_axisymmetric));
     }
     if (!has_inertia(section))
       return;
@@ -102,6 +107,20 @@ public:
   }
 
 private:
+  static bool depends_on_temperature(const SolidLaw &law)
+  {
+    return std::any_of(law.formulas().begin(), law.formulas().end(),
+                       [](const SolidLaw::Formula &formula) { return formula.depends_on_temperature; });
+  }
+
+  void check_temperature(const SolidLaw &law, const bool has_temperature) const
+  {
+    for (const SolidLaw::Formula &formula : law.formulas())
+      section.check(has_temperature || !formula.depends_on_temperature, formula.entry,
+                    "depends on the temperature T, but the material has none: add subsection Heat to it, or "
+                    "give the entry in x, y, z and t.");
+  }
+
   void check_mixed(const std::vector<Field> &all, const Volumetric *volume, const std::string &geometry) const
   {
     section.check(geometry != "plane stress", "Formulation",

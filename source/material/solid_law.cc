@@ -7,6 +7,7 @@
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,6 +16,7 @@ namespace dovetail {
 using dealii::Tensor;
 
 namespace {
+const std::string formulas = "; a law without memory takes a formula of x, y, z, t and T, too";
 const std::string remedy = "give either Young modulus and Poisson ratio, or Shear modulus and Bulk modulus.";
 
 /// The entry of the pair (first, second) which the scene sets, or "".
@@ -66,25 +68,39 @@ double read_bulk_modulus(const Section &solid, const std::string &description)
   return kappa;
 }
 
+bool SolidLaw::depends_on_time() const
+{
+  return std::any_of(all_formulas.begin(), all_formulas.end(),
+                     [](const Formula &formula) { return formula.value.depends_on_time(); });
+}
+
 double IsotropicModuli::energy_of(const Tensor<2, 3> &stress) const
 {
   const double tr = trace(stress);
   return (stress.norm_square() - tr * tr / 3) / (4 * shear) + tr * tr / (18 * bulk);
 }
 
-IsotropicModuli::IsotropicModuli(const Section &section) : is_mixed(dovetail::is_mixed(section))
+std::array<std::string, 2> IsotropicModuli::entries(const Section &section)
 {
   const std::string technical = one_set(section, "Young modulus", "Poisson ratio");
   const std::string invariant = one_set(section, "Shear modulus", "Bulk modulus");
   section.check(technical.empty() || invariant.empty(), invariant,
                 "cannot be combined with " + technical + ": " + remedy);
   section.check(!technical.empty() || !invariant.empty(), "", "has no elastic moduli: " + remedy);
+  if (invariant.empty())
+    return {{"Young modulus", "Poisson ratio"}};
+  return {{"Shear modulus", "Bulk modulus"}};
+}
 
-  if (!technical.empty() || section.documenting()) {
-    const double E =
-        section.require<double>("Young modulus", "Ratio of stress and strain in a tension test [Pa]");
+IsotropicModuli::IsotropicModuli(const Section &section) : is_mixed(dovetail::is_mixed(section))
+{
+  const bool is_technical = entries(section)[0] == "Young modulus";
+  if (is_technical || section.documenting()) {
+    const double E = section.require<double>("Young modulus", "Ratio of stress and strain in a tension test" +
+                                                                  formulas + " [Pa]");
     const double nu = section.require<double>(
-        "Poisson ratio", "Ratio of lateral and axial strain in a tension test, between -1 and 1/2 [-]");
+        "Poisson ratio",
+        "Ratio of lateral and axial strain in a tension test, between -1 and 1/2" + formulas + " [-]");
     section.check(E > 0, "Young modulus", "must be positive.");
     section.check(nu > -1 && (is_mixed ? nu <= 0.5 : nu < 0.5), "Poisson ratio",
                   is_mixed ? "must be greater than -1 and not greater than 0.5."
@@ -92,10 +108,12 @@ IsotropicModuli::IsotropicModuli(const Section &section) : is_mixed(dovetail::is
     shear = E / (2 * (1 + nu));
     bulk = nu == 0.5 ? std::numeric_limits<double>::infinity() : E / (3 * (1 - 2 * nu));
   }
-  if (!invariant.empty() || section.documenting()) {
-    shear = section.require<double>("Shear modulus", "mu, instead of Young modulus and Poisson ratio [Pa]");
-    bulk = read_bulk_modulus(section,
-                             "kappa (three-dimensional), instead of Young modulus and Poisson ratio [Pa]");
+  if (!is_technical || section.documenting()) {
+    shear = section.require<double>("Shear modulus",
+                                    "mu, instead of Young modulus and Poisson ratio" + formulas + " [Pa]");
+    bulk =
+        read_bulk_modulus(section, "kappa (three-dimensional), instead of Young modulus and Poisson ratio" +
+                                       formulas + " [Pa]");
     section.check(shear > 0, "Shear modulus", "must be positive.");
   }
 }

@@ -71,9 +71,17 @@ SolidLaw::Curvature PressureStress::curvature(const Tensor<2, 3> &H, const doubl
 
 template <int dim>
 VolumeTerm<dim>::VolumeTerm(const Field &field, const SolidTerm<dim> &solid, const Volumetric &U,
-                            const std::optional<Expansion> &expansion, const bool is_axisymmetric)
-    : Term<dim>(field), solid(solid), U(U), expansion(expansion), is_axisymmetric(is_axisymmetric)
+                            const std::optional<unsigned int> &temperature, const ThermalStrain &strain,
+                            const bool is_axisymmetric)
+    : Term<dim>(field), solid(solid), U(U), temperature(temperature), strain(strain),
+      is_axisymmetric(is_axisymmetric)
 {
+}
+
+template <int dim>
+SolidLaw::Place VolumeTerm<dim>::place(const State<dim> &state, const unsigned int derivative) const
+{
+  return {{}, embed(state.X), state.t, temperature ? state.value[*temperature] : 0, derivative};
 }
 
 template <int dim>
@@ -82,15 +90,16 @@ Coupling VolumeTerm<dim>::coupling(const unsigned int c, const unsigned int d) c
   const unsigned int radial = solid.field.first_component;
   Coupling result;
   result.source_by_gradient = d >= radial && d < radial + dim;
-  result.source_by_value = (d == c && U.compressibility() > 0) ||
-                           (expansion && d == expansion->temperature) || (is_axisymmetric && d == radial);
+  const bool is_incompressible = U.compressibility().is_constant() && U.compressibility().at({}) == 0;
+  result.source_by_value = (d == c && !is_incompressible) || (temperature && d == *temperature) ||
+                           (is_axisymmetric && d == radial);
   return result;
 }
 
 template <int dim>
 bool VolumeTerm<dim>::find_volume(const State<dim> &state, Volume &volume) const
 {
-  const double e = thermal_strain(state), s = 1 + e;
+  const double e = strain.at(place(state, 0)), s = 1 + e;
   Tensor<2, 3> H = solid.full_displacement_gradient(state);
   if (!solid.has_large_strain()) {
     volume = {trace(H) - 3 * e, -3, dealii::unit_symmetric_tensor<3>()};
@@ -115,15 +124,19 @@ bool VolumeTerm<dim>::add(const State<dim> &state, const bool with_derivatives, 
   Volume volume;
   if (!find_volume(state, volume))
     return false;
-  response.source[p] += volume.g - U.compressibility() * state.value[p];
+  const double compressibility = U.compressibility().at(place(state, 0));
+  response.source[p] += volume.g - compressibility * state.value[p];
   if (!with_derivatives)
     return true;
   for (unsigned int i = 0; i < dim; ++i)
     response.source_by_gradient[p * n + first + i] += restrict_to<dim>(volume.by_F[i]);
-  if (U.compressibility() > 0)
-    response.source_by_value[p * n + p] -= U.compressibility();
-  if (expansion)
-    response.source_by_value[p * n + expansion->temperature] += expansion->coefficient * volume.by_strain;
+  if (compressibility != 0)
+    response.source_by_value[p * n + p] -= compressibility;
+  if (temperature) {
+    const SolidLaw::Place change = place(state, 1);
+    response.source_by_value[p * n + *temperature] +=
+        volume.by_strain * strain.at(change) - U.compressibility().at(change) * state.value[p];
+  }
   if (is_axisymmetric) {
     const auto [by_value, by_gradient] = SolidTerm<dim>::hoop(state);
     response.source_by_value[p * n + first] += by_value * volume.by_F[2][2];
@@ -135,8 +148,9 @@ bool VolumeTerm<dim>::add(const State<dim> &state, const bool with_derivatives, 
 template <int dim>
 double VolumeTerm<dim>::energy_density(const State<dim> &state) const
 {
-  const double s = solid.has_large_strain() ? 1 + thermal_strain(state) : 1;
-  return s * s * s * U.energy_at(state.value[this->field.first_component]);
+  const SolidLaw::Place here = place(state, 0);
+  const double s = solid.has_large_strain() ? 1 + strain.at(here) : 1;
+  return s * s * s * U.energy_at(state.value[this->field.first_component], here);
 }
 
 template class VolumeTerm<2>;

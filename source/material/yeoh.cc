@@ -29,12 +29,12 @@ class Yeoh : public InvariantLaw
 {
 public:
   explicit Yeoh(const Section &section)
-      : C10(section.require<double>("C10", "Coefficient of the first invariant minus 3 [Pa]")),
-        C20(section.read<double>("C20", 0, "Coefficient of its square [Pa]")),
-        C30(section.read<double>("C30", 0, "Coefficient of its third power [Pa]")),
-        U(section, require_bulk_modulus(section))
+      : C10(*this, section, "C10", "Coefficient of the first invariant minus 3 [Pa]",
+            Coefficient::positive()),
+        C20(*this, section, "C20", "Coefficient of its square [Pa]", Coefficient::any(), "0"),
+        C30(*this, section, "C30", "Coefficient of its third power [Pa]", Coefficient::any(), "0"),
+        U(*this, section)
   {
-    section.check(C10 > 0, "C10", "must be positive: half of the shear modulus of small strains.");
   }
 
   const Volumetric *volume() const override { return &U; }
@@ -42,11 +42,12 @@ public:
 protected:
   IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const override
   {
-    const double a = C20 == 0 && C30 == 0 ? 0 : invariants.first_minus_3();
+    const auto &place = invariants.place();
+    const double c_2 = C20.at(place), c_3 = C30.at(place), a = invariants.first_minus_3();
     IsochoricEnergy W;
-    W.W_1 = C10 + a * (2 * C20 + 3 * C30 * a);
-    W.W_11 = 2 * C20 + 6 * C30 * a;
-    W.W_111 = 6 * C30;
+    W.W_1 = C10.at(place) + a * (2 * c_2 + 3 * c_3 * a);
+    W.W_11 = 2 * c_2 + 6 * c_3 * a;
+    W.W_111 = 6 * c_3;
     return W;
   }
   VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
@@ -55,7 +56,7 @@ protected:
   }
 
 private:
-  const double C10, C20, C30;
+  const Coefficient C10, C20, C30;
   const Volumetric U;
 };
 

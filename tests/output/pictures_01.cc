@@ -66,7 +66,7 @@ void show(const std::string &title, const std::string &mesh)
   const auto make = [&](const std::string &name) {
     auto quantity = QuantityCatalogue<dim>::find(name, given.scene, "").create(name, domain);
     if (quantity->is_of_nodes())
-      quantity->take(*given.reactions);
+      quantity->set_reactions(*given.reactions);
     return quantity;
   };
   const auto solution = make("solution"), heat_flux = make("heat flux"), J = make("J"),

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/material/coefficient.h>
 #include <dovetail/material/hyperelastic_law.h>
 
 #include <optional>
@@ -77,31 +78,36 @@ protected:
 class Volumetric
 {
 public:
-  /// Reads `Volumetric`, and `Volumetric exponent`. @param kappa [Pa]
+  /// Reads `Volumetric`, and `Volumetric exponent`.
   Volumetric(const Section &section, double kappa);
+  Volumetric(const Section &section, const VaryingModuli &moduli);
+  /// And `Bulk modulus`, which may be a formula.
+  Volumetric(SolidLaw &law, const Section &section);
   /// `quadratic`, of a law that has no choice.
-  explicit Volumetric(double kappa) : kappa(kappa), is_separate(false), choice(1) {}
+  explicit Volumetric(const VaryingModuli &moduli)
+      : kappa(moduli.bulk), inverse(moduli.compressibility), is_separate(false), choice(1)
+  {
+  }
   /// Zero with `Formulation = mixed`.
-  VolumetricEnergy at(const double J_minus_1) const
+  VolumetricEnergy at(const Deformation &deformation) const
   {
-    return is_separate ? VolumetricEnergy() : times(kappa, J_minus_1);
+    return is_separate ? VolumetricEnergy() : times(kappa.at(deformation.place), deformation.J_minus_1);
   }
-  VolumetricEnergy at(const IsochoricInvariants &invariants) const
-  {
-    return at(invariants.deformation.J_minus_1);
-  }
+  VolumetricEnergy at(const IsochoricInvariants &invariants) const { return at(invariants.deformation); }
 
   VolumetricEnergy per_bulk_modulus(const double J_minus_1) const { return times(1., J_minus_1); }
-  double compressibility() const { return 1 / kappa; } ///< [1/Pa]
+  const Coefficient &compressibility() const { return inverse; } ///< 1/kappa [1/Pa]
   /// kappa U(J) where the mean tension kappa U'(J) is @p p; NaN where it is never so large.
-  double energy_at(double p) const;
+  double energy_at(double p, const SolidLaw::Place &place) const;
 
 private:
   VolumetricEnergy times(double factor, double J_minus_1) const;
 
-  const double kappa;
-  const bool is_separate;
-  const unsigned int choice;
+  void read_function(const Section &section);
+
+  Coefficient kappa, inverse = 0;
+  bool is_separate;
+  unsigned int choice = 0;
   double exponent = 0;
 };
 

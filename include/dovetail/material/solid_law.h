@@ -11,7 +11,10 @@
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
+#include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace dovetail {
 
@@ -33,6 +36,10 @@ public:
     Memory memory;
     dealii::Point<3> X; ///< in material coordinates, for formulas
     double t = 0;
+    double T = 0; ///< where a formula depends on the temperature (thermal_law.h)
+    /// That of the stress by T, at the same H and e, is asked for in its place: coefficients are their
+    /// derivatives of this order (coefficient.h).
+    unsigned int derivative = 0;
   };
 
   struct Response : Place
@@ -93,7 +100,27 @@ public:
   /// It knows the deformed body: P is force per undeformed area, a pressure follows the boundary. Else (small
   /// displacements) P is the Cauchy stress itself.
   virtual bool has_large_strain() const { return !is_linear(); }
-  virtual bool depends_on_time() const { return false; } ///< through t itself
+  virtual bool depends_on_time() const; ///< through t itself
+
+  /// An entry that is a formula, and the values it may have.
+  struct Range
+  {
+    double least, most; ///< both included
+    std::string words;  ///< "must be positive"
+  };
+  struct Formula
+  {
+    Section section;
+    std::string entry;
+    Expression value;
+    bool depends_on_temperature; ///< its only scalar, unless the range is not asked for
+    std::optional<Range> range;
+  };
+  void add_formula(const Formula &formula) { all_formulas.push_back(formula); }
+  const std::vector<Formula> &formulas() const { return all_formulas; }
+
+private:
+  std::vector<Formula> all_formulas;
 };
 
 /// Isotropic moduli: either Young modulus and Poisson ratio or Shear modulus and Bulk modulus, never a
@@ -101,6 +128,12 @@ public:
 struct IsotropicModuli
 {
   explicit IsotropicModuli(const Section &section);
+  IsotropicModuli(const double shear, const double bulk, const bool is_mixed)
+      : shear(shear), bulk(bulk), is_mixed(is_mixed)
+  {
+  }
+  /// The entries of the pair that the scene gives, the first one positive.
+  static std::array<std::string, 2> entries(const Section &section);
   double shear; ///< mu [Pa]
   double bulk;  ///< kappa [Pa], three-dimensional; infinite: the volume does not change (mixed only)
   double bulk_of_stress() const { return is_mixed ? 0 : bulk; } ///< what a field of pressure does not take

@@ -7,6 +7,7 @@
 
 #include <dovetail/material/invariant_law.h>
 #include <dovetail/material/solid_term.h>
+#include <dovetail/material/thermal_law.h>
 
 #include <memory>
 #include <optional>
@@ -40,29 +41,29 @@ template <int dim>
 class VolumeTerm : public Term<dim>
 {
 public:
-  using Expansion = typename SolidTerm<dim>::Expansion;
-
-  /// @p solid: the stress without the pressure, which lives as long.
+  /// @param solid the stress without the pressure, which lives as long
+  /// @param temperature its component, if e or kappa depend on it
   VolumeTerm(const Field &field, const SolidTerm<dim> &solid, const Volumetric &U,
-             const std::optional<Expansion> &expansion, bool is_axisymmetric);
+             const std::optional<unsigned int> &temperature, const ThermalStrain &strain,
+             bool is_axisymmetric);
 
   bool has_flux() const override { return false; }
   bool has_source() const override { return true; }
   Coupling coupling(unsigned int c, unsigned int d) const override;
-  bool is_linear() const override { return !solid.has_large_strain(); }
+  bool is_linear() const override
+  {
+    return !solid.has_large_strain() && strain.constant_coefficient() &&
+           !U.compressibility().depends_on_temperature();
+  }
   bool is_symmetric() const override { return false; } ///< it is not positive
-  bool depends_on_time() const override { return false; }
+  bool depends_on_time() const override { return solid.depends_on_time(); }
   std::string description() const override { return "volume"; }
   bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const override;
   /// That of the volume which has the pressure p: J itself is only near it, and kappa large.
   double energy_density(const State<dim> &state) const override;
 
 private:
-  double thermal_strain(const State<dim> &state) const
-  {
-    return expansion ? expansion->coefficient * (state.value[expansion->temperature] - expansion->reference)
-                     : 0;
-  }
+  SolidLaw::Place place(const State<dim> &state, unsigned int derivative) const;
   /// g and its derivatives.
   struct Volume
   {
@@ -73,7 +74,8 @@ private:
 
   const SolidTerm<dim> &solid;
   const Volumetric U;
-  const std::optional<Expansion> expansion;
+  const std::optional<unsigned int> temperature;
+  const ThermalStrain strain;
   const bool is_axisymmetric;
 };
 

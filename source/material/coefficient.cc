@@ -104,7 +104,7 @@ VaryingModuli::VaryingModuli(SolidLaw &law, const Section &section) : is_mixed(d
 Coefficient read_bulk_modulus(SolidLaw &law, const Section &section, Coefficient &compressibility)
 {
   if (section.documenting() || is_number(section, "Bulk modulus")) {
-    const double kappa = require_bulk_modulus(section);
+    const double kappa = read_bulk_modulus(section, "kappa (three-dimensional) [Pa]");
     compressibility = 1 / kappa;
     return kappa;
   }

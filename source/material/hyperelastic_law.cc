@@ -33,6 +33,21 @@ Tensor<2, 3> elastic_part(const Tensor<2, 3> &H, const double e)
 }
 } // namespace
 
+Tensor<4, 3> turned(Tensor<4, 3> T, const Tensor<2, 3> &N)
+{
+  for (unsigned int turn = 0; turn < 4; ++turn) { // each time the first index becomes the last one
+    Tensor<4, 3> next;
+    for (unsigned int a = 0; a < 3; ++a)
+      for (unsigned int b = 0; b < 3; ++b)
+        for (unsigned int c = 0; c < 3; ++c)
+          for (unsigned int d = 0; d < 3; ++d)
+            for (unsigned int i = 0; i < 3; ++i)
+              next[b][c][d][i] += N[i][a] * T[a][b][c][d];
+    T = next;
+  }
+  return T;
+}
+
 Deformation::Deformation(const Tensor<2, 3> &H, const SolidLaw::Place &place) : H(H), F(H), place(place)
 {
   for (unsigned int i = 0; i < 3; ++i)

@@ -33,6 +33,7 @@
 //       set Isotropic hardening modulus = 1e9      # Pa
 //     end
 
+#include <dovetail/material/hardening.h>
 #include <dovetail/material/solid_law.h>
 #include <dovetail/scene/catalogue.h>
 #include <dovetail/scene/undefined.h>
@@ -49,20 +50,7 @@ class J2Plasticity : public SolidLaw
 {
 public:
   explicit J2Plasticity(const Section &section)
-      : moduli(section),
-        yield_stress(section.require<double>("Yield stress",
-                                             "Y_0 at the first yielding, in uniaxial tension "
-                                             "[Pa]",
-                                             Patterns::Double(1e-300))),
-        linear(section.read<double>("Isotropic hardening modulus", 0,
-                                    "K in Y = Y_0 + K a + ..., a the equivalent plastic strain [Pa]",
-                                    Patterns::Double(0))),
-        saturation(section.read<double>("Saturation stress", 0,
-                                        "Y_inf, to which Voce's part of the yield stress grows; 0: no such "
-                                        "part [Pa]",
-                                        Patterns::Double(0))),
-        rate(section.read<double>("Saturation exponent", 0, "r in 1 - exp(-r a) of Voce's part [-]",
-                                  Patterns::Double(0))),
+      : moduli(section), hardening(section),
         kinematic(section.read<double>("Kinematic hardening modulus", 0,
                                        "K_b, by which the back stress grows in uniaxial tension [Pa]",
                                        Patterns::Double(0))),
@@ -71,11 +59,6 @@ public:
                                      "displacements are no longer a good description [-]",
                                      Patterns::Double(1e-300)))
   {
-    section.check(saturation == 0 || saturation >= yield_stress, "Saturation stress",
-                  "must not be less than the Yield stress: a material that softens has no unique state.");
-    section.check((saturation == 0) == (rate == 0),
-                  saturation == 0 ? "Saturation exponent" : "Saturation stress",
-                  "needs Saturation " + std::string(saturation == 0 ? "stress" : "exponent") + " as well.");
     const auto I = dealii::unit_symmetric_tensor<3>();
     elastic = moduli.lame() * outer_product(I, I) + 2 * moduli.shear * dealii::identity_tensor<3>();
     thermal = -3 * moduli.bulk * I;
@@ -103,7 +86,8 @@ public:
       response.dP_dF = elastic;
       response.dP_de = thermal;
     }
-    const double norm = xi.norm(), trial = norm - two_thirds * strength(h[9]);
+    const double norm = xi.norm(),
+                 trial = norm - IsotropicHardening::root_of_two_thirds * hardening.strength(h[9]);
     // an accepted state is on the yield surface up to rounding, and must stay as it is
     if (trial > rounding * (norm + 2 * mu * H.norm())) {
       yield(xi, norm, trial, with_derivatives, stress, response);
@@ -133,28 +117,6 @@ public:
 
 private:
   static constexpr double rounding = 1e-13;
-  static constexpr double two_thirds = 0.81649658092772603; ///< (2/3)^1/2
-
-  double voce() const { return saturation > 0 ? saturation - yield_stress : 0; }
-  double strength(const double a) const { return yield_stress + linear * a - voce() * std::expm1(-rate * a); }
-  double hardening(const double a) const { return linear + voce() * rate * std::exp(-rate * a); }
-
-  /// The root d gamma of the convex, falling function trial - (2 mu + 2/3 K_b) d gamma - (2/3)^1/2 (Y(a) -
-  /// Y(a_n)), by Newton's method from 0, whose values grow until rounding ends that.
-  double find_flow(const double trial, const double a) const
-  {
-    const double slope = 2 * moduli.shear + 2. / 3. * kinematic;
-    double flow = 0;
-    for (unsigned int i = 0; i < 100; ++i) {
-      const double now = a + two_thirds * flow;
-      const double rest = trial - slope * flow - two_thirds * (strength(now) - strength(a));
-      const double next = flow + rest / (slope + 2. / 3. * hardening(now));
-      if (!(next > flow * (1 + std::numeric_limits<double>::epsilon())))
-        break;
-      flow = next;
-    }
-    return flow;
-  }
 
   /// Return the trial state to the yield surface. @param xi, norm, trial of the trial state
   void yield(const Tensor<2, 3> &xi, const double norm, const double trial, const bool with_derivatives,
@@ -162,9 +124,9 @@ private:
   {
     const double *const h = response.memory.accepted.data();
     double *const now = response.memory.trial.data();
-    const double mu = moduli.shear, flow = find_flow(trial, h[9]);
+    const double mu = moduli.shear, flow = hardening.find_flow(trial, h[9], 2 * mu + 2. / 3. * kinematic);
     const Tensor<2, 3> n = xi / norm;
-    now[9] = h[9] + two_thirds * flow;
+    now[9] = h[9] + IsotropicHardening::root_of_two_thirds * flow;
     for (unsigned int i = 0; i < 3; ++i)
       for (unsigned int j = 0; j < 3; ++j) {
         now[3 * i + j] = h[3 * i + j] + flow * n[i][j];
@@ -175,7 +137,7 @@ private:
     if (!with_derivatives)
       return;
     const double lost = 2 * mu * flow / norm; // 1 - c
-    const double along = 1 / (1 + (hardening(now[9]) + kinematic) / (3 * mu)) - lost;
+    const double along = 1 / (1 + (hardening.slope(now[9]) + kinematic) / (3 * mu)) - lost;
     Tensor<4, 3> &D = response.dP_dF;
     for (unsigned int i = 0; i < 3; ++i)
       for (unsigned int j = 0; j < 3; ++j) {
@@ -189,7 +151,8 @@ private:
   }
 
   const IsotropicModuli moduli;
-  const double yield_stress, linear, saturation, rate, kinematic, largest;
+  const IsotropicHardening hardening;
+  const double kinematic, largest;
   Tensor<4, 3> elastic;
   Tensor<2, 3> thermal;
 };

@@ -70,22 +70,6 @@ double second_difference(const double p, Three x)
   return p * (p - 1) * sum;
 }
 
-/// T_abcd in the axes that are the columns of N.
-Tensor<4, 3> turned(Tensor<4, 3> T, const Tensor<2, 3> &N)
-{
-  for (unsigned int turn = 0; turn < 4; ++turn) { // each time the first index becomes the last one
-    Tensor<4, 3> next;
-    for (unsigned int a = 0; a < 3; ++a)
-      for (unsigned int b = 0; b < 3; ++b)
-        for (unsigned int c = 0; c < 3; ++c)
-          for (unsigned int d = 0; d < 3; ++d)
-            for (unsigned int i = 0; i < 3; ++i)
-              next[b][c][d][i] += N[i][a] * T[a][b][c][d];
-    T = next;
-  }
-  return T;
-}
-
 } // namespace
 
 class Ogden : public HyperelasticLaw

@@ -23,6 +23,10 @@ struct Deformation
   const SolidLaw::Place place; ///< for formulas
 };
 
+/// T_abcd in the axes that are the columns of @p N, which need not be orthonormal: N_ia N_jb N_kc N_ld
+/// T_abcd.
+dealii::Tensor<4, 3> turned(dealii::Tensor<4, 3> T, const dealii::Tensor<2, 3> &N);
+
 /// A solid with the energy @f[ W(F, e) = s^3 W_e(F/s), \quad s = 1 + e, @f] per volume at the reference
 /// temperature: the multiplicative split F = F_e s of Stojanovic, Djuric & Vujosevic (1964). F = s I is free
 /// of stress for every e. A member of the family gives P_e = dW_e/dF and two more derivatives; this class

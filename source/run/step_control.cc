@@ -238,11 +238,10 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   size = steps.controls_errors() ? size_by_error : std::min(steps.size(), 2 * size);
   log.step_ends();
   results.forget_solution();
-  if (!results.is_due(n_good) && t < almost_end())
-    return;
-  results.write_pictures({step.system(), x, t, true});
   if (step.has_rates() || (steps.n_steps > 1 && results.has_probes()))
     results.record_step({step.system(), x, t, true}, step.tolerance());
+  if (results.is_due(n_good) || t >= almost_end())
+    results.write_pictures({step.system(), x, t, true});
 }
 
 /// @return whether a smaller step than that to time @p next can be tried.

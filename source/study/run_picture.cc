@@ -56,6 +56,25 @@ std::vector<Column> read_columns(const std::string &file)
   return columns;
 }
 
+/// Whether all that is drawn is there.
+bool is_report(const ordered_json &json)
+{
+  const auto has = [](const ordered_json &parent, const char *name, const auto &is_right) {
+    return parent.is_object() && parent.contains(name) && is_right(parent[name]);
+  };
+  const auto is_list = [](const ordered_json &list) { return list.is_array(); };
+  const auto are_steps = [&](const ordered_json &steps) {
+    return steps.is_array() && std::all_of(steps.begin(), steps.end(), [&](const ordered_json &step) {
+             return has(step, "residuals", is_list);
+           });
+  };
+  const auto are_seconds = [](const ordered_json &seconds) {
+    return seconds.is_object() && std::all_of(seconds.begin(), seconds.end(),
+                                              [](const ordered_json &value) { return value.is_number(); });
+  };
+  return has(json, "steps", are_steps) && has(json, "seconds", are_seconds);
+}
+
 ordered_json read_report(const std::string &directory)
 {
   const std::string file = directory + "/report.json";
@@ -65,7 +84,7 @@ ordered_json read_report(const std::string &directory)
                     " finds no report.json there. Name the Directory of the Output "
                     "of a run that has ended.");
   const ordered_json report = ordered_json::parse(in, nullptr, false);
-  if (!report.is_object() || !report.contains("steps") || !report.contains("seconds"))
+  if (!is_report(report))
     throw UserError("--plot " + directory + ": " + file + " is not the report of a run.");
   return report;
 }
@@ -116,19 +135,28 @@ Panel draw_seconds(const ordered_json &seconds)
       "$seconds using 0:2:xtic(1) with boxes lc rgb '" + colour_of_curve(2) + "' notitle"};
 }
 
-/// Of a probe: those with its name, followed by that of a component.
-std::vector<const Column *> columns_of(const std::string &probe, const std::vector<Column> &columns)
+/// Of a probe: those with its name, followed by that of a component, but not by the rest of another probe's.
+std::vector<const Column *> columns_of(const std::string &probe, const ordered_json &probes,
+                                       const std::vector<Column> &columns)
 {
+  const auto begins = [](const std::string &column, const std::string &name) {
+    return column == name || column.rfind(name + " ", 0) == 0;
+  };
   std::vector<const Column *> result;
-  for (const Column &column : columns)
-    if (column.name == probe || column.name.rfind(probe + " ", 0) == 0)
+  for (const Column &column : columns) {
+    bool is_of_other = false;
+    for (const auto &[other, value] : probes.items())
+      is_of_other = is_of_other || (other.size() > probe.size() && begins(column.name, other));
+    if (begins(column.name, probe) && !is_of_other)
       result.push_back(&column);
+  }
   return result;
 }
 
-Panel draw_probe(const std::string &probe, const unsigned int place, const std::vector<Column> &columns)
+Panel draw_probe(const std::string &probe, const unsigned int place, const ordered_json &probes,
+                 const std::vector<Column> &columns)
 {
-  const auto components = columns_of(probe, columns);
+  const auto components = columns_of(probe, probes, columns);
   const std::string name = "$probe_" + std::to_string(place);
   std::ostringstream data, plot;
   data << name << " << END\n# time, then the components of " << probe << '\n';
@@ -187,12 +215,12 @@ void draw_run(const std::string &directory, std::ostream &out)
   const std::vector<Column> columns = read_columns(directory + "/" + StepTable::file);
   std::vector<Panel> panels = {draw_residuals(report["steps"]), draw_seconds(report["seconds"])};
   std::vector<std::string> left_out;
-  if (report.contains("probes"))
+  if (report.contains("probes") && report["probes"].is_object())
     for (const auto &[probe, value] : report["probes"].items()) {
-      const bool is_history =
-          !columns.empty() && columns[0].values.size() > 1 && !columns_of(probe, columns).empty();
+      const bool is_history = !columns.empty() && columns[0].values.size() > 1 &&
+                              !columns_of(probe, report["probes"], columns).empty();
       if (is_history && panels.size() < most_panels)
-        panels.push_back(draw_probe(probe, panels.size(), columns));
+        panels.push_back(draw_probe(probe, panels.size(), report["probes"], columns));
       else
         left_out.push_back(probe + (is_history ? " (no more room)" : " (no history)"));
     }

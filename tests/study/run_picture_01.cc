@@ -60,13 +60,18 @@ int main()
   std::filesystem::create_directory("run");
   write("run/report.json", "[1, 2]");
   try_to_draw("run");
+  for (const std::string text :
+       {"not json", R"({"steps": [{}], "seconds": {}})", R"({"steps": [], "seconds": {"mesh": null}})"}) {
+    write("run/report.json", text);
+    try_to_draw("run");
+  }
   write("run/report.json", R"({"steps": [{"residuals": [1, 1e-3, 0]}, {"residuals": [0.5, null]}],
                               "seconds": {"mesh": 0.25, "solve": 1.5, "total": 1.75},
-                              "probes": {"force": [1, 2], "tip's": 3, "new": 4}})");
+                              "probes": {"force": [1, 2], "force at end": 7, "tip's": 3, "new": 4}})");
   try_to_draw("run");
-  write("run/probes.csv", "time,force x,force y,tip's\n0.5,1,2,3\n1,1.5,,3.25\n");
+  write("run/probes.csv", "time,force x,force y,force at end,tip's\n0.5,1,2,7,3\n1,1.5,,8,3.25\n");
   try_to_draw("run");
-  for (const std::string name : {"residuals", "seconds", "probe_2", "probe_3"})
+  for (const std::string name : {"residuals", "seconds", "probe_2", "probe_3", "probe_4"})
     print_data("run/run.gp", name);
   print_beginning("run/run.svg");
   print_beginning("run/run.png");

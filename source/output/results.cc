@@ -30,8 +30,9 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
                       Probes<dim> &probes, Phases &phases, Notes &notes, Log &log)
     : text(text), model(model), probes(probes), phases(phases), notes(notes), log(log),
       directory(read_directory(output, text)),
-      every_steps(output.read<unsigned int>("Every steps", 1, "Pictures of every n-th step, and of the last one; probes.csv has all steps [-]",
-                                            Patterns::Integer(1))),
+      every_steps(output.read<unsigned int>(
+          "Every steps", 1, "Pictures of every n-th step, and of the last one; probes.csv has all steps [-]",
+          Patterns::Integer(1))),
       with_spectrum(output.read<bool>("Spectrum", false,
                                       "Report eigenvalues and condition number of the matrix, up to " +
                                           std::to_string(largest_spectrum) + " unknowns [-]")),

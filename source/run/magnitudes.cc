@@ -30,6 +30,9 @@ std::vector<std::string> notes_on_magnitudes(const Model<dim> &model, const Sect
            << 2.1e11 * Units(units).from_si("Pa").value_or(1.);
     if (!text.str().empty())
       notes.push_back(text.str());
+    for (const auto &condition : domain->conditions())
+      if (const std::string doubt = condition->doubt(); !doubt.empty())
+        notes.push_back(condition->section.path() + ": " + doubt);
   }
   return notes;
 }

@@ -82,6 +82,9 @@ public:
   /// Where it acts, if not on a boundary: at the node there.
   virtual std::optional<dealii::Point<dim>> point() const { return {}; }
 
+  /// What a user hardly means, although it can be solved: a sentence, or nothing.
+  virtual std::string doubt() const { return {}; }
+
   virtual bool adds_flux() const { return false; }
   /// The influx and its derivatives at a state of the domain, all components of which are known, on a
   /// boundary with the outward normal @p N. All come in as zero. Derivatives by a component are taken only

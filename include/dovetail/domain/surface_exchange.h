@@ -47,6 +47,16 @@ public:
                                                       "Coefficient", state.X, state.t);
   }
 
+  std::string doubt() const override
+  {
+    const bool varies = coefficient.depends_on_position() || coefficient.depends_on_time() ||
+                        coefficient.depends_on_scalars();
+    if (varies || coefficient.value(dealii::Point<dim>(), 0) >= 0)
+      return {};
+    return "Coefficient is negative: what is warmer than its surroundings would be heated by them. Change its "
+           "sign, if it was meant for a flux that points outwards";
+  }
+
   bool removes_constant(unsigned int /*component*/) const override { return true; }
 
   std::optional<double> equilibrium_value(const dealii::Point<dim> &X, const double t) const override

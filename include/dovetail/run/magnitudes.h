@@ -11,7 +11,7 @@ namespace dovetail {
 
 /// A sentence for each body whose size and Young modulus cannot fit together: without Units, a body of more
 /// than 50 units whose modulus is above 1e9 (a mesh in millimetres, moduli in pascals); with Units, a modulus
-/// above 2000 GPa, more than that of diamond (about 1100 GPa).
+/// above 2000 GPa, more than that of diamond (about 1100 GPa). And the doubts of conditions.
 template <int dim>
 std::vector<std::string> notes_on_magnitudes(const Model<dim> &model, const Section &scene);
 

@@ -53,7 +53,8 @@ public:
                         coefficient.depends_on_scalars();
     if (varies || coefficient.value(dealii::Point<dim>(), 0) >= 0)
       return {};
-    return "Coefficient is negative: what is warmer than its surroundings would be heated by them. Change its "
+    return "Coefficient is negative: what is warmer than its surroundings would be heated by them. Change "
+           "its "
            "sign, if it was meant for a flux that points outwards";
   }
 

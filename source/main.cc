@@ -248,7 +248,8 @@ int main(int argc, char **argv)
   if (asks_for_study(argc, argv))
     return study(argc, argv);
   skip_network_if_alone();
-  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  int program_only = 1; // PETSc, which deal.II starts, would take the rest for options of its own
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(program_only, argv, 1);
   ignore_signals_of_writing(); // libraries have set handlers of their own
   if (openblas_set_num_threads != nullptr)
     openblas_set_num_threads(1);

@@ -31,7 +31,8 @@ bool run(const std::shared_ptr<SceneText> &text)
 int main(int argc, char **argv)
 {
   skip_network_if_alone();
-  dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  int program_only = 1; // as in main.cc
+  dealii::Utilities::MPI::MPI_InitFinalize mpi(program_only, argv, 1);
   std::vector<std::string> overrides;
   for (int i = 1; i < argc; ++i)
     if (std::string(argv[i]) == "--set" && i + 1 < argc)

@@ -30,14 +30,15 @@ CellMemory<dim>::CellMemory(const dealii::Triangulation<dim> &mesh, const dealii
 
 namespace {
 
-/// Number of the nearest of @p n points from @p begin on.
+/// Number of the nearest of @p n points from @p begin on. Of several that are as near, up to rounding, as
+/// where a cell has been halved, the first one: rounding decides nothing.
 template <int dim, typename Iterator>
 unsigned int find_nearest(const Iterator begin, const unsigned int n, const dealii::Point<dim> &X)
 {
   unsigned int nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (unsigned int q = 0; q < n && least > 0; ++q)
-    if (const double square = X.distance_square(begin[q]); square < least) {
+    if (const double square = X.distance_square(begin[q]); square < (1 - 1e-9) * least) {
       least = square;
       nearest = q;
     }

@@ -7,6 +7,9 @@
 #include <deal.II/numerics/rtree.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
 
 namespace dovetail {
 
@@ -30,6 +33,31 @@ void InterfaceMemory<dim>::set_points(const Pairing<dim> &pairing,
   }
   has_points = true;
 }
+
+namespace {
+
+/// Of the points that are as near to @p X as the nearest one, up to rounding, the first in the order of their
+/// coordinates: rounding decides nothing.
+template <int dim, typename Tree>
+unsigned int find_nearest(const Tree &tree, const dealii::Point<dim> &X)
+{
+  const unsigned int most_neighbours = 8;
+  std::vector<typename Tree::value_type> near;
+  tree.query(boost::geometry::index::nearest(X, most_neighbours), std::back_inserter(near));
+  const auto distance = [&](const auto &one) { return X.distance(one.first); };
+  const auto comes_before = [&](const auto &one, const auto &other) {
+    const double rounding = 1e-9 * (distance(one) + distance(other));
+    if (std::abs(distance(one) - distance(other)) > rounding)
+      return distance(one) < distance(other);
+    for (unsigned int d = 0; d < dim; ++d)
+      if (std::abs(one.first[d] - other.first[d]) > rounding)
+        return one.first[d] < other.first[d];
+    return false;
+  };
+  return std::min_element(near.begin(), near.end(), comes_before)->second;
+}
+
+} // namespace
 
 /// All ranks look at all points, in an order that does not depend on the ranks.
 template <int dim>
@@ -56,8 +84,7 @@ void InterfaceMemory<dim>::copy_from_nearest(const unsigned int side, const Inte
         dealii::Point<dim>(dealii::Tensor<1, dim>(dealii::ArrayView<const double>(all[i].data(), dim))), i);
   const auto tree = dealii::pack_rtree(numbered);
   for (unsigned int q = 0; q < points[side].size(); ++q) {
-    const auto nearest = tree.qbegin(boost::geometry::index::nearest(points[side][q], 1));
-    const std::vector<double> &row = all[nearest->second];
+    const std::vector<double> &row = all[find_nearest<dim>(tree, points[side][q])];
     variables[side].set_accepted(q, {row.data() + dim, row.size() - dim});
   }
 }

@@ -177,6 +177,21 @@ bool NodalForces<dim>::is_fixed(const Index dof) const
   return constraints.is_constrained(dof) && (entries == nullptr || entries->empty());
 }
 
+/// Of a state that has come from a larger one: x = x_old + dx has the rounding of x_old, which the rates
+/// know.
+template <int dim>
+void NodalForces<dim>::magnitudes(const Vector &solution, const std::vector<Index> &dofs,
+                                  std::vector<double> &sizes) const
+{
+  sizes.resize(dofs.size());
+  solution.extract_subvector_to(dofs.begin(), dofs.end(), sizes.begin());
+  std::vector<double> rest(dofs.size());
+  if (rates.has_first())
+    rates.rest.extract_subvector_to(dofs.begin(), dofs.end(), rest.begin());
+  for (unsigned int i = 0; i < dofs.size(); ++i)
+    sizes[i] = std::max(std::abs(sizes[i]), rates.has_first() ? std::abs(rest[i] / rates.by_value) : 0);
+}
+
 /// Constrained bodies bring the rounding of their own body with them.
 template <int dim>
 double NodalForces<dim>::rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const
@@ -207,16 +222,17 @@ double NodalForces<dim>::rounding_of_cells(const Domain<dim> &domain, const Fiel
   terms.set_rates(&rates);
   dealii::FullMatrix<double> tangent(domain.dofs_per_cell(), domain.dofs_per_cell());
   std::vector<Index> dofs;
-  std::vector<double> unknowns(domain.dofs_per_cell()), residual(unknowns.size());
+  std::vector<double> unknowns(domain.dofs_per_cell()), residual(unknowns.size()), sizes;
   double sum = 0;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+      magnitudes(solution, dofs, sizes);
       if (terms.assemble(cell, t, unknowns, residual, &tangent))
         for (unsigned int i = begin; i < end; ++i)
           for (unsigned int j = 0; j < dofs.size(); ++j)
-            sum += std::abs(tangent(i, j) * unknowns[j]);
+            sum += std::abs(tangent(i, j)) * sizes[j];
     }
   return sum;
 }
@@ -227,7 +243,7 @@ double NodalForces<dim>::rounding_of_groups(const Domain<dim> &domain, const Fie
 {
   double sum = 0;
   std::vector<Index> dofs;
-  std::vector<double> unknowns, residual;
+  std::vector<double> unknowns, residual, sizes;
   dealii::FullMatrix<double> tangent;
   for (const auto &interface : model.interfaces)
     if (PointTerms<dim> *terms = interface->tie().parts().point_terms;
@@ -240,12 +256,13 @@ double NodalForces<dim>::rounding_of_groups(const Domain<dim> &domain, const Fie
         interface->group_dofs(group, dofs);
         unknowns.resize(dofs.size());
         solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+        magnitudes(solution, dofs, sizes);
         residual.assign(dofs.size(), 0.);
         tangent.reinit(dofs.size(), dofs.size());
         if (terms->assemble(*interface, group, t, unknowns, residual, &tangent))
           for (unsigned int i = 0; i < dofs.size(); ++i)
             for (unsigned int j = 0; j < dofs.size(); ++j)
-              sum += std::abs(tangent(i, j) * unknowns[j]);
+              sum += std::abs(tangent(i, j)) * sizes[j];
       }
   return sum;
 }

@@ -32,7 +32,7 @@ void check(const std::string &name, const Triangulation<dim> &triangulation, con
     face_numbers.insert(locator.side().faces[match.face].face_no);
   locator_test::print(name + ", degree " + std::to_string(degree) + ": lost " + std::to_string(lost) +
                       " of " + std::to_string(queries.size()) + ", on " +
-                      std::to_string(face_numbers.size()) + " faces of cells, itself " +
+                      (face_numbers.size() > 1 ? "several faces" : "one face") + " of cells, itself " +
                       std::to_string(largest->distance < 1e-14 && largest->angle < 1e-12) + ", unit point " +
                       std::to_string(position < 1e-13) + ", normal " + std::to_string(normal < 1e-12));
 }

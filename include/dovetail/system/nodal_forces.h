@@ -67,8 +67,8 @@ public:
     return transmissions.at(&interface);
   }
 
-  /// Rounding of all sums of a field of a body and of those that follow it: 1e-15 sum_ij |K_ij x_j|.
-  /// Expensive. Collective.
+  /// Rounding of all sums of a field of a body and of those that follow it: 1e-15 sum_ij |K_ij x_j|,
+  /// where x_j is at least what it was before the step. Expensive. Collective.
   double rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
 
   const double t;
@@ -78,6 +78,7 @@ private:
   void add_cells(const Domain<dim> &domain, const Vector &solution, Vector &residual);
   void add_groups(const Interface<dim> &interface, const Vector &solution, Vector &residual);
   void add_terms(const Interface<dim> &interface, const Vector &solution, Vector &residual) const;
+  void magnitudes(const Vector &solution, const std::vector<Index> &dofs, std::vector<double> &sizes) const;
   double rounding_of_cells(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
   double rounding_of_groups(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
   Vector passed_on(const Vector &residual) const;

@@ -78,7 +78,8 @@ private:
   void add_cells(const Domain<dim> &domain, const Vector &solution, Vector &residual);
   void add_groups(const Interface<dim> &interface, const Vector &solution, Vector &residual);
   void add_terms(const Interface<dim> &interface, const Vector &solution, Vector &residual) const;
-  void magnitudes(const Vector &solution, const std::vector<Index> &dofs, std::vector<double> &sizes) const;
+  void magnitudes(const Vector &solution, const std::vector<dealii::types::global_dof_index> &dofs,
+                  std::vector<double> &sizes) const;
   double rounding_of_cells(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
   double rounding_of_groups(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
   Vector passed_on(const Vector &residual) const;

@@ -123,6 +123,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
 {
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(layout.size(), 0.);
+  product_sizes.assign(layout.size(), 0.);
   if (tangent)
     *tangent = 0;
   if (tangent && !lumped.empty())
@@ -143,8 +144,10 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     add_source_of_laws(JxW, residual);
     if (tangent)
       responses[q] = point.response;
+    if (tangent && !operators.empty())
+      give_away(cell, q, JxW, unknowns);
   }
-  if (tangent)
+  if (tangent && !pairs.empty())
     add_tangent(*tangent);
   if (tangent && !lumped.empty())
     tangent->add(1, lumped_tangent);
@@ -279,6 +282,117 @@ bool CellTerms<dim>::has_equal_derivatives(const Response<dim> &a, const Respons
 }
 
 template <int dim>
+void CellTerms<dim>::give_tangent_to(const Field &field, CellOperator<dim> &cells)
+{
+  const auto is_of_field = [&](const unsigned int c) {
+    return c >= field.first_component && c < field.first_component + field.n_components;
+  };
+  operators.emplace_back(field, &cells);
+  const auto middle = std::stable_partition(pairs.begin(), pairs.end(), [&](const Pair &pair) {
+    return !is_of_field(pair.c) || !is_of_field(pair.d);
+  });
+  pairs_without_entries.insert(pairs_without_entries.end(), middle, pairs.end());
+  pairs.erase(middle, pairs.end());
+}
+
+/// Calls @p visit with the faces of a cell and the conditions that have a tangent there.
+template <int dim>
+template <typename Visit>
+void CellTerms<dim>::for_each_tangent(const typename Domain<dim>::cell_iterator &cell,
+                                      const Visit &visit) const
+{
+  if (cell->at_boundary())
+    for (const unsigned int face : cell->face_indices())
+      if (cell->face(face)->at_boundary())
+        for (const Condition<dim> *condition : flux_conditions)
+          if (condition->has_tangent() && condition->boundary_ids.count(cell->face(face)->boundary_id()) > 0)
+            visit(face, *condition);
+}
+
+template <int dim>
+bool CellTerms<dim>::has_boundary_tangent(const typename Domain<dim>::cell_iterator &cell) const
+{
+  bool has_any = false;
+  for_each_tangent(cell, [&](unsigned int, const Condition<dim> &) { has_any = true; });
+  return has_any;
+}
+
+template <int dim>
+void CellTerms<dim>::add_boundary_couplings(const typename Domain<dim>::cell_iterator &cell,
+                                            dealii::Table<2, bool> &couples) const
+{
+  for_each_tangent(cell, [&](const unsigned int face, const Condition<dim> &condition) {
+    const auto is_in = [&](const unsigned int c, const unsigned int a) {
+      return condition.is_weak() || !layout.is_continuous(c) ||
+             layout.element(c).has_support_on_face(a, face);
+    };
+    const Field &field = condition.field;
+    for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
+      for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
+        for (unsigned int d = 0; is_in(c, a) && d < n; ++d)
+          for (unsigned int b = 0; b < layout.n_nodes(d); ++b)
+            if (condition.sees_gradients() || is_in(d, b))
+              couples(layout.index(c, a), layout.index(d, b)) = true;
+  });
+}
+
+template <int dim>
+bool CellTerms<dim>::has_operator(const unsigned int component) const
+{
+  return std::any_of(operators.begin(), operators.end(), [&](const auto &entry) {
+    return component >= entry.first.first_component &&
+           component < entry.first.first_component + entry.first.n_components;
+  });
+}
+
+/// The derivatives at the current point, and the sizes of their products with the unknowns.
+template <int dim>
+void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, const unsigned int q,
+                               const double JxW, const std::vector<double> &unknowns)
+{
+  Response<dim> &response = responses[q];
+  const BodyForce<dim> &force = domain.body_force();
+  if (force.depends_on_displacement() && has_operator(force.first_component())) {
+    const dealii::Tensor<2, dim> derivative =
+        force.derivative(cell_values.quadrature_point(q), point.state.t);
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int d = 0; d < dim; ++d)
+        response.source_by_value[(force.first_component() + c) * n + force.first_component() + d] -=
+            derivative[c][d];
+  }
+  for (const auto &[field, cells] : operators)
+    cells->set_tangent(cell->active_cell_index(), q, JxW / cell_values.JxW(q), response);
+
+  std::vector<double> &values = size_of_value;
+  values.assign(n, 0.);
+  std::vector<dealii::Tensor<1, dim>> &gradients = size_of_gradient;
+  gradients.assign(n, {});
+  for (unsigned int d = 0; d < n; ++d)
+    for (unsigned int b = 0; has_operator(d) && b < layout.n_nodes(d); ++b) {
+      const double x = std::abs(unknowns[layout.index(d, b)]);
+      values[d] += std::abs(point.shape_values()[layout.first_shape(d) + b]) * x;
+      for (unsigned int L = 0; L < dim; ++L)
+        gradients[d][L] += std::abs(point.shape_gradients()[layout.first_shape(d) + b][L]) * x;
+    }
+  for (const auto &[c, d, index, coupling] : pairs_without_entries) {
+    dealii::Tensor<1, dim> flux;
+    double source = std::abs(response.source_by_value[index]) * values[d];
+    for (unsigned int J = 0; J < dim; ++J) {
+      flux[J] = std::abs(response.by_value[index][J]) * values[d];
+      source += std::abs(response.source_by_gradient[index][J]) * gradients[d][J];
+      for (unsigned int L = 0; L < dim; ++L)
+        flux[J] += std::abs(response.by_gradient[index][J][L]) * gradients[d][L];
+    }
+    for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
+      double size = source * std::abs(point.shape_values()[layout.first_shape(c) + a]);
+      for (unsigned int J = 0; J < dim; ++J)
+        size += flux[J] * std::abs(point.shape_gradients()[layout.first_shape(c) + a][J]);
+      product_sizes[layout.index(c, a)] += size * JxW;
+    }
+  }
+}
+
+template <int dim>
 void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
 {
   // around an axis the measure of a cell changes with its position
@@ -389,7 +503,7 @@ void CellTerms<dim>::add_body_force(const double t, const std::vector<double> &u
     for (unsigned int c = 0; c < dim; ++c)
       for (unsigned int i = 0; i < n_nodes; ++i)
         add(layout.index(first + c, i), -b[c] * phi[i] * JxW, residual);
-    if (tangent == nullptr || !force.depends_on_displacement())
+    if (tangent == nullptr || !force.depends_on_displacement() || has_operator(first))
       continue;
     const dealii::Tensor<2, dim> derivative = force.derivative(cell_values.quadrature_point(q), t);
     for (unsigned int c = 0; c < dim; ++c)

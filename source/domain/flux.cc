@@ -31,7 +31,8 @@ public:
   }
 
   bool adds_flux() const override { return true; }
-  bool has_constant_tangent() const override { return true; } // it has none
+  bool has_tangent() const override { return false; }
+  bool has_constant_tangent() const override { return true; }
 
   void influx(const State<dim> &state, const dealii::Tensor<1, dim> & /*N*/,
               Influx<dim> &influx) const override

@@ -256,6 +256,11 @@ ordered_json measure_spectrum(const BlockSystem<dim> &system, const Numbering &n
     unsigned long n_rows = 0;
     for (const unsigned int block : group.blocks)
       n_rows += numbering.blocks()[block].end - numbering.blocks()[block].begin;
+    const BlockMatrix &tangent = system.tangent();
+    if (tangent.part_operator(tangent.part_of(group.blocks.front())) != nullptr) {
+      left_out.push_back("spectrum of " + group.name + ": its matrix has no entries (Linear solver, Type)");
+      continue;
+    }
     if (n_rows > 2 * largest_spectrum) { // hardly fewer without the constrained ones
       left_out.push_back("spectrum of " + group.name + ": " + std::to_string(n_rows) +
                          " unknowns are too many for LAPACK");

@@ -203,9 +203,13 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
 {
   const Phases::Scope scope(phases, "solve");
   give_tangent();
-  const auto n_iterations = linear_solver.solve(dx, system.negative_residual(), demand());
+  auto n_iterations = linear_solver.solve(dx, system.negative_residual(), demand());
+  if (!n_iterations && linear_solver.lacks_entries()) {
+    make_entries(x);
+    n_iterations = linear_solver.solve(dx, system.negative_residual(), demand());
+  }
   if (model.is_linear() && n_iterations)
-    residual_of_solver = refine_linear_solution(dx);
+    residual_of_solver = refine_linear_solution(x, dx);
   update_moves = moves_constraints();
   update_loads = system.negative_residual();
   moving_loads.reset();
@@ -216,19 +220,32 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   return n_iterations;
 }
 
+/// Where products of cells did not do.
+template <int dim>
+void StepProblem<dim>::make_entries(const Vector &x)
+{
+  linear_solver.forget_matrix();
+  system.choose_entries(linear_solver.needs_entries());
+  system.make_matrix();
+  residual_and_tangent(x);
+  give_tangent();
+}
+
 /// The linear solver sees one norm for all bodies; a body that carries little beside one that carries much
 /// may be left unsolved. The rest is solved for once more, then directly.
 /// @return the relative residual of dx, the largest of all parts
 template <int dim>
-double StepProblem<dim>::refine_linear_solution(Vector &dx)
+double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
 {
-  const double exact = 1e-10, usual = 1e-8; // the balance of forces is asked for to the former
+  // the balance of forces is asked for to 1e-10 of what is put in, which is less than the forces at work
+  const double exact = 1e-11, usual = 1e-8;
   Vector rest = system.owned_vector(), correction = rest;
   double relative = system.linear_residual_norm(dx, rest);
   for (unsigned int pass = 0; pass < 2 && relative > (pass == 0 ? exact : usual); ++pass) {
-    if (pass == 1)
-      linear_solver.prefer_direct();
-    if (!linear_solver.solve(correction, rest))
+    if (pass == 1 && linear_solver.prefer_direct() && linear_solver.lacks_entries())
+      make_entries(x);
+    const Stage &stage = stages[present_stage];
+    if (!linear_solver.solve(correction, rest, {stage.first_group, stage.end_group, 0.1 * exact / relative}))
       break;
     Vector trial = dx;
     trial += correction;
@@ -312,7 +329,13 @@ bool StepProblem<dim>::correct(const Vector &x, const Vector &trial, const doubl
   Vector loads = system.negative_residual();
   if (has_to_move)
     loads.add(1 - damping, *moving_loads);
-  if (!linear_solver.solve(correction, loads, demand()))
+  bool is_solved = linear_solver.solve(correction, loads, demand()).has_value();
+  if (!is_solved && linear_solver.lacks_entries()) {
+    make_entries(x);
+    is_solved = linear_solver.solve(correction, loads, demand()).has_value();
+    system.assemble(trial, false);
+  }
+  if (!is_solved)
     return false;
   system.distribute(correction);
   keep_stage(correction);

@@ -69,6 +69,7 @@ struct RowView
 
 void BlockMatrix::clear()
 {
+  operators.clear();
   parts.clear();
   numberings.clear();
   columns_of.clear();
@@ -192,6 +193,8 @@ void BlockMatrix::copy_from(const BlockMatrix &other)
       parts[p][q] = std::make_unique<Part>();
       parts[p][q]->copy_from(*part);
     }
+  for (const auto &[p, summand] : other.operators)
+    operators[p] = summand->copy();
 }
 
 void BlockMatrix::add(const double factor, const BlockMatrix &other)
@@ -199,10 +202,12 @@ void BlockMatrix::add(const double factor, const BlockMatrix &other)
   for (unsigned int p = 0; p < parts.size(); ++p)
     for (const auto &[q, part] : parts[p])
       part->add(factor, other.part(p, q));
+  for (const auto &[p, summand] : operators)
+    summand->add(factor, *other.part_operator(p));
 }
 
 void BlockMatrix::add(const size_type row, const size_type n, const size_type *columns, const double *values,
-                      const bool elide_zeros, const bool)
+                      const bool, const bool)
 {
   const auto [row_block, row_in_block] = indices.global_to_local(row);
   const auto [p, i] = place[row_block];
@@ -224,7 +229,7 @@ void BlockMatrix::add(const size_type row, const size_type n, const size_type *c
     if (const int own_row = part.trilinos_matrix().LRID(static_cast<int>(row_in_part)); own_row >= 0)
       add_to_own_row(part.trilinos_matrix(), own_row, values + k);
     else
-      part.add(row_in_part, end - k, part_columns.data(), values + k, elide_zeros, false);
+      part.add(row_in_part, end - k, part_columns.data(), values + k, true, false); // zeros may have no entry
   }
 }
 
@@ -238,8 +243,11 @@ void BlockMatrix::add_to_own_row(const Epetra_CrsMatrix &matrix, const int row, 
     const int column = column_map.LID(static_cast<int>(part_columns[k]));
     if (next == end || *next != column)
       next = std::lower_bound(next == end || *next > column ? view.columns : next, end, column);
-    AssertThrow(next != end && *next == column,
+    const bool exists = next != end && *next == column;
+    AssertThrow(exists || values[k] == 0,
                 dealii::ExcMessage("a sum has a term that is not in the pattern of the matrix"));
+    if (!exists) // a cell's tangent in a field that has no entries
+      continue;
     view.values[next - view.columns] += values[k];
     ++next;
   }
@@ -267,6 +275,8 @@ void BlockMatrix::add_product(const unsigned int p, const unsigned int q, const 
   numberings[p].gather(y, part_y.Values());
   matrix.Multiply(false, part_x, product);
   part_y.Update(factor, product, 1.);
+  if (const PartOperator *summand = part_operator(p); summand != nullptr && p == q)
+    summand->add_product(factor, part_x, part_y, false);
   numberings[p].scatter(part_y.Values(), y);
 }
 
@@ -301,6 +311,31 @@ void BlockMatrix::for_each_product(const Vector &x, const VisitProduct &visit) c
   for (unsigned int p = 0; p < parts.size(); ++p)
     for (const auto &part_column : parts[p])
       visit_products(p, part_column.first, x, visit);
+  for (const auto &with_operator : operators)
+    visit_operator(with_operator.first, x, visit);
+}
+
+/// Block by block, if they are coupled.
+void BlockMatrix::visit_operator(const unsigned int p, const Vector &x, const VisitProduct &visit) const
+{
+  const Epetra_Map &map = part(p, p).trilinos_matrix().DomainMap();
+  const PartOperator &summand = *operators.at(p);
+  const auto &blocks = numberings[p].blocks();
+  Vector product(owned, get_mpi_communicator());
+  Epetra_Vector all(map), y(map);
+  numberings[p].gather(x, all.Values());
+  const bool couples = !summand.coupled_blocks().empty();
+  for (unsigned int j = 0; j < (couples ? blocks.size() : 1); ++j) {
+    Epetra_Vector own(all);
+    for (unsigned int row = 0; couples && row < numberings[p].n_local(); ++row)
+      if (row < numberings[p].first_local_of(j) || row >= numberings[p].first_local_of(j + 1))
+        own[row] = 0;
+    y.PutScalar(0.);
+    summand.add_product(1., own, y, false);
+    numberings[p].scatter(y.Values(), product);
+    for (unsigned int i = 0; i < blocks.size(); ++i)
+      visit(blocks[i], blocks[couples ? j : i], product.block(blocks[i]));
+  }
 }
 
 /// The unknowns that the own rows of a pair of parts multiply.
@@ -368,6 +403,7 @@ void BlockMatrix::extract_row(const size_type row, std::vector<size_type> &colum
 {
   const auto [block, index] = indices.global_to_local(row);
   const auto [p, i] = place[block];
+  AssertThrow(part_operator(p) == nullptr, dealii::ExcMessage("this part of the matrix has no entries"));
   columns.clear();
   values.clear();
   for (const auto &[q, part] : parts[p]) {
@@ -392,6 +428,12 @@ std::vector<double> BlockMatrix::diagonal(const unsigned int block) const
               *entry = std::lower_bound(view.columns, view.columns + view.n, column);
     const bool exists = entry != view.columns + view.n && *entry == column;
     values.push_back(exists ? view.values[entry - view.columns] : 0.);
+  }
+  if (const PartOperator *summand = part_operator(p)) {
+    Epetra_Vector all(matrix.DomainMap());
+    summand->add_diagonal(all);
+    for (unsigned int k = 0; k < values.size(); ++k)
+      values[k] += all[numberings[p].first_local_of(i) + k];
   }
   return values;
 }

@@ -25,18 +25,19 @@ namespace {
 
 using SingleVector = dealii::TrilinosWrappers::MPI::Vector;
 
-MPI_Comm communicator_of(const Epetra_CrsMatrix &A)
+MPI_Comm communicator_of(const LevelOperator &A)
 {
-  return dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm();
+  return dynamic_cast<const Epetra_MpiComm &>(A.rows().Comm()).Comm();
 }
 
 /// As deal.II's CG sees A and M.
 struct Product
 {
-  const Epetra_CrsMatrix &A;
+  const LevelOperator &A;
   void vmult(SingleVector &y, const SingleVector &x) const
   {
-    A.Multiply(false, x.trilinos_vector(), y.trilinos_vector());
+    Epetra_Vector product(View, y.trilinos_vector(), 0);
+    A.vmult(product, Epetra_Vector(View, x.trilinos_vector(), 0));
   }
 };
 
@@ -123,10 +124,10 @@ void IncompleteFactorisation::vmult(double *z, const double *r) const
 
 } // namespace
 
-Diagonal::Diagonal(const Epetra_CrsMatrix &A) : inverse(A.NumMyRows())
+Diagonal::Diagonal(const LevelOperator &A) : inverse(A.rows().NumMyElements())
 {
-  Epetra_Vector diagonal(A.RowMap());
-  A.ExtractDiagonalCopy(diagonal);
+  Epetra_Vector diagonal(A.rows());
+  A.diagonal(diagonal);
   for (unsigned int row = 0; row < inverse.size(); ++row)
     inverse[row] = diagonal[row] > 0 ? 1 / diagonal[row] : 0;
 }
@@ -142,22 +143,34 @@ std::unique_ptr<Approximation> make_incomplete_factorisation(const Epetra_CrsMat
   return std::make_unique<IncompleteFactorisation>(A, shift);
 }
 
+std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_diagonal(const LevelOperator &A, const Range range)
+{
+  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
+  result->take_diagonal();
+  return result;
+}
+
 std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_diagonal(const Epetra_CrsMatrix &A,
                                                                     const Range range)
 {
-  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
-  result->M = std::make_unique<Diagonal>(A);
-  result->estimate_spectrum();
-  AssertThrow(result->largest_eigenvalue > 0, dealii::ExcMessage("The matrix is not positive definite."));
+  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(std::make_unique<MatrixLevel>(A), range));
+  result->take_diagonal();
   return result;
+}
+
+void ChebyshevSmoother::take_diagonal()
+{
+  M = std::make_unique<Diagonal>(A);
+  estimate_spectrum();
+  AssertThrow(largest_eigenvalue > 0, dealii::ExcMessage("The matrix is not positive definite."));
 }
 
 std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_factorisation(const Epetra_CrsMatrix &A,
                                                                          const Range range)
 {
   const double largest_accepted = 10; // a pivot close to zero, or below it, gives a larger eigenvalue
-  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
-  const Agreement ranks{communicator_of(A), {}};
+  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(std::make_unique<MatrixLevel>(A), range));
+  const Agreement ranks{communicator_of(*result->level), {}};
   for (const double shift : {0.05, 0.3, 1.}) {
     const bool is_made = ranks.succeeds(
         "smoother", [&]() { result->M = make_incomplete_factorisation(A, shift); }); // no memory
@@ -166,21 +179,23 @@ std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_factorisation(const E
     if (is_made && result->largest_eigenvalue > 0 && result->largest_eigenvalue < largest_accepted)
       return result;
   }
-  return with_diagonal(A, range);
+  result->take_diagonal();
+  return result;
 }
 
 /// By a few conjugate gradients from a vector that is rough and the same on any number of ranks.
 void ChebyshevSmoother::estimate_spectrum()
 {
   const unsigned int n_iterations = 10;
-  dealii::IndexSet owned(A.NumGlobalRows());
-  if (A.NumMyRows() > 0)
-    owned.add_range(A.GRID(0), A.GRID(0) + A.NumMyRows());
+  const int n_own = A.rows().NumMyElements();
+  dealii::IndexSet owned(A.rows().NumGlobalElements());
+  if (n_own > 0)
+    owned.add_range(A.rows().GID(0), A.rows().GID(0) + n_own);
   SingleVector x(owned, communicator_of(A)), b(owned, communicator_of(A));
-  Epetra_Vector diagonal(A.RowMap());
-  A.ExtractDiagonalCopy(diagonal);
-  for (int row = 0; row < A.NumMyRows(); ++row)
-    b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + A.GRID(row) % 1009)) * diagonal[row];
+  Epetra_Vector diagonal(A.rows());
+  A.diagonal(diagonal);
+  for (int row = 0; row < n_own; ++row)
+    b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + A.rows().GID(row) % 1009)) * diagonal[row];
   dealii::IterationNumberControl control(n_iterations, 1e-30 * b.l2_norm());
   dealii::SolverCG<SingleVector> solver(control);
   largest_eigenvalue = 0;
@@ -199,9 +214,9 @@ void ChebyshevSmoother::estimate_spectrum()
 
 void ChebyshevSmoother::smooth(double *x, const double *b, const bool starts_from_zero) const
 {
-  const int n = A.NumMyRows();
-  Epetra_Vector solution(View, A.RowMap(), x), residual(A.RowMap(), false), direction(A.RowMap(), false),
-      correction(A.RowMap(), false);
+  const int n = A.rows().NumMyElements();
+  Epetra_Vector solution(View, A.rows(), x), residual(A.rows(), false), direction(A.rows(), false),
+      correction(A.rows(), false);
   const double middle = largest_eigenvalue * (1 + 1 / range.ratio) / 2,
                half = largest_eigenvalue * (1 - 1 / range.ratio) / 2;
   double rho = half / middle;
@@ -211,7 +226,7 @@ void ChebyshevSmoother::smooth(double *x, const double *b, const bool starts_fro
       std::fill(x, x + n, 0.);
       std::copy(b, b + n, r);
     } else {
-      A.Multiply(false, solution, residual);
+      A.vmult(residual, solution);
       for (int i = 0; i < n; ++i)
         r[i] = b[i] - r[i];
     }

@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include "level_operator.h"
+
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Vector.h>
 
@@ -27,7 +29,7 @@ public:
 class Diagonal : public Approximation
 {
 public:
-  explicit Diagonal(const Epetra_CrsMatrix &A);
+  explicit Diagonal(const LevelOperator &A);
   void vmult(double *z, const double *r) const override;
 
 private:
@@ -52,6 +54,7 @@ public:
     unsigned int degree;
     double ratio;
   };
+  static std::unique_ptr<ChebyshevSmoother> with_diagonal(const LevelOperator &A, Range range);
   static std::unique_ptr<ChebyshevSmoother> with_diagonal(const Epetra_CrsMatrix &A, Range range);
   static std::unique_ptr<ChebyshevSmoother> with_factorisation(const Epetra_CrsMatrix &A, Range range);
 
@@ -59,10 +62,16 @@ public:
   void smooth(double *x, const double *b, bool starts_from_zero) const;
 
 private:
-  ChebyshevSmoother(const Epetra_CrsMatrix &A, Range range) : A(A), range(range) {}
+  ChebyshevSmoother(const LevelOperator &A, Range range) : A(A), range(range) {}
+  ChebyshevSmoother(std::unique_ptr<MatrixLevel> matrix, Range range)
+      : level(std::move(matrix)), A(*level), range(range)
+  {
+  }
+  void take_diagonal();
   void estimate_spectrum();
 
-  const Epetra_CrsMatrix &A;
+  const std::unique_ptr<MatrixLevel> level; ///< nullptr, or A
+  const LevelOperator &A;
   const Range range;
   std::unique_ptr<Approximation> M;
   double largest_eigenvalue = 0; ///< of M^-1 A; 0 if M is not definite

@@ -7,7 +7,6 @@
 #include <Epetra_Import.h>
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
-#include <ml_epetra_utils.h>
 
 namespace dovetail {
 
@@ -34,20 +33,20 @@ bool on_any_rank(const Epetra_Comm &communicator, const bool here)
 
 } // namespace
 
-DegreeCoarsening::DegreeCoarsening(const Epetra_CrsMatrix &A, const Sums &sums,
-                                   const Epetra_MultiVector &modes)
-    : matrix(A)
+DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes)
+    : A(A)
 {
   make_prolongation(sums);
-  Epetra_CrsMatrix *product = nullptr;
-  ML_Epetra::Epetra_PtAP(matrix, *prolongation, product);
-  coarse_matrix.reset(product);
+  smoother = ChebyshevSmoother::with_diagonal(A, {3, 15});
+  if (prolongation->NumGlobalCols() == 0) // all vertices are prescribed
+    return;
+  coarse_matrix = A.restricted(*prolongation);
 
   const Epetra_Map &coarse_rows = coarse_matrix->OperatorDomainMap();
   coarse_modes = std::make_unique<Epetra_MultiVector>(coarse_rows, modes.NumVectors());
   unsigned int next = 0;
   for (unsigned int row = 0; row < sums.size(); ++row)
-    if (sums[row].size() == 1 && sums[row][0].first == matrix.GRID(row)) {
+    if (sums[row].size() == 1 && sums[row][0].first == A.rows().GID(row)) {
       for (int mode = 0; mode < modes.NumVectors(); ++mode)
         (*coarse_modes)[mode][next] = modes[mode][row];
       ++next;
@@ -55,14 +54,13 @@ DegreeCoarsening::DegreeCoarsening(const Epetra_CrsMatrix &A, const Sums &sums,
   coarse = std::make_unique<SmoothedAggregation>(*coarse_matrix, *coarse_modes, [](const auto &level) {
     return ChebyshevSmoother::with_factorisation(level, {6, 80}); // costs little beside the rows of A
   });
-  smoother = ChebyshevSmoother::with_diagonal(matrix, {3, 15});
 }
 
 /// The sums of @p sums, sums of sums, … until only unknowns of the coarse matrix are left.
-std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums)
+std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums) const
 {
-  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, matrix.RowMap(), 0);
-  Epetra_IntVector kind(matrix.RowMap());
+  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), 0);
+  Epetra_IntVector kind(A.rows());
   std::vector<int> columns;
   std::vector<double> weights;
   for (unsigned int row = 0; row < sums.size(); ++row) {
@@ -72,11 +70,11 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums)
       columns.push_back(column);
       weights.push_back(weight);
     }
-    const int own = matrix.GRID(row);
+    const int own = A.rows().GID(row);
     kind[row] = columns.empty() ? is_fixed : columns.size() == 1 && columns[0] == own ? 0 : is_sum;
     result->InsertGlobalValues(own, columns.size(), weights.data(), columns.data());
   }
-  result->FillComplete(matrix.RowMap(), matrix.RowMap());
+  result->FillComplete(A.rows(), A.rows());
 
   const unsigned int longest_chain = 4; // number of squares: 16 steps
   for (unsigned int i = 0; i < longest_chain; ++i) {
@@ -84,9 +82,9 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums)
     bool has_sums = false;
     for (int column = 0; column < column_kind.MyLength(); ++column)
       has_sums = has_sums || column_kind[column] == is_sum;
-    if (!on_any_rank(matrix.Comm(), has_sums))
+    if (!on_any_rank(A.rows().Comm(), has_sums))
       break;
-    auto square = std::make_unique<Epetra_CrsMatrix>(Copy, matrix.RowMap(), 0);
+    auto square = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), 0);
     EpetraExt::MatrixMatrix::Multiply(*result, false, *result, false, *square);
     result = std::move(square);
   }
@@ -96,20 +94,20 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums)
 void DegreeCoarsening::make_prolongation(const Sums &sums)
 {
   const auto all = follow(sums);
-  Epetra_IntVector number(matrix.RowMap());
+  Epetra_IntVector number(A.rows());
   int n_own = 0, n_before = 0;
   for (unsigned int row = 0; row < sums.size(); ++row)
-    if (sums[row].size() == 1 && sums[row][0].first == matrix.GRID(row))
+    if (sums[row].size() == 1 && sums[row][0].first == A.rows().GID(row))
       ++n_own;
-  matrix.Comm().ScanSum(&n_own, &n_before, 1);
+  A.rows().Comm().ScanSum(&n_own, &n_before, 1);
   n_before -= n_own;
   for (unsigned int row = 0; row < sums.size(); ++row)
-    number[row] = sums[row].size() == 1 && sums[row][0].first == matrix.GRID(row) ? n_before++ : is_fixed;
+    number[row] = sums[row].size() == 1 && sums[row][0].first == A.rows().GID(row) ? n_before++ : is_fixed;
 
   // a condensed unknown is alone in its row of the matrix, and found afterwards from those it follows
   const Epetra_IntVector column_kind = column_values(*all, number);
-  const Epetra_Map coarse(-1, n_own, 0, matrix.Comm());
-  prolongation = std::make_unique<Epetra_CrsMatrix>(Copy, matrix.RowMap(), all->MaxNumEntries());
+  const Epetra_Map coarse(-1, n_own, 0, A.rows().Comm());
+  prolongation = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), all->MaxNumEntries());
   std::vector<int> columns;
   std::vector<double> weights;
   for (unsigned int row = 0; row < sums.size(); ++row) {
@@ -119,29 +117,34 @@ void DegreeCoarsening::make_prolongation(const Sums &sums)
     columns.clear();
     weights.clear();
     for (int k = 0; k < n; ++k)
-      if (column_kind[local[k]] != is_fixed && values[k] != 0 && matrix.NumMyEntries(row) > 1) {
+      if (column_kind[local[k]] != is_fixed && values[k] != 0 && !A.is_condensed(row)) {
         columns.push_back(column_kind[local[k]]);
         weights.push_back(values[k]);
       }
-    prolongation->InsertGlobalValues(matrix.GRID(row), columns.size(), weights.data(), columns.data());
+    prolongation->InsertGlobalValues(A.rows().GID(row), columns.size(), weights.data(), columns.data());
   }
-  prolongation->FillComplete(coarse, matrix.RowMap());
+  prolongation->FillComplete(coarse, A.rows());
 }
 
 void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
 {
   smoother->smooth(x.Values(), b.Values(), true);
+  if (coarse)
+    correct(x, b);
+  smoother->smooth(x.Values(), b.Values(), false);
+}
 
-  Epetra_Vector residual(matrix.RowMap(), false), correction(matrix.RowMap(), false);
-  matrix.Multiply(false, x, residual);
+/// By the functions of degree one.
+void DegreeCoarsening::correct(Epetra_Vector &x, const Epetra_Vector &b) const
+{
+  Epetra_Vector residual(A.rows(), false), correction(A.rows(), false);
+  A.vmult(residual, x);
   residual.Update(1., b, -1.);
   Epetra_Vector coarse_b(prolongation->DomainMap()), coarse_x(prolongation->DomainMap());
   prolongation->Multiply(true, residual, coarse_b);
   coarse->vmult(coarse_x, coarse_b);
   prolongation->Multiply(false, coarse_x, correction);
   x.Update(1., correction, 1.);
-
-  smoother->smooth(x.Values(), b.Values(), false);
 }
 
 } // namespace dovetail

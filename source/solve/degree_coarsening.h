@@ -6,6 +6,7 @@
 #pragma once
 
 #include "chebyshev_smoother.h"
+#include "level_operator.h"
 #include "smoothed_aggregation.h"
 
 #include <Epetra_CrsMatrix.h>
@@ -18,7 +19,7 @@
 
 namespace dovetail {
 
-/// A cycle of two levels for a symmetric positive definite matrix A of elements of degree p: Chebyshev
+/// A cycle of two levels for a symmetric positive definite operator A of elements of degree p: Chebyshev
 /// smoothing on all unknowns, and SmoothedAggregation for the functions of degree one on the same mesh,
 /// @f[ A_1 = P^T A P, @f]
 /// where P interpolates them. A_1 has p^dim times fewer unknowns and much shorter rows than A, and its
@@ -36,15 +37,16 @@ public:
   using Sums = std::vector<std::vector<std::pair<int, double>>>;
 
   /// @param modes near-null space of A; the part on the unknowns of A_1 is that of A_1
-  DegreeCoarsening(const Epetra_CrsMatrix &A, const Sums &sums, const Epetra_MultiVector &modes);
+  DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes);
 
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
 
 private:
-  std::unique_ptr<Epetra_CrsMatrix> follow(const Sums &sums);
+  std::unique_ptr<Epetra_CrsMatrix> follow(const Sums &sums) const;
   void make_prolongation(const Sums &sums);
+  void correct(Epetra_Vector &x, const Epetra_Vector &b) const;
 
-  const Epetra_CrsMatrix &matrix;
+  const LevelOperator &A;
   std::unique_ptr<Epetra_CrsMatrix> prolongation, coarse_matrix;
   std::unique_ptr<Epetra_MultiVector> coarse_modes;
   std::unique_ptr<SmoothedAggregation> coarse;

@@ -15,7 +15,8 @@ namespace dovetail {
 
 namespace {
 
-const std::string automatic = "automatic", name_of_direct = "direct", name_of_multigrid = "multigrid";
+const std::string automatic = "automatic", name_of_direct = "direct", name_of_multigrid = "multigrid",
+                  name_of_matrix_free = "matrix-free";
 
 /// A solver of a group, and whether it has seen the present values of the matrix.
 struct Member
@@ -50,6 +51,12 @@ struct LinearSolver::Group
   void set_matrix(const Matrix &matrix);
   void forget_matrix();
   bool is_direct_by_size() const;
+  bool is_matrix_free_by_degree() const;
+  bool needs_entries() const
+  {
+    return (is_decided ? is_direct : is_direct_by_size()) || chosen.solver->needs_entries();
+  }
+  bool lacks_entries() const { return is_direct && system.plain().cells() != nullptr; }
   bool prepare(Member &member, const GroupOperator &K);
   std::optional<unsigned int> iterate(GroupVector &x, const GroupVector &b);
   unsigned int iterate_to_residual(GroupVector &x, const GroupVector &b);
@@ -72,7 +79,8 @@ void LinearSolver::Group::choose_solver(const Section &section)
     return Member{name, SolverCatalogue::create_member(name, section, system.facts())};
   };
   direct = make(name_of_direct);
-  chosen = make(owner.type == automatic || owner.type == name_of_direct ? name_of_multigrid : owner.type);
+  const bool is_open = owner.type == automatic || owner.type == name_of_direct;
+  chosen = make(!is_open ? owner.type : is_matrix_free_by_degree() ? name_of_matrix_free : name_of_multigrid);
   const std::string objection = chosen.solver->objection();
   if (objection.empty())
     return;
@@ -90,6 +98,13 @@ bool LinearSolver::Group::is_direct_by_size() const
 {
   const unsigned long largest = system.facts().dim == 2 ? 60000 : 6000;
   return owner.type == name_of_direct || (owner.type == automatic && system.facts().n_unknowns <= largest);
+}
+
+/// Products win over a matrix where rows are long: measured in 3D from degree 2 on, in 2D from degree 3 on.
+bool LinearSolver::Group::is_matrix_free_by_degree() const
+{
+  const GroupFacts &facts = system.facts();
+  return facts.why_entries.empty() && facts.degree >= (facts.dim == 3 ? 2u : 3u);
 }
 
 void LinearSolver::Group::set_matrix(const Matrix &matrix)
@@ -165,6 +180,8 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
 
 bool LinearSolver::Group::solve_directly(GroupVector &x, const GroupVector &b)
 {
+  if (lacks_entries())
+    return false;
   const GroupOperator &K = system.plain();
   const auto solve = [&](GroupVector &solution, const GroupVector &right_hand_side) {
     return owner.ranks.succeeds("solution", [&]() { direct.solver->solve(K, solution, right_hand_side, 0); });
@@ -204,6 +221,11 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
   else
     words << " failed";
   x = 0;
+  if (system.plain().cells() != nullptr) {
+    iteration_failed = is_direct = true;
+    owner.all_notes.push_back(words.str() + "; MUMPS takes over, for which the matrix is made");
+    return {};
+  }
   if (solve_directly(x, b)) {
     iteration_failed = is_direct = true;
     owner.all_notes.push_back(words.str() + "; MUMPS solved the system and solves those after it");
@@ -226,7 +248,8 @@ std::string LinearSolver::Group::description() const
 
 LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups)
     : types(all_types()),
-      type(types[section.choose("Type", types, 0, "automatic: direct or multigrid, by size [-]")]),
+      type(types[section.choose("Type", types, 0,
+                                "automatic: direct, multigrid or matrix-free, by size and degree [-]")]),
       relative_tolerance(section.read<double>(
           "Relative tolerance", 1e-10,
           "Tolerance of the residual of the linear system, relative to its right-hand side [-]",
@@ -241,6 +264,19 @@ LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given
 }
 
 LinearSolver::~LinearSolver() = default;
+
+std::vector<bool> LinearSolver::needs_entries() const
+{
+  std::vector<bool> result;
+  for (const auto &group : groups)
+    result.push_back(group->needs_entries());
+  return result;
+}
+
+bool LinearSolver::lacks_entries() const
+{
+  return std::any_of(groups.begin(), groups.end(), [](const auto &group) { return group->lacks_entries(); });
+}
 
 void LinearSolver::set_matrix(const Matrix &new_matrix)
 {

@@ -35,8 +35,21 @@ void MergedMatrix::for_each_pair(const Visit &visit) const
         visit(p, q, block_matrix.part(p.number, q.number).trilinos_matrix());
 }
 
+const PartOperator *MergedMatrix::cells() const
+{
+  return parts.size() == 1 ? block_matrix.part_operator(parts[0].number) : nullptr;
+}
+
+const Epetra_CrsMatrix *MergedMatrix::entries() const
+{
+  return cells() == nullptr ? matrix()
+                            : &block_matrix.part(parts[0].number, parts[0].number).trilinos_matrix();
+}
+
 const Epetra_CrsMatrix *MergedMatrix::matrix() const
 {
+  if (cells() != nullptr)
+    return nullptr;
   if (parts.size() == 1)
     return &block_matrix.part(parts[0].number, parts[0].number).trilinos_matrix();
   if (!has_values)
@@ -97,6 +110,15 @@ std::pair<double, double> MergedMatrix::largest_row() const
         sums[p.first_local + row] += std::abs(values[k]);
     }
   });
+  if (cells() != nullptr) { // no row is longer than its length^(1/2) times the largest entry of the diagonal
+    GroupVector diagonal_of_all = vector();
+    diagonal(diagonal_of_all);
+    const double length = cells()->row_length();
+    for (unsigned int row = 0; row < sums.size(); ++row) {
+      sums[row] = std::sqrt(length) * std::abs(diagonal_of_all.trilinos_vector()[0][row]);
+      lengths[row] += length;
+    }
+  }
   const auto largest = [&](const std::vector<double> &of_rows) {
     double own = 0;
     for (const double of_row : of_rows)
@@ -124,7 +146,12 @@ GroupVector MergedMatrix::vector() const
 void MergedMatrix::vmult(GroupVector &destination, const GroupVector &source) const
 {
   if (parts.size() == 1) {
-    matrix()->Multiply(false, source.trilinos_vector(), destination.trilinos_vector());
+    entries()->Multiply(false, source.trilinos_vector(), destination.trilinos_vector());
+    if (const PartOperator *summand = cells()) {
+      const Epetra_Vector x(View, entries()->DomainMap(), source.trilinos_vector()[0]);
+      Epetra_Vector y(View, entries()->RangeMap(), destination.trilinos_vector()[0]);
+      summand->add_product(1., x, y, false);
+    }
     return;
   }
   destination = 0;
@@ -143,6 +170,8 @@ void MergedMatrix::diagonal(GroupVector &destination) const
     const Epetra_CrsMatrix &matrix = block_matrix.part(p.number, p.number).trilinos_matrix();
     Epetra_Vector values(View, matrix.RowMap(), destination.trilinos_vector()[0] + p.first_local);
     matrix.ExtractDiagonalCopy(values);
+    if (cells() != nullptr)
+      cells()->add_diagonal(values);
   }
 }
 

@@ -33,6 +33,8 @@ public:
   void vmult(GroupVector &destination, const GroupVector &source) const override;
   void diagonal(GroupVector &destination) const override;
   const Epetra_CrsMatrix *matrix() const override; ///< collective, if it has to be made
+  const PartOperator *cells() const override;
+  const Epetra_CrsMatrix *entries() const override;
 
   /// Of all rows: the largest sum of sizes of entries, and the largest number of entries. Collective.
   std::pair<double, double> largest_row() const;

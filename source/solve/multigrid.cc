@@ -17,16 +17,12 @@
 
 #include <deal.II/lac/solver_control.h>
 
-#include <EpetraExt_Transpose_RowMatrix.h>
 #include <Epetra_CrsMatrix.h>
-#include <Epetra_Import.h>
-#include <Epetra_IntVector.h>
 #include <Epetra_MultiVector.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 
 namespace dovetail {
@@ -49,7 +45,6 @@ public:
 private:
   void forget_values();
   void make_aggregation();
-  void make_modes(const Epetra_CrsMatrix &matrix);
   void make_levels();
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
                        const std::function<bool(unsigned int n, double r)> &gives_up);
@@ -61,40 +56,9 @@ private:
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
   bool is_slow = false;                             ///< with smoothers made of the diagonal
   std::unique_ptr<SmoothedAggregation> aggregation;
+  std::unique_ptr<MatrixLevel> finest;         ///< of by_degree
   std::unique_ptr<DegreeCoarsening> by_degree; ///< instead, for a degree above one
 };
-
-/// (A + A^T) / 2 within each field, and nothing between fields, whose units differ: what is left is positive
-/// definite if the fields are by themselves. An entry without a partner across the diagonal is left out too.
-std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A,
-                                                      const std::vector<int> &field_of_row)
-{
-  EpetraExt::RowMatrix_Transpose transposer;
-  const auto &transposed = dynamic_cast<Epetra_CrsMatrix &>(transposer(const_cast<Epetra_CrsMatrix &>(A)));
-  const Epetra_IntVector row_field(Copy, A.RowMap(), const_cast<int *>(field_of_row.data()));
-  Epetra_IntVector column_field(A.ColMap());
-  column_field.Import(row_field, Epetra_Import(A.ColMap(), A.RowMap()), Insert);
-
-  auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, A.Graph()); // the same graph, held once
-  std::vector<double> partner(A.NumMyCols());                     // by column, of one row; NaN: none
-  for (int row = 0; row < A.NumMyRows(); ++row) {
-    int n = 0, n_transposed = 0, *columns = nullptr, *transposed_columns = nullptr;
-    double *values = nullptr, *transposed_values = nullptr, *result = nullptr;
-    A.ExtractMyRowView(row, n, values, columns);
-    transposed.ExtractMyRowView(row, n_transposed, transposed_values, transposed_columns);
-    sum->ExtractMyRowView(row, n, result);
-    for (int k = 0; k < n; ++k)
-      partner[columns[k]] = std::numeric_limits<double>::quiet_NaN();
-    for (int k = 0; k < n_transposed; ++k)
-      if (const int column = A.LCID(transposed.GCID(transposed_columns[k])); column >= 0)
-        partner[column] = transposed_values[k];
-    for (int k = 0; k < n; ++k) {
-      const bool is_left_out = std::isnan(partner[columns[k]]) || column_field[columns[k]] != row_field[row];
-      result[k] = is_left_out ? 0 : (values[k] + partner[columns[k]]) / 2;
-    }
-  }
-  return sum;
-}
 
 void Multigrid::forget_values()
 {
@@ -108,7 +72,8 @@ void Multigrid::prepare(const GroupOperator &K, const Agreement &all_ranks)
   forget_values();
   ranks = all_ranks;
   matrix = K.bodies().matrix();
-  ranks.run("modes", [&]() { make_modes(*matrix); });
+  if (!modes)
+    ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
   if (!facts.is_symmetric) {
     ranks.run("symmetric part",
               [&]() { symmetric_part = make_symmetric_part(*matrix, facts.field_of_row()); });
@@ -117,22 +82,12 @@ void Multigrid::prepare(const GroupOperator &K, const Agreement &all_ranks)
   ranks.run("multigrid", [&]() { make_levels(); });
 }
 
-/// They stay the same while the values of the matrix change.
-void Multigrid::make_modes(const Epetra_CrsMatrix &matrix)
-{
-  if (modes)
-    return;
-  const auto near_null_space = facts.near_null_space();
-  modes = std::make_unique<Epetra_MultiVector>(matrix.OperatorDomainMap(), near_null_space.size());
-  for (unsigned int mode = 0; mode < near_null_space.size(); ++mode)
-    std::copy(near_null_space[mode].begin(), near_null_space[mode].end(), (*modes)[mode]);
-}
-
 void Multigrid::make_levels()
 {
-  if (facts.degree > 1 && facts.linear_part)
-    by_degree = std::make_unique<DegreeCoarsening>(*matrix, facts.linear_part(), *modes);
-  else
+  if (facts.degree > 1 && facts.linear_part) {
+    finest = std::make_unique<MatrixLevel>(*matrix);
+    by_degree = std::make_unique<DegreeCoarsening>(*finest, facts.linear_part(), *modes);
+  } else
     make_aggregation();
 }
 

@@ -9,6 +9,8 @@
 #include <ml_epetra_utils.h>
 #include <ml_include.h>
 
+#include <algorithm>
+
 namespace dovetail {
 
 namespace {
@@ -63,6 +65,15 @@ int smooth_level(ML_Smoother *level, int, double x[], int, double b[])
 }
 
 } // namespace
+
+std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Epetra_Map &rows)
+{
+  const auto near_null_space = facts.near_null_space();
+  auto modes = std::make_unique<Epetra_MultiVector>(rows, near_null_space.size());
+  for (unsigned int mode = 0; mode < near_null_space.size(); ++mode)
+    std::copy(near_null_space[mode].begin(), near_null_space[mode].end(), (*modes)[mode]);
+  return modes;
+}
 
 SmoothedAggregation::SmoothedAggregation(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
                                          const MakeSmoother &make_smoother)

@@ -7,6 +7,8 @@
 
 #include "chebyshev_smoother.h"
 
+#include <dovetail/solve/group_solver.h>
+
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
 #include <Epetra_Vector.h>
@@ -20,6 +22,9 @@ class MultiLevelPreconditioner;
 }
 
 namespace dovetail {
+
+/// GroupFacts::near_null_space, which stays the same while the values of the matrix change. Collective.
+std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Epetra_Map &rows);
 
 /// A V-cycle of ML's smoothed aggregation for a symmetric positive definite matrix, with a ChebyshevSmoother
 /// on each level.

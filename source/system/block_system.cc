@@ -69,10 +69,7 @@ BlockSystem<dim>::BlockSystem(Model<dim> &model) : model(model)
   is_of_multipliers.assign(fields.size(), false);
   for (unsigned int b = 0; b < field_of_block.size(); ++b)
     is_of_multipliers[field_of_block[b]] = model.numbering->blocks()[b].is_of_multipliers;
-  for (const auto &domain : model.domains) {
-    cell_terms.push_back(std::make_unique<CellTerms<dim>>(*domain));
-    cell_terms.back()->set_rates(&step_rates);
-  }
+  make_cell_terms();
 }
 
 template <int dim>
@@ -198,8 +195,9 @@ void BlockSystem<dim>::make_constraints(const ConstraintLines &lines)
 }
 
 template <int dim>
-void BlockSystem<dim>::add_pattern(const Domain<dim> &domain, dealii::DynamicSparsityPattern &pattern) const
+void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms, dealii::DynamicSparsityPattern &pattern) const
 {
+  const Domain<dim> &domain = terms.body();
   const CellLayout<dim> &layout = domain.layout();
   const auto begin = [&](const Field &field) { return layout.first(field.first_component); };
   const auto end = [&](const Field &field) {
@@ -208,10 +206,13 @@ void BlockSystem<dim>::add_pattern(const Domain<dim> &domain, dealii::DynamicSpa
   dealii::Table<2, bool> couples(domain.dofs_per_cell(), domain.dofs_per_cell());
   const auto &fields = domain.fields();
   bool all_couple = true;
+  bool any_couples = false, has_all_entries = true;
   for (unsigned int f = 0; f < fields.size(); ++f)
     for (unsigned int g = 0; g < fields.size(); ++g) {
-      const bool depends = domain.material.depends(f, g);
+      const bool depends = domain.material.depends(f, g) && (f != g || has_entries(fields[f].name));
       all_couple = all_couple && depends;
+      any_couples = any_couples || depends;
+      has_all_entries = has_all_entries && (f != g || has_entries(fields[f].name));
       for (unsigned int i = begin(fields[f]); depends && i < end(fields[f]); ++i)
         for (unsigned int j = begin(fields[g]); j < end(fields[g]); ++j)
           couples(i, j) = true;
@@ -219,18 +220,25 @@ void BlockSystem<dim>::add_pattern(const Domain<dim> &domain, dealii::DynamicSpa
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
+      const bool has_boundary_terms = !has_all_entries && terms.has_boundary_tangent(cell);
+      if (!any_couples && !has_boundary_terms)
+        continue;
       domain.cell_dofs(cell, dofs);
       if (all_couple)
         constraints.add_entries_local_to_global(dofs, pattern, false);
-      else
+      else if (has_boundary_terms) {
+        dealii::Table<2, bool> with_boundary(couples);
+        terms.add_boundary_couplings(cell, with_boundary);
+        constraints.add_entries_local_to_global(dofs, pattern, false, with_boundary);
+      } else
         constraints.add_entries_local_to_global(dofs, pattern, false, couples);
     }
 }
 
 /// The two cells of a group couple by the jump alone, unless the tie couples their fluxes, too: an unknown
 /// that is not in the jump then meets only those of the other cell that are, which leaves most of a cell of
-/// high degree out. The unknowns of one cell couple in any case, here as well, because this rank may not own
-/// that cell and yet adds second derivatives of its flux.
+/// high degree out. Likewise within a cell, unless the tie adds second derivatives of its flux; they belong
+/// here although the cell couples all its unknowns itself, because this rank may not own it.
 template <int dim>
 void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
                                    dealii::DynamicSparsityPattern &pattern) const
@@ -248,6 +256,7 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
     for (unsigned int j = 0; j < n; ++j)
       depends(i, j) = interface.couples(component[i], component[j]);
   const bool by_flux = interface.tie().parts().point_terms->couples_fluxes();
+  const bool by_inside = interface.tie().parts().point_terms->couples_insides(interface);
   const auto is_of_source = [&](const unsigned int i) { return i < interface.n_local(source); };
 
   dealii::Table<2, bool> couples(n, n);
@@ -257,7 +266,8 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
         by_flux ? std::vector<bool>(n, true) : interface.unknowns_in_jump(group);
     for (unsigned int i = 0; i < n; ++i)
       for (unsigned int j = 0; j < n; ++j)
-        couples(i, j) = depends(i, j) && (in_jump[i] || in_jump[j] || is_of_source(i) == is_of_source(j));
+        couples(i, j) =
+            depends(i, j) && (in_jump[i] || in_jump[j] || (by_inside && is_of_source(i) == is_of_source(j)));
     if (const auto position = merge_repeated(interface, dofs); !position.empty()) {
       dealii::Table<2, bool> merged(dofs.size(), dofs.size());
       for (unsigned int i = 0; i < n; ++i)
@@ -273,8 +283,8 @@ template <int dim>
 void BlockSystem<dim>::make_sparsity(const double t)
 {
   dealii::DynamicSparsityPattern pattern(relevant);
-  for (const auto &domain : model.domains)
-    add_pattern(*domain, pattern);
+  for (const auto &terms : cell_terms)
+    add_pattern(*terms, pattern);
 
   dropped.clear();
   dealii::Timer timer;
@@ -304,6 +314,50 @@ void BlockSystem<dim>::make_sparsity(const double t)
   matrix.clear();
   matrix.reinit(model.numbering->split(model.numbering->owned), parts_of_blocks(), pattern,
                 model.communicator);
+  make_cell_operators();
+}
+
+/// Whether the tangent of the cells has entries in a field's own block.
+template <int dim>
+bool BlockSystem<dim>::has_entries(const std::string &field) const
+{
+  const auto groups = model.field_groups();
+  for (unsigned int g = 0; g < groups_with_entries.size(); ++g)
+    if (!groups_with_entries[g] && std::find(groups[g].begin(), groups[g].end(), field) != groups[g].end())
+      return false;
+  return true;
+}
+
+template <int dim>
+void BlockSystem<dim>::make_cell_terms()
+{
+  cell_terms.clear();
+  for (const auto &domain : model.domains) {
+    cell_terms.push_back(std::make_unique<CellTerms<dim>>(*domain));
+    cell_terms.back()->set_rates(&step_rates);
+  }
+}
+
+/// In place of entries, where the groups do without.
+template <int dim>
+void BlockSystem<dim>::make_cell_operators()
+{
+  if (!cellwise.empty())
+    make_cell_terms();
+  cellwise.clear();
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int b = 0; b < blocks.size(); ++b)
+    if (const unsigned int part = matrix.part_of(b);
+        !blocks[b].is_constraint && !has_entries(blocks[b].field) && cellwise.count(part) == 0) {
+      cellwise[part] = std::make_shared<CellwiseTangent<dim>>(model, matrix.numbering(part));
+      matrix.set_operator(part, cellwise[part]);
+    }
+  for (unsigned int b = 0; b < blocks.size(); ++b)
+    if (const auto operators = cellwise.find(matrix.part_of(b)); operators != cellwise.end()) {
+      const unsigned int d = blocks[b].domain_index;
+      cell_terms[d]->give_tangent_to(model.domains[d]->fields()[blocks[b].field_index],
+                                     operators->second->of_domain(d));
+    }
 }
 
 /// Of each group of fields the blocks with a positive diagonal, and those of constraints: what a linear
@@ -503,8 +557,11 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   ghosted_scratch = x;
   move_constraints_from(ghosted_scratch);
   right_hand_side = 0;
-  if (with_tangent)
+  if (with_tangent) {
     matrix = 0;
+    for (const auto &part : cellwise)
+      part.second->begin(update_constraints);
+  }
   problem_here = {};
   last_undefined() = {};
   const unsigned int n_blocks = field_of_block.size();
@@ -521,6 +578,12 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   if (with_tangent)
     matrix.compress(dealii::VectorOperation::add);
   right_hand_side.compress(dealii::VectorOperation::add);
+  for (const auto &part : cellwise)
+    if (with_tangent) {
+      part.second->finish();
+      if (moves_constraints())
+        part.second->subtract_moves(update_constraints, right_hand_side);
+    }
   if (share < 1)
     right_hand_side.add(share - 1, held_back);
   for (auto *block_sums : {&sizes.forces, &sizes.on_free, &sizes.tangents, &sizes.products})
@@ -660,8 +723,11 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
         note_undefined("domain " + domain.name + ", the cell around " + in_words(cell->center()));
         return false;
       }
-      add_sizes(dofs, cell_terms[d]->forces(), unknowns, cell_terms[d]->longest_sum(), with_tangent);
-      scatter(residual, dofs, with_tangent);
+      const bool has_local_matrix = with_tangent && cell_terms[d]->has_entries(cell);
+      add_sizes(dofs, cell_terms[d]->forces(), unknowns, cell_terms[d]->longest_sum(), has_local_matrix);
+      if (with_tangent && !cellwise.empty())
+        add_products(dofs, cell_terms[d]->products(), cell_terms[d]->longest_sum());
+      scatter(residual, dofs, has_local_matrix);
     }
   return true;
 }
@@ -818,6 +884,24 @@ void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_ind
       for (const auto &[other, weight] : *update_constraints.get_constraint_entries(dofs[i]))
         add(model.numbering->block_of(other), weight);
     }
+  }
+}
+
+/// Likewise of the tangents of a cell that have no entries.
+template <int dim>
+void BlockSystem<dim>::add_products(const std::vector<dealii::types::global_dof_index> &dofs,
+                                    const std::vector<double> &products, const unsigned int longest_sum)
+{
+  for (unsigned int i = 0; i < dofs.size(); ++i) {
+    const auto add = [&](const unsigned int block, const double weight) {
+      sizes.products[block] += weight * weight * products[i] * products[i];
+      sizes.tangents[block] += longest_sum * weight * weight * products[i] * products[i];
+    };
+    if (!update_constraints.is_constrained(dofs[i]))
+      add(model.numbering->block_of(dofs[i]), 1.);
+    else
+      for (const auto &[other, weight] : *update_constraints.get_constraint_entries(dofs[i]))
+        add(model.numbering->block_of(other), weight);
   }
 }
 

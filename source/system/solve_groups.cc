@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/cell_operator.h>
 #include <dovetail/system/linear_part.h>
 #include <dovetail/system/solve_groups.h>
 
@@ -25,6 +26,25 @@ std::vector<SolveGroup::Sum> constrained_linear_part(const Model<dim> &model, co
       sums[i] = entries == nullptr ? SolveGroup::Sum() : SolveGroup::Sum(entries->begin(), entries->end());
     }
   return sums;
+}
+
+/// Why the tangent of the cells must be a matrix; empty if products do.
+template <int dim>
+std::string why_entries(const Model<dim> &model, const std::vector<std::string> &fields,
+                        const SolveGroup &group)
+{
+  if (fields.size() > 1)
+    return "its fields depend on each other";
+  if (!group.multiplier_blocks.empty())
+    return "it has multipliers";
+  for (const unsigned int b : group.blocks) {
+    const Block &block = model.numbering->blocks()[b];
+    const Domain<dim> &domain = *model.domains[block.domain_index];
+    if (std::string reason = CellOperator<dim>::objection(domain, domain.fields()[block.field_index]);
+        !reason.empty())
+      return reason;
+  }
+  return "";
 }
 
 } // namespace
@@ -72,6 +92,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
           body_fields.insert(blocks[b].field);
       }
     group.is_symmetric = body_fields.size() == 1 && model.is_symmetric(*body_fields.begin());
+    group.why_entries = why_entries(model, fields, group);
     group.field = [&model](const unsigned int block) { return model.numbering->blocks()[block].field; };
     groups.push_back(std::move(group));
   }

@@ -5,9 +5,11 @@
 
 #pragma once
 
+#include <dovetail/domain/cell_operator.h>
 #include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/open_boundary.h>
 
+#include <deal.II/base/table.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/full_matrix.h>
 
@@ -41,6 +43,21 @@ public:
   /// The rates of all unknowns (ghosted) in the step, kept by reference; nullptr: none are known.
   void set_rates(const Rates *step_rates) { rates = step_rates; }
 
+  /// From now on the terms of a field's own tangent go there, and not to the matrix of a cell. Boundaries'
+  /// still do.
+  void give_tangent_to(const Field &field, CellOperator<dim> &cells);
+  const Domain<dim> &body() const { return domain; }
+  /// Whether some condition has a tangent on a face of the cell.
+  bool has_boundary_tangent(const typename Domain<dim>::cell_iterator &cell) const;
+  /// Mark the pairs of local unknowns that it couples.
+  void add_boundary_couplings(const typename Domain<dim>::cell_iterator &cell,
+                              dealii::Table<2, bool> &couples) const;
+  /// Whether the tangent of a cell has entries.
+  bool has_entries(const typename Domain<dim>::cell_iterator &cell) const
+  {
+    return !pairs.empty() || !lumped.empty() || has_boundary_tangent(cell);
+  }
+
   /// Overwrites @p residual and, if @p tangent is not nullptr, the tangent. @return false if a law is not
   /// defined at the state of a quadrature point; the results are then incomplete.
   bool assemble(const typename Domain<dim>::cell_iterator &cell, double t,
@@ -63,6 +80,8 @@ public:
 
   /// Of the last assemble(), by local unknown: the sum of the absolute contributions of all points.
   const std::vector<double> &forces() const { return force_sizes; }
+  /// By local unknown, of the tangent that has been given away: at least sum_j |K_ij x_j|.
+  const std::vector<double> &products() const { return product_sizes; }
   /// How many roundings stand behind an entry of the residual: the terms of a gradient, of the product with
   /// the flux, of the sum over the points, and of that over the cells at a node.
   unsigned int longest_sum() const
@@ -96,6 +115,11 @@ private:
   void add_tangent_at_point(const Response<dim> &response, double JxW,
                             dealii::FullMatrix<double> &tangent) const;
   bool has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const;
+  bool has_operator(unsigned int component) const;
+  template <typename Visit>
+  void for_each_tangent(const typename Domain<dim>::cell_iterator &cell, const Visit &visit) const;
+  void give_away(const typename Domain<dim>::cell_iterator &cell, unsigned int q, double JxW,
+                 const std::vector<double> &unknowns);
   bool add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, double t,
                           const std::vector<double> &unknowns, std::vector<double> &residual,
                           dealii::FullMatrix<double> *tangent);
@@ -126,9 +150,10 @@ private:
     unsigned int c, d, index;
     Coupling coupling;
   };
-  std::vector<Pair> pairs;
-  std::vector<unsigned int> with_source; ///< components for which the laws have one
-  bool has_loads = false;                ///< some of them is not storage alone
+  std::vector<Pair> pairs, pairs_without_entries;
+  std::vector<std::pair<Field, CellOperator<dim> *>> operators; ///< of the latter
+  std::vector<unsigned int> with_source;                        ///< components for which the laws have one
+  bool has_loads = false;                                       ///< some of them is not storage alone
   const Rates *rates = nullptr;
   const std::vector<unsigned int> lumped; ///< components whose capacity is
   Response<dim> lumped_response;
@@ -140,8 +165,9 @@ private:
   std::array<std::vector<double>, dim> gradient_of_direction; ///< the same by direction, for the inner loop
   std::vector<const Condition<dim> *> flux_conditions;
   std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
-  std::vector<double> source_at_points;
-  std::vector<double> force_sizes;
+  std::vector<double> source_at_points, size_of_value; // scratch
+  std::vector<dealii::Tensor<1, dim>> size_of_gradient;
+  std::vector<double> force_sizes, product_sizes;
 };
 
 } // namespace dovetail

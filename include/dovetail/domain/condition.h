@@ -99,9 +99,10 @@ public:
   {
     return {};
   }
-  virtual bool sees_gradients() const { return false; } ///< else those of the state are zero
-  virtual bool is_linear() const { return true; }       ///< the influx is affine in the state
-  virtual bool is_symmetric() const { return true; }    ///< its derivative is
+  virtual bool has_tangent() const { return adds_flux() || is_weak(); } ///< the influx has derivatives
+  virtual bool sees_gradients() const { return false; }                 ///< else those of the state are zero
+  virtual bool is_linear() const { return true; }                       ///< the influx is affine in the state
+  virtual bool is_symmetric() const { return true; }                    ///< its derivative is
   /// Whether the derivatives are the same in all steps; if so, a linear scene assembles them once.
   virtual bool has_constant_tangent() const { return !adds_flux(); }
 

@@ -103,6 +103,8 @@ public:
 
   /// Whether two unknowns that are both zero in the jump, of different sides, have an entry in the tangent.
   virtual bool couples_fluxes() const { return true; }
+  /// Whether two such unknowns of one side have one.
+  virtual bool couples_insides(const Interface<dim> & /*interface*/) const { return true; }
   /// Whether both sides get the same flux at every point; else each gets that of the points on its own faces.
   virtual bool is_balanced() const { return true; }
 

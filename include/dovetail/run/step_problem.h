@@ -82,10 +82,11 @@ private:
   LinearSolver::Demand demand() const;
   double measure(bool is_defined);
   void set_matrix();
-  double refine_linear_solution(Vector &dx);
+  double refine_linear_solution(const Vector &x, Vector &dx);
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);
   void check_is_held() const;
+  void make_entries(const Vector &x);
   void give_tangent(); ///< to the linear solver, if it is new
   bool has_large_strain() const;
   bool is_scalar(unsigned int block) const;

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/solve/part_operator.h>
 #include <dovetail/solve/row_numbering.h>
 
 #include <deal.II/lac/affine_constraints.h>
@@ -25,7 +26,8 @@ namespace dovetail {
 
 /// A square matrix with one block per pair of blocks of unknowns. Blocks that a solver wants as one matrix
 /// form a part, with a numbering of its rows; each pair of parts with entries, and each part with itself, has
-/// one Trilinos matrix. So every entry exists once. Which pairs have entries is the same on all ranks.
+/// one Trilinos matrix. So every entry exists once. Which pairs have entries is the same on all ranks. A part
+/// may have a summand without entries, which counts in products and in the diagonal.
 class BlockMatrix
 {
 public:
@@ -53,7 +55,10 @@ public:
   /// Whether a block has entries on any rank; one on the diagonal counts always.
   bool has_block(const unsigned int row, const unsigned int column) const
   {
-    return columns_of[row].count(column) > 0;
+    if (columns_of[row].count(column) > 0)
+      return true;
+    const PartOperator *summand = part_of(row) == part_of(column) ? part_operator(part_of(row)) : nullptr;
+    return summand != nullptr && summand->coupled_blocks().count({row, column}) > 0;
   }
 
   /// Unknowns of each block that this rank owns.
@@ -65,6 +70,16 @@ public:
     return parts[row].count(column) > 0;
   }
   const Part &part(const unsigned int row, const unsigned int column) const { return *parts[row].at(column); }
+  /// Until reinit() or clear().
+  void set_operator(const unsigned int part, std::shared_ptr<PartOperator> summand)
+  {
+    operators[part] = std::move(summand);
+  }
+  const PartOperator *part_operator(const unsigned int part) const ///< nullptr: all there is are entries
+  {
+    const auto found = operators.find(part);
+    return found == operators.end() ? nullptr : found->second.get();
+  }
 
   BlockMatrix &operator=(double zero);
   void copy_from(const BlockMatrix &other);
@@ -85,7 +100,7 @@ public:
   /// || |K| |x| || of the rows of a block. Collective.
   double size_of_product(unsigned int row, const Vector &x) const;
 
-  /// Of an unknown that this rank owns.
+  /// Of an unknown that this rank owns. @pre Its part has entries only.
   void extract_row(size_type row, std::vector<size_type> &columns, std::vector<double> &values) const;
   /// Of the unknowns of a block that this rank owns.
   std::vector<double> diagonal(unsigned int block) const;
@@ -102,6 +117,7 @@ private:
   split_rows(unsigned int part, dealii::DynamicSparsityPattern &pattern) const;
   void add_to_own_row(const Epetra_CrsMatrix &matrix, int row, const double *values) const;
   void add_product(unsigned int row, unsigned int column, double factor, const Vector &x, Vector &y) const;
+  void visit_operator(unsigned int part, const Vector &x, const VisitProduct &visit) const;
   void visit_products(unsigned int row, unsigned int column, const Vector &x,
                       const VisitProduct &visit) const;
   Epetra_Vector ghosted(unsigned int row, unsigned int column, const Vector &x) const;
@@ -112,7 +128,8 @@ private:
   std::vector<std::set<unsigned int>> columns_of; ///< of each block row: the blocks that there are
   std::vector<RowNumbering> numberings;           ///< of each part
   std::vector<std::map<unsigned int, std::unique_ptr<Part>>> parts;
-  std::vector<size_type> part_columns; // scratch
+  std::map<unsigned int, std::shared_ptr<PartOperator>> operators; ///< by part
+  std::vector<size_type> part_columns;                             // scratch
 };
 
 /// Add a local matrix and vector on constraints, as AffineConstraints::distribute_local_to_global.

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/solve/part_operator.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/trilinos_vector.h>
@@ -33,6 +34,9 @@ public:
   virtual void diagonal(GroupVector &destination) const = 0;
   /// nullptr if there is none, but only vmult.
   virtual const Epetra_CrsMatrix *matrix() const { return nullptr; }
+  /// K is the sum of entries() and of the products of cells(), which have no entries; nullptr: none.
+  virtual const PartOperator *cells() const { return nullptr; }
+  virtual const Epetra_CrsMatrix *entries() const { return matrix(); }
 
   /// A of [A B^T; B -C]: without the multipliers; or A + B^T W B. *this if there are none.
   virtual const GroupOperator &bodies() const { return *this; }
@@ -54,6 +58,7 @@ struct GroupTraits
   unsigned int degree = 1;      ///< the largest one of the bodies
   unsigned long n_unknowns = 0; ///< of all ranks
   bool is_symmetric = true;     ///< and, but for multipliers, positive definite
+  std::string why_entries;      ///< why the cells' part of K must have entries; empty if products do
 };
 
 /// What is known of a group beside its operator. The functions may be called in GroupSolver::prepare.
@@ -98,6 +103,8 @@ public:
   virtual std::string description() const = 0;
   /// Why this group cannot be solved by it, "the matrix is not symmetric"; empty if it can.
   virtual std::string objection() const { return ""; }
+  /// Whether it asks for all entries of K. If not, those of cells are never made: GroupOperator::cells().
+  virtual bool needs_entries() const { return true; }
 
   /// K has new values. @p ranks: for steps that one rank alone may not survive.
   virtual void prepare(const GroupOperator &K, const Agreement &ranks) = 0;

@@ -56,6 +56,11 @@ public:
   LinearSolver(const Section &section, std::vector<SolveGroup> groups);
   ~LinearSolver();
 
+  /// Of each group: whether its matrix must have all entries. If not, the tangent of cells may be products.
+  std::vector<bool> needs_entries() const;
+  /// Whether a group that has failed waits for them.
+  bool lacks_entries() const;
+
   /// The matrix has new entries.
   void set_matrix(const Matrix &matrix);
   /// Before the matrix is destroyed or gets another sparsity: what was built from it refers to it.

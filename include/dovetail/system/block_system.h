@@ -8,6 +8,7 @@
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/scene/undefined.h>
 #include <dovetail/solve/block_matrix.h>
+#include <dovetail/system/cellwise_tangent.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/nodal_forces.h>
 #include <dovetail/system/unrestrained_mode.h>
@@ -35,8 +36,14 @@ class BlockSystem
 public:
   explicit BlockSystem(Model<dim> &model);
 
+  /// From the next set_up() on: of each group of fields (Model::field_groups), whether its matrix has all
+  /// entries. If not, the tangent of the cells is products; that of ties and conditions has entries.
+  void choose_entries(const std::vector<bool> &of_groups) { groups_with_entries = of_groups; }
+
   /// Constraints, sparsity and matrix for what is active at time @p t. Collective.
   void set_up(double t);
+  /// Those entries that choose_entries() has asked for, and nothing else anew. Collective.
+  void make_matrix() { make_sparsity(time); }
   /// Whether set_up must be called again because toggles have changed, or prescribed jumps of strong ties.
   bool is_outdated(double t) const;
 
@@ -157,7 +164,10 @@ private:
   void make_constraints(const ConstraintLines &lines);
   void make_sparsity(double t);
   std::vector<unsigned int> parts_of_blocks() const;
-  void add_pattern(const Domain<dim> &domain, dealii::DynamicSparsityPattern &pattern) const;
+  bool has_entries(const std::string &field) const;
+  void make_cell_terms();
+  void make_cell_operators();
+  void add_pattern(const CellTerms<dim> &terms, dealii::DynamicSparsityPattern &pattern) const;
   void add_pattern(const Interface<dim> &interface, dealii::DynamicSparsityPattern &pattern) const;
   void move_constraints_from(const Vector &ghosted);
   bool evaluate_memory(double t);
@@ -170,6 +180,8 @@ private:
   void apply(const dealii::AffineConstraints<double> &lines, Vector &x);
   void add_sizes(const std::vector<dealii::types::global_dof_index> &dofs, const std::vector<double> &forces,
                  const std::vector<double> &unknowns, unsigned int longest_sum, bool with_tangent);
+  void add_products(const std::vector<dealii::types::global_dof_index> &dofs,
+                    const std::vector<double> &products, unsigned int longest_sum);
   void scatter(const std::vector<double> &residual, const std::vector<dealii::types::global_dof_index> &dofs,
                bool with_tangent);
   void note_undefined(const std::string &where);
@@ -193,8 +205,10 @@ private:
   std::vector<bool> toggles_of_set_up;
   double time_of_set_up = 0;
   BlockMatrix matrix;
-  bool has_tangent = false;                 ///< since set_up
-  Rates step_rates;                         ///< ghosted
+  std::vector<bool> groups_with_entries;
+  std::map<unsigned int, std::shared_ptr<CellwiseTangent<dim>>> cellwise; ///< by part of the matrix
+  bool has_tangent = false;                                               ///< since set_up
+  Rates step_rates;                                                       ///< ghosted
   std::array<double, 2> rates_of_tangent{}; ///< derivatives of the rates in the last tangent
   Undefined problem, problem_here;          ///< over all ranks; on this one, in the present assembly
   Assemblies n_assemblies;

@@ -40,6 +40,10 @@ public:
   void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
   std::array<bool, 2> integrates_on() const override { return sides_of_integration; }
   bool couples_fluxes() const override { return has_joint(); }
+  bool couples_insides(const Interface<dim> &interface) const override
+  {
+    return theta != 0 && !interface.is_linear(); // second derivatives of the flux
+  }
   bool is_symmetric() const override { return theta == 1. && !own_sides && !has_frozen_variation; }
   bool is_balanced() const override { return !own_sides; }
   bool has_constant_tangent(const Interface<dim> &interface) const override

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What a part of a block matrix has beside its entries.
+
+#pragma once
+
+#include <Epetra_CrsMatrix.h>
+#include <Epetra_Vector.h>
+
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace dovetail {
+
+/// A summand of a square matrix that knows products and no entries. Rows are those of the part; vectors have
+/// the own ones.
+class PartOperator
+{
+public:
+  virtual ~PartOperator() = default;
+
+  /// y += factor K x, or with the symmetric part of K. Collective.
+  virtual void add_product(double factor, const Epetra_Vector &x, Epetra_Vector &y,
+                           bool of_symmetric_part) const = 0;
+  virtual void add_diagonal(Epetra_Vector &values) const = 0;
+  /// P^T K P + @p summand, of the symmetric part of K. Collective.
+  virtual std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P,
+                                                       const Epetra_CrsMatrix &summand) const = 0;
+  /// Of each own row: whether its unknown follows from others or is prescribed, so that the row is empty.
+  virtual const std::vector<bool> &condensed() const = 0;
+  /// Pairs of different blocks, by number of the block, that would have entries on any rank.
+  virtual const std::set<std::pair<unsigned int, unsigned int>> &coupled_blocks() const = 0;
+  /// The largest number of entries that a row would have.
+  virtual unsigned int row_length() const = 0;
+
+  virtual std::shared_ptr<PartOperator> copy() const = 0;
+  virtual void add(double factor, const PartOperator &other) = 0; ///< @p other: a copy of this one
+};
+
+} // namespace dovetail

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The tangent of the cells of several domains on the constraints, without a matrix.
+
+#pragma once
+
+#include <dovetail/domain/cell_operator.h>
+#include <dovetail/solve/part_operator.h>
+#include <dovetail/solve/row_numbering.h>
+#include <dovetail/system/model.h>
+
+#include <deal.II/lac/affine_constraints.h>
+
+#include <Epetra_Import.h>
+#include <Epetra_Map.h>
+
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace dovetail {
+
+/// @f[ C^T K C @f] with the tangent K of the cells in one field of all bodies, and C, which finds the
+/// constrained unknowns from those that they follow: hanging nodes and ties by constraints; prescribed ones
+/// are zero. A constrained row is empty.
+template <int dim>
+class CellwiseTangent : public PartOperator
+{
+public:
+  /// @p rows: of the blocks of the field. Collective.
+  CellwiseTangent(const Model<dim> &model, const RowNumbering &rows);
+
+  CellOperator<dim> &of_domain(const unsigned int d) { return *operators.at(d); }
+  bool has_domain(const unsigned int d) const { return operators.count(d) > 0; }
+
+  /// New derivatives follow, with these constraints. Collective.
+  void begin(const dealii::AffineConstraints<double> &constraints);
+  void finish(); ///< all of them are known; collective
+  /// b -= C^T K g with the values g that @p constraints prescribe. Collective.
+  void subtract_moves(const dealii::AffineConstraints<double> &constraints,
+                      dealii::TrilinosWrappers::MPI::BlockVector &b) const;
+
+  void add_product(double factor, const Epetra_Vector &x, Epetra_Vector &y,
+                   bool of_symmetric_part) const override;
+  void add_diagonal(Epetra_Vector &values) const override;
+  std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P,
+                                               const Epetra_CrsMatrix &summand) const override;
+  const std::vector<bool> &condensed() const override { return is_condensed; }
+  const std::set<std::pair<unsigned int, unsigned int>> &coupled_blocks() const override
+  {
+    return block_pairs;
+  }
+  unsigned int row_length() const override;
+  std::shared_ptr<PartOperator> copy() const override;
+  void add(double factor, const PartOperator &other) override;
+
+private:
+  CellwiseTangent(const CellwiseTangent &other);
+  int row(dealii::types::global_dof_index dof) const; ///< global
+  void collect_columns();
+  void make_constraint_matrix(const dealii::AffineConstraints<double> &constraints);
+  Epetra_Vector multiply_cells(const Epetra_Vector &all_values, bool of_symmetric_part) const;
+  void condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights) const;
+  std::unique_ptr<Epetra_CrsMatrix> complete(const Epetra_CrsMatrix &P) const;
+
+  const Model<dim> &model;
+  const RowNumbering &rows;
+  std::map<unsigned int, std::unique_ptr<CellOperator<dim>>> operators; ///< by domain
+  std::vector<unsigned int> place_of_block;                             ///< among those of the part
+  std::shared_ptr<Epetra_Map> own_rows, columns; ///< the own ones first, then those of cells on other ranks
+  std::shared_ptr<Epetra_Import> import;
+  std::vector<int> constrained;             ///< local rows
+  std::shared_ptr<Epetra_CrsMatrix> follow; ///< a row for each of them: those it follows
+  std::vector<bool> is_condensed;
+  std::set<std::pair<unsigned int, unsigned int>> block_pairs;
+  std::vector<double> diagonal;
+};
+
+} // namespace dovetail

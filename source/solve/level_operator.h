@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What a level of multigrid smooths: a matrix, or products.
+
+#pragma once
+
+#include <Epetra_CrsMatrix.h>
+#include <Epetra_Vector.h>
+
+#include <memory>
+
+namespace dovetail {
+
+/// A symmetric positive definite operator A on the own rows of this rank.
+class LevelOperator
+{
+public:
+  virtual ~LevelOperator() = default;
+
+  virtual const Epetra_Map &rows() const = 0;
+  virtual void vmult(Epetra_Vector &y, const Epetra_Vector &x) const = 0;
+  virtual void diagonal(Epetra_Vector &values) const = 0;
+  virtual std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const = 0; ///< P^T A P
+  /// Whether the unknown of an own row follows from others, so that it is alone in its row.
+  virtual bool is_condensed(unsigned int row) const = 0;
+};
+
+class MatrixLevel : public LevelOperator
+{
+public:
+  explicit MatrixLevel(const Epetra_CrsMatrix &A) : A(A) {} ///< by reference
+
+  const Epetra_Map &rows() const override { return A.OperatorDomainMap(); }
+  void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override { A.Multiply(false, x, y); }
+  void diagonal(Epetra_Vector &values) const override { A.ExtractDiagonalCopy(values); }
+  std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const override;
+  bool is_condensed(const unsigned int row) const override { return A.NumMyEntries(row) <= 1; }
+
+private:
+  const Epetra_CrsMatrix &A;
+};
+
+/// (A + A^T) / 2 within each field, and nothing between fields, whose units differ: what is left is positive
+/// definite if the fields are by themselves. An entry without a partner across the diagonal is left out too.
+std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A,
+                                                      const std::vector<int> &field_of_row);
+
+} // namespace dovetail

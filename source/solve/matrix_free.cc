@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// CG or GMRES with products in place of a matrix: the tangent of the cells is applied by sum factorisation,
+// that of ties and boundaries is a sparse matrix beside it. The preconditioner smooths by Chebyshev's
+// polynomial of the diagonal, and solves for functions of degree one by smoothed aggregation.
+//
+//     subsection Linear solver
+//       set Type = matrix-free
+//     end
+//
+// M. Kronbichler, K. Kormann: A generic interface for parallel cell-based finite element operator
+// application, 2012.
+
+#include "degree_coarsening.h"
+
+#include <dovetail/solve/krylov.h>
+
+#include <memory>
+#include <string>
+
+namespace dovetail {
+
+namespace {
+
+/// The symmetric part of entries and cells.
+class SumLevel : public LevelOperator
+{
+public:
+  SumLevel(const GroupOperator &K, const GroupFacts &facts) : cells(*K.cells()), entries(K.entries())
+  {
+    if (!facts.is_symmetric) {
+      symmetric_entries = make_symmetric_part(*entries, facts.field_of_row());
+      entries = symmetric_entries.get();
+    }
+  }
+
+  const Epetra_Map &rows() const override { return entries->OperatorDomainMap(); }
+  void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override
+  {
+    entries->Multiply(false, x, y);
+    cells.add_product(1., x, y, true);
+  }
+  void diagonal(Epetra_Vector &values) const override
+  {
+    entries->ExtractDiagonalCopy(values);
+    cells.add_diagonal(values);
+  }
+  std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const override
+  {
+    return cells.restricted(P, *MatrixLevel(*entries).restricted(P));
+  }
+  bool is_condensed(const unsigned int row) const override { return cells.condensed()[row]; }
+
+private:
+  const PartOperator &cells;
+  const Epetra_CrsMatrix *entries;
+  std::unique_ptr<Epetra_CrsMatrix> symmetric_entries; ///< if they are not
+};
+
+} // namespace
+
+class MatrixFree : public GroupSolver
+{
+public:
+  MatrixFree(const Section &, const GroupFacts &facts) : facts(facts) {}
+
+  std::string description() const override
+  {
+    return describe_iteration(facts, "matrix-free products and multigrid");
+  }
+  std::string objection() const override { return facts.why_entries; }
+  bool needs_entries() const override { return false; }
+  void prepare(const GroupOperator &K, const Agreement &ranks) override;
+  unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) override;
+  void forget() override
+  {
+    cycle.reset();
+    level.reset();
+    modes.reset();
+  }
+
+private:
+  const GroupFacts &facts;
+  std::unique_ptr<Epetra_MultiVector> modes;
+  std::unique_ptr<SumLevel> level;
+  std::unique_ptr<DegreeCoarsening> cycle;
+};
+
+void MatrixFree::prepare(const GroupOperator &K, const Agreement &ranks)
+{
+  cycle.reset();
+  ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
+  if (!modes)
+    ranks.run("modes", [&]() { modes = make_modes(facts, level->rows()); });
+  ranks.run("multigrid",
+            [&]() { cycle = std::make_unique<DegreeCoarsening>(*level, facts.linear_part(), *modes); });
+}
+
+unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b,
+                               const double goal)
+{
+  const auto apply = [this](GroupVector &solution, const GroupVector &right_hand_side) {
+    Epetra_Vector z(View, solution.trilinos_vector(), 0);
+    cycle->vmult(z, Epetra_Vector(View, right_hand_side.trilinos_vector(), 0));
+  };
+  return solve_by_iteration(K, facts, apply, x, b, goal, {});
+}
+
+namespace {
+[[maybe_unused]] const bool registered = SolverCatalogue::add<MatrixFree>(
+    "matrix-free", "Products with the cells' tangent by sum factorisation, and multigrid; for one field on "
+                   "quadrilaterals or hexahedra, degree 2 and higher, ties without multipliers.");
+}
+
+} // namespace dovetail

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/system/cellwise_tangent.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/lac/dynamic_sparsity_pattern.h>
+#include <deal.II/lac/sparsity_tools.h>
+#include <deal.II/lac/trilinos_sparse_matrix.h>
+
+#include <EpetraExt_MatrixMatrix.h>
+#include <Epetra_MpiComm.h>
+
+#include <boost/serialization/set.hpp>
+#include <boost/serialization/utility.hpp>
+
+#include <algorithm>
+
+namespace dovetail {
+
+template <int dim>
+CellwiseTangent<dim>::CellwiseTangent(const Model<dim> &model, const RowNumbering &rows)
+    : model(model), rows(rows), place_of_block(model.numbering->blocks().size(), -1)
+{
+  for (unsigned int i = 0; i < rows.blocks().size(); ++i) {
+    const Block &block = model.numbering->blocks()[rows.blocks()[i]];
+    const Domain<dim> &domain = *model.domains[block.domain_index];
+    place_of_block[rows.blocks()[i]] = i;
+    operators[block.domain_index] = CellOperator<dim>::make(domain, domain.fields()[block.field_index]);
+  }
+  collect_columns();
+}
+
+template <int dim>
+CellwiseTangent<dim>::CellwiseTangent(const CellwiseTangent &other)
+    : PartOperator(other), model(other.model), rows(other.rows), place_of_block(other.place_of_block),
+      own_rows(other.own_rows), columns(other.columns), import(other.import), constrained(other.constrained),
+      follow(other.follow), is_condensed(other.is_condensed), block_pairs(other.block_pairs),
+      diagonal(other.diagonal)
+{
+  for (const auto &[d, cells] : other.operators)
+    operators[d] = cells->copy();
+}
+
+template <int dim>
+std::shared_ptr<PartOperator> CellwiseTangent<dim>::copy() const
+{
+  return std::shared_ptr<PartOperator>(new CellwiseTangent(*this));
+}
+
+template <int dim>
+void CellwiseTangent<dim>::add(const double factor, const PartOperator &other)
+{
+  for (auto &[d, cells] : operators)
+    cells->add_tangent(factor, *dynamic_cast<const CellwiseTangent &>(other).operators.at(d));
+  finish();
+}
+
+template <int dim>
+int CellwiseTangent<dim>::row(const dealii::types::global_dof_index dof) const
+{
+  const unsigned int b = model.numbering->block_of(dof);
+  return rows.row(place_of_block[b], dof - model.numbering->blocks()[b].begin);
+}
+
+template <int dim>
+void CellwiseTangent<dim>::collect_columns()
+{
+  const Epetra_MpiComm communicator(model.communicator);
+  own_rows = std::make_shared<Epetra_Map>(-1, static_cast<int>(rows.n_local()), 0, communicator);
+  std::set<int> others;
+  for (const auto &[d, cells] : operators)
+    cells->for_each_unknown([&](const auto dof) {
+      if (const int global = row(dof); !own_rows->MyGID(global))
+        others.insert(global);
+    });
+  std::vector<int> all(own_rows->MyGlobalElements(),
+                       own_rows->MyGlobalElements() + own_rows->NumMyElements());
+  all.insert(all.end(), others.begin(), others.end());
+  columns = std::make_shared<Epetra_Map>(-1, static_cast<int>(all.size()), all.data(), 0, communicator);
+  import = std::make_shared<Epetra_Import>(*columns, *own_rows);
+  for (auto &[d, cells] : operators)
+    cells->number([&](const auto dof) { return columns->LID(row(dof)); });
+}
+
+template <int dim>
+void CellwiseTangent<dim>::begin(const dealii::AffineConstraints<double> &constraints)
+{
+  make_constraint_matrix(constraints);
+  for (auto &[d, cells] : operators)
+    cells->begin_tangent();
+}
+
+template <int dim>
+void CellwiseTangent<dim>::make_constraint_matrix(const dealii::AffineConstraints<double> &constraints)
+{
+  constrained.clear();
+  is_condensed.assign(rows.n_local(), false);
+  std::vector<int> global_rows;
+  std::vector<std::vector<int>> followed;
+  std::vector<std::vector<double>> weights;
+  std::set<std::pair<unsigned int, unsigned int>> own_pairs;
+  for (const unsigned int b : rows.blocks()) {
+    const Block &block = model.numbering->blocks()[b];
+    for (const auto i : block.owned)
+      if (const auto *entries = constraints.get_constraint_entries(block.begin + i);
+          constraints.is_constrained(block.begin + i)) {
+        global_rows.push_back(row(block.begin + i));
+        constrained.push_back(own_rows->LID(global_rows.back()));
+        is_condensed[constrained.back()] = true;
+        followed.emplace_back();
+        weights.emplace_back();
+        for (unsigned int k = 0; entries != nullptr && k < entries->size(); ++k) {
+          followed.back().push_back(row((*entries)[k].first));
+          weights.back().push_back((*entries)[k].second);
+          const unsigned int other = model.numbering->block_of((*entries)[k].first);
+          if (other != b)
+            own_pairs.insert({{b, other}, {other, b}});
+        }
+      }
+  }
+  block_pairs.clear();
+  for (const auto &of_rank : dealii::Utilities::MPI::all_gather(model.communicator, own_pairs))
+    block_pairs.insert(of_rank.begin(), of_rank.end());
+  const Epetra_Map map(-1, static_cast<int>(global_rows.size()), global_rows.data(), 0, own_rows->Comm());
+  follow = std::make_shared<Epetra_CrsMatrix>(Copy, map, 0);
+  for (unsigned int k = 0; k < global_rows.size(); ++k)
+    follow->InsertGlobalValues(global_rows[k], followed[k].size(), weights[k].data(), followed[k].data());
+  follow->FillComplete(*own_rows, map);
+}
+
+/// K x for all unknowns of the cells, as if there were no constraints.
+template <int dim>
+Epetra_Vector CellwiseTangent<dim>::multiply_cells(const Epetra_Vector &all_values,
+                                                   const bool of_symmetric_part) const
+{
+  Epetra_Vector result(*own_rows);
+  if (own_rows->Comm().NumProc() == 1) {
+    for (const auto &[d, cells] : operators)
+      cells->add_product(all_values.Values(), result.Values(), of_symmetric_part);
+    return result;
+  }
+  Epetra_Vector x(*columns), y(*columns);
+  x.Import(all_values, *import, Insert);
+  for (const auto &[d, cells] : operators)
+    cells->add_product(x.Values(), y.Values(), of_symmetric_part);
+  result.Export(y, *import, Add);
+  return result;
+}
+
+/// y = C^T y
+template <int dim>
+void CellwiseTangent<dim>::condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights) const
+{
+  if (follow->NumGlobalRows() == 0)
+    return;
+  Epetra_Vector of_constrained(follow->RangeMap()), on_others(*own_rows);
+  for (unsigned int k = 0; k < constrained.size(); ++k) {
+    of_constrained[k] = y[constrained[k]];
+    y[constrained[k]] = 0;
+  }
+  weights.Multiply(true, of_constrained, on_others);
+  y.Update(1., on_others, 1.);
+}
+
+template <int dim>
+void CellwiseTangent<dim>::add_product(const double factor, const Epetra_Vector &x, Epetra_Vector &y,
+                                       const bool of_symmetric_part) const
+{
+  Epetra_Vector all(x);
+  if (follow->NumGlobalRows() > 0) {
+    Epetra_Vector of_constrained(follow->RangeMap());
+    follow->Multiply(false, x, of_constrained);
+    for (unsigned int k = 0; k < constrained.size(); ++k)
+      all[constrained[k]] = of_constrained[k];
+  }
+  Epetra_Vector product = multiply_cells(all, of_symmetric_part);
+  condense(product, *follow);
+  for (int i = 0; i < y.MyLength(); ++i)
+    y[i] += factor * product[i];
+}
+
+template <int dim>
+void CellwiseTangent<dim>::subtract_moves(const dealii::AffineConstraints<double> &constraints,
+                                          dealii::TrilinosWrappers::MPI::BlockVector &b) const
+{
+  Epetra_Vector values(*own_rows), own(*own_rows);
+  for (const unsigned int number : rows.blocks()) {
+    const Block &block = model.numbering->blocks()[number];
+    for (const auto i : block.owned)
+      if (constraints.is_constrained(block.begin + i))
+        values[own_rows->LID(row(block.begin + i))] = constraints.get_inhomogeneity(block.begin + i);
+  }
+  Epetra_Vector product = multiply_cells(values, false);
+  condense(product, *follow);
+  rows.gather(b, own.Values());
+  own.Update(-1., product, 1.);
+  rows.scatter(own.Values(), b);
+}
+
+/// As if no product of two unknowns that one follows counted: near enough for a smoother.
+template <int dim>
+void CellwiseTangent<dim>::finish()
+{
+  Epetra_Vector of_cells(*columns), own(*own_rows);
+  for (const auto &[d, cells] : operators) {
+    cells->finish_tangent();
+    cells->add_diagonal(of_cells.Values());
+  }
+  own.Export(of_cells, *import, Add);
+  Epetra_CrsMatrix squares(*follow);
+  for (int k = 0; k < squares.NumMyRows(); ++k) {
+    int n = 0;
+    double *values = nullptr;
+    squares.ExtractMyRowView(k, n, values);
+    std::transform(values, values + n, values, [](const double w) { return w * w; });
+  }
+  condense(own, squares);
+  diagonal.assign(own.Values(), own.Values() + own.MyLength());
+}
+
+template <int dim>
+void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
+{
+  for (unsigned int i = 0; i < diagonal.size(); ++i)
+    values[i] += diagonal[i];
+}
+
+/// C P, at all unknowns of the cells of this rank.
+template <int dim>
+std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::complete(const Epetra_CrsMatrix &P) const
+{
+  Epetra_CrsMatrix of_constrained(Copy, follow->RowMap(), 0), all(Copy, *own_rows, P.MaxNumEntries());
+  EpetraExt::MatrixMatrix::Multiply(*follow, false, P, false, of_constrained, false);
+  of_constrained.FillComplete(P.DomainMap(), follow->RangeMap());
+  std::vector<int> global_columns;
+  const auto copy_row = [&](const Epetra_CrsMatrix &from, const int local, const int global) {
+    int n = 0, *local_columns = nullptr;
+    double *values = nullptr;
+    from.ExtractMyRowView(local, n, values, local_columns);
+    global_columns.clear();
+    for (int k = 0; k < n; ++k)
+      global_columns.push_back(from.GCID(local_columns[k]));
+    all.InsertGlobalValues(global, n, values, global_columns.data());
+  };
+  for (unsigned int i = 0; i < is_condensed.size(); ++i)
+    if (!is_condensed[i])
+      copy_row(P, i, own_rows->GID(i));
+  for (unsigned int k = 0; k < constrained.size(); ++k)
+    copy_row(of_constrained, k, own_rows->GID(constrained[k]));
+  all.FillComplete(P.DomainMap(), *own_rows);
+  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, *columns, 0);
+  result->Import(all, *import, Insert);
+  result->FillComplete(P.DomainMap(), *own_rows);
+  return result;
+}
+
+namespace {
+
+dealii::IndexSet own_elements(const Epetra_Map &map)
+{
+  dealii::IndexSet own(map.NumGlobalElements());
+  if (map.NumMyElements() > 0)
+    own.add_range(map.MinMyGID(), map.MaxMyGID() + 1);
+  return own;
+}
+
+dealii::IndexSet with_columns(const dealii::IndexSet &own, const Epetra_CrsMatrix &matrix)
+{
+  dealii::IndexSet result(own);
+  std::vector<dealii::types::global_dof_index> columns;
+  for (int k = 0; k < matrix.NumMyCols(); ++k)
+    columns.push_back(matrix.GCID(k));
+  std::sort(columns.begin(), columns.end());
+  result.add_indices(columns.begin(), columns.end());
+  result.compress();
+  return result;
+}
+
+} // namespace
+
+template <int dim>
+std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_CrsMatrix &P,
+                                                                   const Epetra_CrsMatrix &summand) const
+{
+  using Index = dealii::types::global_dof_index;
+  const auto all = complete(P);
+  const auto row_of_P = [&](const int index) {
+    typename CellOperator<dim>::Row result{};
+    int *local = nullptr;
+    double *weights = nullptr;
+    all->ExtractMyRowView(index, result.n, weights, local);
+    result.columns = local;
+    result.weights = weights;
+    return result;
+  };
+  std::vector<Index> global;
+  const auto make_global = [&](const std::vector<int> &local) {
+    global.clear();
+    for (const int k : local)
+      global.push_back(all->GCID(k));
+  };
+  const dealii::IndexSet own = own_elements(P.DomainMap()), relevant = with_columns(own, *all);
+  dealii::DynamicSparsityPattern pattern(own.size(), own.size(), relevant);
+  for (const auto &[d, cells] : operators)
+    cells->for_each_cell(row_of_P, [&](const std::vector<int> &local) {
+      make_global(local);
+      std::sort(global.begin(), global.end());
+      for (const Index i : global)
+        pattern.add_entries(i, global.begin(), global.end(), true);
+    });
+  const auto for_each_row_of_summand = [&](const auto &visit) {
+    for (int i = 0; i < summand.NumMyRows(); ++i) {
+      int n = 0, *local = nullptr;
+      double *entries = nullptr;
+      summand.ExtractMyRowView(i, n, entries, local);
+      global.clear();
+      for (int k = 0; k < n; ++k)
+        global.push_back(summand.GCID(local[k]));
+      visit(static_cast<Index>(summand.GRID(i)), entries);
+    }
+  };
+  for_each_row_of_summand(
+      [&](const Index i, const double *) { pattern.add_entries(i, global.begin(), global.end()); });
+  dealii::SparsityTools::distribute_sparsity_pattern(pattern, own, model.communicator, relevant);
+  dealii::TrilinosWrappers::SparseMatrix matrix;
+  matrix.reinit(own, own, pattern, model.communicator, true);
+  for (const auto &[d, cells] : operators)
+    cells->for_each_restriction(row_of_P, [&](const std::vector<int> &local, const auto &product) {
+      make_global(local);
+      matrix.add(global, product, false);
+    });
+  for_each_row_of_summand([&](const Index i, const double *entries) {
+    if (!global.empty())
+      matrix.add(i, global.size(), global.data(), entries, false);
+  });
+  matrix.compress(dealii::VectorOperation::add);
+  return std::make_unique<Epetra_CrsMatrix>(matrix.trilinos_matrix());
+}
+
+template <int dim>
+unsigned int CellwiseTangent<dim>::row_length() const
+{
+  unsigned int largest = 0;
+  for (const auto &[d, cells] : operators)
+    largest = std::max(largest, model.domains[d]->dofs_per_cell() * (1u << dim));
+  return largest;
+}
+
+template class CellwiseTangent<2>;
+template class CellwiseTangent<3>;
+
+} // namespace dovetail

@@ -225,6 +225,7 @@ template <int dim>
 void StepProblem<dim>::make_entries(const Vector &x)
 {
   linear_solver.forget_matrix();
+  tangent_at_rest.clear(); // it has none either
   system.choose_entries(linear_solver.needs_entries());
   system.make_matrix();
   residual_and_tangent(x);

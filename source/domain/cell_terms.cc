@@ -123,7 +123,8 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
 {
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(layout.size(), 0.);
-  product_sizes.assign(layout.size(), 0.);
+  if (!operators.empty())
+    product_sizes.assign(layout.size(), 0.);
   if (tangent)
     *tangent = 0;
   if (tangent && !lumped.empty())
@@ -284,12 +285,9 @@ bool CellTerms<dim>::has_equal_derivatives(const Response<dim> &a, const Respons
 template <int dim>
 void CellTerms<dim>::give_tangent_to(const Field &field, CellOperator<dim> &cells)
 {
-  const auto is_of_field = [&](const unsigned int c) {
-    return c >= field.first_component && c < field.first_component + field.n_components;
-  };
   operators.emplace_back(field, &cells);
   const auto middle = std::stable_partition(pairs.begin(), pairs.end(), [&](const Pair &pair) {
-    return !is_of_field(pair.c) || !is_of_field(pair.d);
+    return !field.has_component(pair.c) || !field.has_component(pair.d);
   });
   pairs_without_entries.insert(pairs_without_entries.end(), middle, pairs.end());
   pairs.erase(middle, pairs.end());
@@ -339,10 +337,8 @@ void CellTerms<dim>::add_boundary_couplings(const typename Domain<dim>::cell_ite
 template <int dim>
 bool CellTerms<dim>::has_operator(const unsigned int component) const
 {
-  return std::any_of(operators.begin(), operators.end(), [&](const auto &entry) {
-    return component >= entry.first.first_component &&
-           component < entry.first.first_component + entry.first.n_components;
-  });
+  return std::any_of(operators.begin(), operators.end(),
+                     [&](const auto &entry) { return entry.first.has_component(component); });
 }
 
 /// The derivatives at the current point, and the sizes of their products with the unknowns.
@@ -460,7 +456,7 @@ template <int dim>
 std::string field_of_component(const Domain<dim> &domain, const unsigned int c)
 {
   for (const Field &field : domain.fields())
-    if (c < field.first_component + field.n_components)
+    if (field.has_component(c))
       return field.name;
   return {};
 }

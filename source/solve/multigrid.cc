@@ -64,6 +64,7 @@ void Multigrid::forget_values()
 {
   aggregation.reset();
   by_degree.reset();
+  finest.reset();
   symmetric_part.reset();
 }
 

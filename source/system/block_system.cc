@@ -209,10 +209,11 @@ void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms, dealii::DynamicS
   bool any_couples = false, has_all_entries = true;
   for (unsigned int f = 0; f < fields.size(); ++f)
     for (unsigned int g = 0; g < fields.size(); ++g) {
-      const bool depends = domain.material.depends(f, g) && (f != g || has_entries(fields[f].name));
+      const bool is_without_entries = f == g && !has_entries(fields[f].name);
+      const bool depends = domain.material.depends(f, g) && !is_without_entries;
       all_couple = all_couple && depends;
       any_couples = any_couples || depends;
-      has_all_entries = has_all_entries && (f != g || has_entries(fields[f].name));
+      has_all_entries = has_all_entries && !is_without_entries;
       for (unsigned int i = begin(fields[f]); depends && i < end(fields[f]); ++i)
         for (unsigned int j = begin(fields[g]); j < end(fields[g]); ++j)
           couples(i, j) = true;
@@ -578,8 +579,8 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   if (with_tangent)
     matrix.compress(dealii::VectorOperation::add);
   right_hand_side.compress(dealii::VectorOperation::add);
-  for (const auto &part : cellwise)
-    if (with_tangent) {
+  if (with_tangent)
+    for (const auto &part : cellwise) {
       part.second->finish();
       if (moves_constraints())
         part.second->subtract_moves(update_constraints, right_hand_side);
@@ -725,7 +726,7 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
       }
       const bool has_local_matrix = with_tangent && cell_terms[d]->has_entries(cell);
       add_sizes(dofs, cell_terms[d]->forces(), unknowns, cell_terms[d]->longest_sum(), has_local_matrix);
-      if (with_tangent && !cellwise.empty())
+      if (with_tangent && !cell_terms[d]->products().empty())
         add_products(dofs, cell_terms[d]->products(), cell_terms[d]->longest_sum());
       scatter(residual, dofs, has_local_matrix);
     }

@@ -226,6 +226,19 @@ void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
     values[i] += diagonal[i];
 }
 
+namespace {
+
+/// Of @p n local columns.
+template <typename Index>
+void make_global(const Epetra_CrsMatrix &matrix, const int *local, const int n, std::vector<Index> &global)
+{
+  global.clear();
+  for (int k = 0; k < n; ++k)
+    global.push_back(matrix.GCID(local[k]));
+}
+
+} // namespace
+
 /// C P, at all unknowns of the cells of this rank.
 template <int dim>
 std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::complete(const Epetra_CrsMatrix &P) const
@@ -238,9 +251,7 @@ std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::complete(const Epetra_Cr
     int n = 0, *local_columns = nullptr;
     double *values = nullptr;
     from.ExtractMyRowView(local, n, values, local_columns);
-    global_columns.clear();
-    for (int k = 0; k < n; ++k)
-      global_columns.push_back(from.GCID(local_columns[k]));
+    make_global(from, local_columns, n, global_columns);
     all.InsertGlobalValues(global, n, values, global_columns.data());
   };
   for (unsigned int i = 0; i < is_condensed.size(); ++i)
@@ -295,16 +306,11 @@ std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_
     return result;
   };
   std::vector<Index> global;
-  const auto make_global = [&](const std::vector<int> &local) {
-    global.clear();
-    for (const int k : local)
-      global.push_back(all->GCID(k));
-  };
   const dealii::IndexSet own = own_elements(P.DomainMap()), relevant = with_columns(own, *all);
   dealii::DynamicSparsityPattern pattern(own.size(), own.size(), relevant);
   for (const auto &[d, cells] : operators)
     cells->for_each_cell(row_of_P, [&](const std::vector<int> &local) {
-      make_global(local);
+      make_global(*all, local.data(), local.size(), global);
       std::sort(global.begin(), global.end());
       for (const Index i : global)
         pattern.add_entries(i, global.begin(), global.end(), true);
@@ -314,9 +320,7 @@ std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_
       int n = 0, *local = nullptr;
       double *entries = nullptr;
       summand.ExtractMyRowView(i, n, entries, local);
-      global.clear();
-      for (int k = 0; k < n; ++k)
-        global.push_back(summand.GCID(local[k]));
+      make_global(summand, local, n, global);
       visit(static_cast<Index>(summand.GRID(i)), entries);
     }
   };
@@ -327,7 +331,7 @@ std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_
   matrix.reinit(own, own, pattern, model.communicator, true);
   for (const auto &[d, cells] : operators)
     cells->for_each_restriction(row_of_P, [&](const std::vector<int> &local, const auto &product) {
-      make_global(local);
+      make_global(*all, local.data(), local.size(), global);
       matrix.add(global, product, false);
     });
   for_each_row_of_summand([&](const Index i, const double *entries) {

@@ -30,6 +30,12 @@ struct Field
   bool is_continuous = true;    ///< across faces; if not, its terms have no flux, and it has no trace
   /// Of a constraint on the other fields of the body, as a pressure is of its volume: nothing has to hold it.
   bool is_multiplier = false;
+
+  /// Whether a component of the material is one of its own.
+  bool has_component(const unsigned int c) const
+  {
+    return c >= first_component && c < first_component + n_components;
+  }
 };
 
 /// What a law sees at a point: position, time, for each component c the trace B_c and its gradient, and what

@@ -52,7 +52,7 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, const Sums &sums, con
       ++next;
     }
   coarse = std::make_unique<SmoothedAggregation>(*coarse_matrix, *coarse_modes, [](const auto &level) {
-    return ChebyshevSmoother::with_factorisation(level, {4, 40});
+    return ChebyshevSmoother::with_factorisation(level, {6, 80}); // costs little beside the rows of A
   });
 }
 

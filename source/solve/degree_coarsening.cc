@@ -33,11 +33,13 @@ bool on_any_rank(const Epetra_Comm &communicator, const bool here)
 
 } // namespace
 
-DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes)
+DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, const unsigned int degree, const Sums &sums,
+                                   const Epetra_MultiVector &modes)
     : A(A)
 {
   make_prolongation(sums);
-  smoother = ChebyshevSmoother::with_diagonal(A, {3, 15});
+  // what functions of degree one leave reaches the further down the higher the degree is
+  smoother = ChebyshevSmoother::with_diagonal(A, {degree + 1, 12.5 * degree - 10});
   if (prolongation->NumGlobalCols() == 0) // all vertices are prescribed
     return;
   coarse_matrix = A.restricted(*prolongation);

@@ -36,8 +36,10 @@ public:
   /// one: an unknown of A_1.
   using Sums = std::vector<std::vector<std::pair<int, double>>>;
 
+  /// @param degree of the functions of A
   /// @param modes near-null space of A; the part on the unknowns of A_1 is that of A_1
-  DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes);
+  DegreeCoarsening(const LevelOperator &A, unsigned int degree, const Sums &sums,
+                   const Epetra_MultiVector &modes);
 
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
 

@@ -93,8 +93,9 @@ void MatrixFree::prepare(const GroupOperator &K, const Agreement &ranks)
   ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
   if (!modes)
     ranks.run("modes", [&]() { modes = make_modes(facts, level->rows()); });
-  ranks.run("multigrid",
-            [&]() { cycle = std::make_unique<DegreeCoarsening>(*level, facts.linear_part(), *modes); });
+  ranks.run("multigrid", [&]() {
+    cycle = std::make_unique<DegreeCoarsening>(*level, facts.degree, facts.linear_part(), *modes);
+  });
 }
 
 unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b,

@@ -87,7 +87,7 @@ void Multigrid::make_levels()
 {
   if (facts.degree > 1 && facts.linear_part) {
     finest = std::make_unique<MatrixLevel>(*matrix);
-    by_degree = std::make_unique<DegreeCoarsening>(*finest, facts.linear_part(), *modes);
+    by_degree = std::make_unique<DegreeCoarsening>(*finest, facts.degree, facts.linear_part(), *modes);
   } else
     make_aggregation();
 }

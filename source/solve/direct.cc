@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// MUMPS through Amesos; KLU where Amesos has no MUMPS.
+// MUMPS: L D L^T where the matrix is symmetric, else L U.
 //
 //     subsection Linear solver
 //       set Type = direct
@@ -10,94 +10,230 @@
 // P. R. Amestoy, I. S. Duff, J.-Y. L'Excellent, J. Koster: A fully asynchronous multifrontal solver using
 // distributed dynamic scheduling, 2001.
 
+#include "free_memory.h"
+
+#include <dovetail/scene/section.h>
 #include <dovetail/solve/group_solver.h>
 
-#include <Amesos.h>
-#include <Amesos_BaseSolver.h>
-#include <Epetra_CrsMatrix.h>
-#include <Epetra_LinearProblem.h>
-#include <Epetra_MultiVector.h>
-#include <Teuchos_ParameterList.hpp>
+#include <deal.II/base/mpi.h>
 
+#include <Epetra_CrsMatrix.h>
+#include <Epetra_MpiComm.h>
+#include <dmumps_c.h>
+
+#include <algorithm>
+#include <iomanip>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 
 namespace dovetail {
 
-class Direct : public GroupSolver
-{
-public:
-  Direct(const Section &, const GroupFacts &facts) : facts(facts) {}
-
-  std::string description() const override { return "MUMPS"; }
-  void prepare(const GroupOperator &K, const Agreement &ranks) override;
-  unsigned int solve(const GroupOperator &, GroupVector &x, const GroupVector &b, double) override;
-  void forget() override
-  {
-    factors.reset();
-    problem.reset();
-  }
-
-private:
-  void make(const GroupOperator &K);
-
-  /// Pivots off the diagonal need more space than the analysis foresees, in per cent.
-  static constexpr int space_for_pivots = 1000;
-
-  const GroupFacts &facts;
-  std::unique_ptr<Epetra_LinearProblem> problem; ///< the factors refer to it
-  std::unique_ptr<Amesos_BaseSolver> factors;
-  Teuchos::ParameterList list;
-};
-
 namespace {
 
-void check(const int error)
+/// The factors of one matrix after the other of the same structure. Functions are collective.
+class Factors
 {
-  if (error != 0)
-    throw std::runtime_error("MUMPS gives error " + std::to_string(error));
+public:
+  Factors(const MPI_Comm &communicator, bool is_symmetric, bool has_small_pivots);
+  ~Factors() { call(-2); }
+  Factors(const Factors &) = delete;
+  Factors &operator=(const Factors &) = delete;
+
+  /// Take the entries of the own rows. @return whether their pattern is that of the last analysis; not
+  /// collective
+  bool take(const Epetra_CrsMatrix &A);
+  void analyse();
+  /// What factorise() will need on this rank, in MiB, estimated from above. @pre analyse()
+  double memory() const { return (mumps.info[14] + 1) * 1e6 / (1024 * 1024); }
+  void factorise();
+  void solve(double *x, const double *b);
+
+private:
+  void call(const int job)
+  {
+    mumps.job = job;
+    dmumps_c(&mumps);
+  }
+  void check() const
+  {
+    if (mumps.infog[0] < 0)
+      throw std::runtime_error("MUMPS gives error " + std::to_string(mumps.infog[0]));
+  }
+
+  MPI_Comm communicator;
+  bool is_symmetric, is_first, is_analysed = false;
+  DMUMPS_STRUC_C mumps = {};
+  std::vector<int> rows, columns; ///< from 1, of the entries; of a symmetric matrix the upper triangle
+  std::vector<double> entries;
+  int n_own = 0; ///< rows
+  std::vector<int> n_of_rank, first_of_rank;
+};
+
+/// ICNTL(@p k) and the like are numbered from 1.
+int &control(DMUMPS_STRUC_C &mumps, const int k)
+{
+  return mumps.icntl[k - 1];
+}
+
+Factors::Factors(const MPI_Comm &communicator, const bool is_symmetric, const bool has_small_pivots)
+    : communicator(communicator), is_symmetric(is_symmetric),
+      is_first(dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
+{
+  const int symmetric = 2, with_this_rank = 1, silent = -1, distributed = 3;
+  mumps.comm_fortran = MPI_Comm_c2f(communicator);
+  mumps.sym = is_symmetric ? symmetric : 0;
+  mumps.par = with_this_rank;
+  call(-1);
+  check();
+  for (const int output : {1, 2, 3})
+    control(mumps, output) = silent;
+  control(mumps, 4) = 0;
+  control(mumps, 18) = distributed;
+  control(mumps, 14) =
+      has_small_pivots ? 100 : 20; // more than estimated, in per cent, for pivots off the diagonal
+}
+
+bool Factors::take(const Epetra_CrsMatrix &A)
+{
+  std::vector<int> new_rows, new_columns;
+  entries.clear();
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n = 0, *local = nullptr;
+    double *values = nullptr;
+    A.ExtractMyRowView(row, n, values, local);
+    for (int k = 0; k < n; ++k)
+      if (const int i = A.GRID(row), j = A.GCID(local[k]); j >= i || !is_symmetric) {
+        new_rows.push_back(i + 1);
+        new_columns.push_back(j + 1);
+        entries.push_back(values[k]);
+      }
+  }
+  const bool is_same = new_rows == rows && new_columns == columns;
+  rows = std::move(new_rows);
+  columns = std::move(new_columns);
+  mumps.n = A.NumGlobalRows();
+  mumps.nnz_loc = entries.size();
+  mumps.irn_loc = rows.data();
+  mumps.jcn_loc = columns.data();
+  mumps.a_loc = entries.data();
+  n_own = A.NumMyRows();
+  return is_same && is_analysed;
+}
+
+void Factors::analyse()
+{
+  is_analysed = false;
+  n_of_rank = dealii::Utilities::MPI::all_gather(communicator, n_own);
+  first_of_rank.assign(1, 0);
+  for (const int n : n_of_rank)
+    first_of_rank.push_back(first_of_rank.back() + n);
+  call(1);
+  check();
+  is_analysed = true;
+}
+
+void Factors::factorise()
+{
+  const int workspace_is_too_small = -9, integers_are_too_small = -8;
+  for (unsigned int attempt = 0; attempt < 3; ++attempt) {
+    call(2);
+    const int error = mumps.infog[0];
+    if (error != workspace_is_too_small && error != integers_are_too_small)
+      break;
+    control(mumps, 14) *= 10;
+  }
+  check();
+}
+
+void Factors::solve(double *x, const double *b)
+{
+  std::vector<double> all(is_first ? mumps.n : 0);
+  MPI_Gatherv(b, n_own, MPI_DOUBLE, all.data(), n_of_rank.data(), first_of_rank.data(), MPI_DOUBLE, 0,
+              communicator);
+  mumps.rhs = all.data();
+  call(3);
+  check();
+  MPI_Scatterv(all.data(), n_of_rank.data(), first_of_rank.data(), MPI_DOUBLE, x, n_own, MPI_DOUBLE, 0,
+               communicator);
+}
+
+/// The sum over the ranks that share a machine with this one.
+double sum_on_machine(const double value, const MPI_Comm &communicator)
+{
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  const double sum = dealii::Utilities::MPI::sum(value, machine);
+  MPI_Comm_free(&machine);
+  return sum;
 }
 
 } // namespace
 
-void Direct::make(const GroupOperator &K)
+class Direct : public GroupSolver
 {
-  problem = std::make_unique<Epetra_LinearProblem>();
-  problem->SetOperator(const_cast<Epetra_CrsMatrix *>(K.matrix())); // Epetra's interfaces know no const
-  for (const char *package : {"Amesos_Mumps", "Amesos_Klu"})
-    if (Amesos().Query(package)) {
-      factors.reset(Amesos().Create(package, *problem));
-      break;
-    }
-  list = Teuchos::ParameterList();
-  list.set("OutputLevel", 0);
-  list.set("PrintTiming", false);
-  if (facts.has_multipliers)
-    list.sublist("mumps").set("ICNTL(14)", space_for_pivots);
-  factors->SetParameters(list);
-}
+public:
+  Direct(const Section &section, const GroupFacts &facts)
+      : facts(facts), largest_memory(section.read<double>(
+                          "Memory of factors", 0,
+                          "What the factors of direct may take on one machine, 0: what is free there [MiB]",
+                          Patterns::Double(0)))
+  {
+  }
+
+  std::string description() const override { return "MUMPS"; }
+  void prepare(const GroupOperator &K, const Agreement &ranks) override;
+  unsigned int solve(const GroupOperator &, GroupVector &x, const GroupVector &b, double) override;
+  std::string shortage() const override { return missing; }
+  void forget() override { factors.reset(); }
+
+private:
+  void check_memory(const MPI_Comm &communicator);
+
+  const GroupFacts &facts;
+  const double largest_memory; ///< MiB
+  std::unique_ptr<Factors> factors;
+  std::string missing;
+};
 
 void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
 {
-  forget();
-  ranks.run("factorisation", [&]() { make(K); });
-  ranks.run("analysis", [&]() { check(factors->SymbolicFactorization()); });
-  ranks.run("factors", [&]() {
-    if (factors->NumericFactorization() == 0)
-      return;
-    list.sublist("mumps").set("ICNTL(14)", space_for_pivots);
-    factors->SetParameters(list);
-    check(factors->SymbolicFactorization());
-    check(factors->NumericFactorization());
-  });
+  const Epetra_CrsMatrix &A = *K.matrix();
+  bool is_same = false;
+  if (!factors)
+    ranks.run("factorisation", [&]() {
+      factors = std::make_unique<Factors>(ranks.communicator, facts.is_symmetric, facts.has_multipliers);
+    });
+  ranks.run("entries", [&]() { is_same = factors->take(A); });
+  if (dealii::Utilities::MPI::min(static_cast<int>(is_same), ranks.communicator) == 0) {
+    ranks.run("analysis", [&]() { factors->analyse(); });
+    check_memory(ranks.communicator);
+  }
+  ranks.run("factors", [&]() { factors->factorise(); });
+}
+
+/// The kernel would end the process without a word.
+void Direct::check_memory(const MPI_Comm &communicator)
+{
+  const double needed = sum_on_machine(factors->memory(), communicator),
+               there = largest_memory > 0 ? largest_memory : free_memory();
+  missing.clear();
+  if (dealii::Utilities::MPI::max(needed - there, communicator) <= 0)
+    return;
+  const auto rounded = [&communicator](const double number) {
+    std::ostringstream text;
+    text << std::setprecision(3) << dealii::Utilities::MPI::max(number, communicator);
+    return text.str();
+  };
+  missing = "its factors need about " + rounded(needed) + " MiB on one machine, and " + rounded(there) +
+            " MiB are " + (largest_memory > 0 ? "allowed" : "free");
+  factors.reset();
+  throw std::runtime_error(missing);
 }
 
 unsigned int Direct::solve(const GroupOperator &, GroupVector &x, const GroupVector &b, const double)
 {
-  problem->SetLHS(&x.trilinos_vector());
-  const Epetra_MultiVector &right_hand_side = b.trilinos_vector();
-  problem->SetRHS(const_cast<Epetra_MultiVector *>(&right_hand_side));
-  check(factors->Solve());
+  factors->solve(x.trilinos_vector()[0], b.trilinos_vector()[0]);
   return 1;
 }
 

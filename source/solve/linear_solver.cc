@@ -47,7 +47,9 @@ struct LinearSolver::Group
 {
   Group(LinearSolver &owner, SolveGroup group) : owner(owner), system(std::move(group)) {}
 
-  void choose_solver(const Section &section);
+  Member make(const std::string &name) const;
+  void choose_solver();
+  [[noreturn]] void refuse(const std::string &name, const std::string &reason) const;
   void set_matrix(const Matrix &matrix);
   void forget_matrix();
   bool is_direct_by_size() const;
@@ -73,30 +75,35 @@ struct LinearSolver::Group
   double ended_at = 0; ///< the relative residual of the last iteration
 };
 
-void LinearSolver::Group::choose_solver(const Section &section)
+Member LinearSolver::Group::make(const std::string &name) const
 {
-  const auto make = [&](const std::string &name) {
-    return Member{name, SolverCatalogue::create_member(name, section, system.facts())};
-  };
+  return {name, SolverCatalogue::create_member(name, owner.section, system.facts())};
+}
+
+void LinearSolver::Group::choose_solver()
+{
   direct = make(name_of_direct);
   const bool is_open = owner.type == automatic || owner.type == name_of_direct;
   chosen = make(!is_open ? owner.type : is_matrix_free_by_degree() ? name_of_matrix_free : name_of_multigrid);
-  const std::string objection = chosen.solver->objection();
-  if (objection.empty())
-    return;
-  std::string others = automatic;
-  for (const std::string &name : SolverCatalogue::names())
-    if (make(name).solver->objection().empty())
-      others += ", " + name;
-  section.fail("Type", "cannot be " + chosen.name + " for " + system.facts().name + ": " + objection +
-                           ". Take one of: " + others + ".");
+  if (const std::string objection = chosen.solver->objection(); !objection.empty())
+    refuse(chosen.name, objection);
 }
 
-/// Factorisation wins while the fill is small: measured on two cores, 3D elasticity up to some 6 000
-/// unknowns, 2D up to some 60 000.
+void LinearSolver::Group::refuse(const std::string &name, const std::string &reason) const
+{
+  std::string others = automatic;
+  for (const std::string &other : SolverCatalogue::names())
+    if (other != name && make(other).solver->objection().empty())
+      others += ", " + other;
+  owner.section.fail("Type", "cannot be " + name + " for " + system.facts().name + ": " + reason +
+                                 ". Take one of: " + others + ".");
+}
+
+/// Factorisation wins while the fill is small, and the longer the less the cells are cubes: the table of
+/// doc/theory/linear_solvers.md.
 bool LinearSolver::Group::is_direct_by_size() const
 {
-  const unsigned long largest = system.facts().dim == 2 ? 60000 : 6000;
+  const unsigned long largest = system.facts().dim == 2 ? 400000 : 12000;
   return owner.type == name_of_direct || (owner.type == automatic && system.facts().n_unknowns <= largest);
 }
 
@@ -206,8 +213,18 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
 {
   const double largest_usable = 1e-4;
   ++owner.all_counts.solves;
-  if (is_direct)
-    return solve_directly(x, b) ? std::optional<unsigned int>(1) : std::nullopt;
+  if (is_direct) {
+    if (solve_directly(x, b))
+      return 1;
+    const std::string shortage = direct.solver->shortage();
+    if (shortage.empty() || iteration_failed)
+      return {};
+    if (owner.type == name_of_direct)
+      refuse(name_of_direct, shortage);
+    owner.all_notes.push_back(system.facts().name + " is not solved directly: " + shortage);
+    is_direct = false;
+    chosen = make(name_of_multigrid); // the matrix is there
+  }
   const auto n_iterations = iterate(x, b);
   if (n_iterations && ended_at == 0)
     return n_iterations;
@@ -231,11 +248,14 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
     owner.all_notes.push_back(words.str() + "; MUMPS solved the system and solves those after it");
     return 1;
   }
-  if (!n_iterations || ended_at > largest_usable)
+  const std::string shortage = direct.solver->shortage();
+  words << ", and MUMPS failed" << (shortage.empty() ? "" : ": " + shortage);
+  if (!n_iterations || ended_at > largest_usable) {
+    owner.all_notes.push_back(words.str());
     return {};
+  }
   x = iterated;
-  owner.all_notes.push_back(words.str() +
-                            ", and MUMPS failed (memory?): the result of the iteration is used");
+  owner.all_notes.push_back(words.str() + "; the result of the iteration is used");
   return n_iterations;
 }
 
@@ -247,7 +267,7 @@ std::string LinearSolver::Group::description() const
 }
 
 LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups)
-    : types(all_types()),
+    : section(section), types(all_types()),
       type(types[section.choose("Type", types, 0,
                                 "automatic: direct, multigrid or matrix-free, by size and degree [-]")]),
       relative_tolerance(section.read<double>(
@@ -259,7 +279,7 @@ LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given
     SolverCatalogue::document(section, GroupFacts());
   for (SolveGroup &group : given_groups) {
     groups.push_back(std::make_unique<Group>(*this, std::move(group)));
-    groups.back()->choose_solver(section);
+    groups.back()->choose_solver();
   }
 }
 

@@ -110,6 +110,9 @@ public:
   virtual void prepare(const GroupOperator &K, const Agreement &ranks) = 0;
   /// Until |b - K x| <= @p goal, from x = 0. @return the number of iterations. @pre prepare(K)
   virtual unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) = 0;
+  /// Why the last prepare() failed, "its factors need about 9 MiB, and 8 MiB are free", if K was too large
+  /// for this solver; else empty. The same on all ranks.
+  virtual std::string shortage() const { return ""; }
   /// K and what belongs to its structure will not be there any more.
   virtual void forget() {}
 };

@@ -103,6 +103,7 @@ public:
 private:
   struct Group;
 
+  const Section section;
   const Matrix *matrix = nullptr;
   std::vector<std::unique_ptr<Group>> groups;
   std::vector<std::string> types; ///< "automatic" and the names of all solvers

@@ -99,11 +99,11 @@ void LinearSolver::Group::refuse(const std::string &name, const std::string &rea
                                  ". Take one of: " + others + ".");
 }
 
-/// Factorisation wins while the fill is small, and the longer the less the cells are cubes: the table of
-/// doc/theory/linear_solvers.md.
+/// Factorisation wins while the fill is small: measured on two cores, 3D elasticity up to some 6 000
+/// unknowns, 2D up to some 60 000.
 bool LinearSolver::Group::is_direct_by_size() const
 {
-  const unsigned long largest = system.facts().dim == 2 ? 400000 : 12000;
+  const unsigned long largest = system.facts().dim == 2 ? 60000 : 6000;
   return owner.type == name_of_direct || (owner.type == automatic && system.facts().n_unknowns <= largest);
 }
 

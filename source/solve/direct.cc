@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// MUMPS: L U, with pivots off the diagonal.
+// MUMPS: L D L^T where the matrix is symmetric, else L U.
 //
 //     subsection Linear solver
 //       set Type = direct
@@ -35,7 +35,7 @@ namespace {
 class Factors
 {
 public:
-  Factors(const MPI_Comm &communicator, bool has_small_pivots);
+  Factors(const MPI_Comm &communicator, bool is_symmetric, bool has_small_pivots);
   ~Factors() { call(-2); }
   Factors(const Factors &) = delete;
   Factors &operator=(const Factors &) = delete;
@@ -44,6 +44,7 @@ public:
   /// collective
   bool take(const Epetra_CrsMatrix &A);
   void analyse();
+  bool are_symmetric() const { return is_symmetric; } ///< L D L^T
   /// What factorise() will need on this rank, in MiB, estimated from above. @pre analyse()
   double memory() const { return (mumps.info[14] + 1) * 1e6 / (1024 * 1024); }
   void factorise();
@@ -62,9 +63,9 @@ private:
   }
 
   MPI_Comm communicator;
-  bool is_first, is_analysed = false;
+  bool is_symmetric, is_first, is_analysed = false;
   DMUMPS_STRUC_C mumps = {};
-  std::vector<int> rows, columns; ///< from 1, of the entries
+  std::vector<int> rows, columns; ///< from 1, of the entries; of a symmetric matrix the upper triangle
   std::vector<double> entries;
   int n_own = 0; ///< rows
   std::vector<int> n_of_rank, first_of_rank;
@@ -76,12 +77,13 @@ int &control(DMUMPS_STRUC_C &mumps, const int k)
   return mumps.icntl[k - 1];
 }
 
-Factors::Factors(const MPI_Comm &communicator, const bool has_small_pivots)
-    : communicator(communicator), is_first(dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
+Factors::Factors(const MPI_Comm &communicator, const bool is_symmetric, const bool has_small_pivots)
+    : communicator(communicator), is_symmetric(is_symmetric),
+      is_first(dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
 {
-  const int unsymmetric = 0, with_this_rank = 1, silent = -1, distributed = 3;
+  const int symmetric = 2, with_this_rank = 1, silent = -1, distributed = 3;
   mumps.comm_fortran = MPI_Comm_c2f(communicator);
-  mumps.sym = unsymmetric; // where a law ends, a tangent may be that a little, and is followed best as it is
+  mumps.sym = is_symmetric ? symmetric : 0;
   mumps.par = with_this_rank;
   call(-1);
   check();
@@ -101,11 +103,12 @@ bool Factors::take(const Epetra_CrsMatrix &A)
     int n = 0, *local = nullptr;
     double *values = nullptr;
     A.ExtractMyRowView(row, n, values, local);
-    for (int k = 0; k < n; ++k) {
-      new_rows.push_back(A.GRID(row) + 1);
-      new_columns.push_back(A.GCID(local[k]) + 1);
-      entries.push_back(values[k]);
-    }
+    for (int k = 0; k < n; ++k)
+      if (const int i = A.GRID(row), j = A.GCID(local[k]); j >= i || !is_symmetric) {
+        new_rows.push_back(i + 1);
+        new_columns.push_back(j + 1);
+        entries.push_back(values[k]);
+      }
   }
   const bool is_same = new_rows == rows && new_columns == columns;
   rows = std::move(new_rows);
@@ -198,9 +201,10 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
 {
   const Epetra_CrsMatrix &A = *K.matrix();
   bool is_same = false;
-  if (!factors)
-    ranks.run("factorisation",
-              [&]() { factors = std::make_unique<Factors>(ranks.communicator, facts.has_multipliers); });
+  if (!factors || factors->are_symmetric() != facts.is_symmetric)
+    ranks.run("factorisation", [&]() {
+      factors = std::make_unique<Factors>(ranks.communicator, facts.is_symmetric, facts.has_multipliers);
+    });
   ranks.run("entries", [&]() { is_same = factors->take(A); });
   if (dealii::Utilities::MPI::min(static_cast<int>(is_same), ranks.communicator) == 0) {
     ranks.run("analysis", [&]() { factors->analyse(); });

@@ -33,6 +33,9 @@ void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
     all_facts.n_unknowns = merged->numbering().size();
   }
   merged->update();
+  if (group.is_still_symmetric)
+    all_facts.is_symmetric = dealii::Utilities::MPI::min(static_cast<int>(group.is_still_symmetric()),
+                                                         matrix->get_mpi_communicator()) == 1;
 }
 
 void GroupSystem::forget_matrix()

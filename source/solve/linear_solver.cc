@@ -99,12 +99,14 @@ void LinearSolver::Group::refuse(const std::string &name, const std::string &rea
                                  ". Take one of: " + others + ".");
 }
 
-/// Factorisation wins while the fill is small: measured on two cores, 3D elasticity up to some 6 000
-/// unknowns, 2D up to some 60 000.
+/// Factorisation wins while the fill is small, and longer if it is that of a symmetric matrix: the table of
+/// doc/theory/linear_solvers.md.
 bool LinearSolver::Group::is_direct_by_size() const
 {
-  const unsigned long largest = system.facts().dim == 2 ? 60000 : 6000;
-  return owner.type == name_of_direct || (owner.type == automatic && system.facts().n_unknowns <= largest);
+  const GroupFacts &facts = system.facts();
+  const unsigned long largest =
+      facts.dim == 2 ? (facts.is_symmetric ? 400000 : 60000) : (facts.is_symmetric ? 12000 : 6000);
+  return owner.type == name_of_direct || (owner.type == automatic && facts.n_unknowns <= largest);
 }
 
 /// Products win over a matrix where rows are long: measured in 3D from degree 2 on, in 2D from degree 3 on.

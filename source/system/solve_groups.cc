@@ -92,6 +92,10 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
           body_fields.insert(blocks[b].field);
       }
     group.is_symmetric = body_fields.size() == 1 && model.is_symmetric(*body_fields.begin());
+    if (group.is_symmetric)
+      group.is_still_symmetric = [&model, field = *body_fields.begin()]() {
+        return model.is_symmetric(field);
+      };
     group.why_entries = why_entries(model, fields, group);
     group.field = [&model](const unsigned int block) { return model.numbering->blocks()[block].field; };
     groups.push_back(std::move(group));

@@ -417,6 +417,12 @@ double Penalty<dim>::theta_at(const Interface<dim> &interface, const TiedField &
   return p.is_skew ? -1 : theta;
 }
 
+template <int dim>
+bool Penalty<dim>::is_skew_somewhere() const
+{
+  return std::any_of(points.begin(), points.end(), [](const AtPoint &p) { return p.is_skew; });
+}
+
 /// gamma > (1+theta)^2/4 (w_src^2 L_src + w_dst^2 L_dst) makes the form coercive, with a joint, too; with the
 /// eigenvalues of the tangent in the matrix, infinite where that is not positive on a cell.
 template <int dim>

@@ -227,7 +227,7 @@ public:
   /// Whether the derivatives of all terms are the same in all steps; if so, a linear scene assembles them
   /// once.
   virtual bool has_constant_tangent(const Interface<dim> & /*interface*/) const { return false; }
-  virtual bool is_symmetric() const { return true; } ///< if the laws are
+  virtual bool is_symmetric() const { return true; } ///< if the laws are; on this rank, in this step
   virtual bool is_linear() const { return true; }    ///< the terms are affine in the unknowns if the laws are
 
   /// Whether a constant of the field that one side has and the other not costs anything: then what keeps one

@@ -57,7 +57,7 @@ struct GroupTraits
   unsigned int dim = 3;
   unsigned int degree = 1;      ///< the largest one of the bodies
   unsigned long n_unknowns = 0; ///< of all ranks
-  bool is_symmetric = true;     ///< and, but for multipliers, positive definite
+  bool is_symmetric = true;     ///< and, but for multipliers, positive definite; may change with K
   std::string why_entries;      ///< why the cells' part of K must have entries; empty if products do
 };
 

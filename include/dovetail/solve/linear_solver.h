@@ -33,6 +33,8 @@ struct SolveGroup : GroupTraits
   /// may be missing, which costs time only.
   using Sum = std::vector<std::pair<dealii::types::global_dof_index, double>>;
   std::function<std::vector<Sum>(unsigned int block)> linear_part;
+  /// If is_symmetric: whether the matrix still is, as far as this rank knows. If missing, it is.
+  std::function<bool()> is_still_symmetric;
   /// The name of the field of a block of the bodies. If missing, all have the same.
   std::function<std::string(unsigned int block)> field;
   /// Whether each multiplier of a block belongs to one cell, as a discontinuous pressure does. If missing,

@@ -51,8 +51,9 @@ public:
   bool
   is_linear(const std::vector<std::string> &fields) const; ///< likewise, for these fields of field_groups()
   bool depends(const std::string &field, const std::string &on_field) const; ///< in some material
-  bool has_constant_tangent() const;                 ///< likewise, and it changes with toggles only
-  bool is_symmetric(const std::string &field) const; ///< the field's own block of the tangent
+  bool has_constant_tangent() const; ///< likewise, and it changes with toggles only
+  /// The field's own block of the tangent, what this rank knows of it: a tie may lose its symmetry in a step.
+  bool is_symmetric(const std::string &field) const;
   bool allows_jumps(const std::string &field) const; ///< some interface lets its sides come apart
   unsigned int degree() const;                       ///< the largest of the domains
 

@@ -44,7 +44,10 @@ public:
   {
     return theta != 0 && !interface.is_linear(); // second derivatives of the flux
   }
-  bool is_symmetric() const override { return theta == 1. && !own_sides && !has_frozen_variation; }
+  bool is_symmetric() const override
+  {
+    return theta == 1. && !own_sides && !has_frozen_variation && !penalty_at_points.is_skew_somewhere();
+  }
   bool is_balanced() const override { return !own_sides; }
   bool has_constant_tangent(const Interface<dim> &interface) const override
   {

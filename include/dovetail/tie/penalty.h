@@ -57,6 +57,7 @@ public:
     bool is_skew = false; ///< -1 takes the place of theta until the end of the step
   };
   bool empty() const { return points.empty(); } ///< nothing has been frozen yet
+  bool is_skew_somewhere() const;               ///< theta_at() is not theta at a point of this rank
   const AtPoint &operator[](const unsigned int i) const
   {
     return points[i];

@@ -47,8 +47,8 @@ const char *const usage = R"(Dovetail: heat and solids on several bodies whose m
   dovetail --parameters                       every entry of a scene, as Markdown
   dovetail --version | --help
 
-A scene is a .prm or .json file. Exit status: 0 done, 1 the input is wrong, 2 the solver did not converge (the last
-good step is written), 3 anything else.
+A scene is a .prm or .json file. Exit status: 0 done, 1 the input is wrong, 2 the solver did not converge, or a
+signal (Ctrl-C, SIGTERM, SIGUSR1) asked a run of several steps to end (the last good step is written), 3 anything else.
 )";
 
 struct Arguments

@@ -64,7 +64,8 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
       }()),
       probes(scene, model), step(scene, model, phases, notes, log),
       results(*text, scene.subsection("Output"), model, probes, phases, notes, log),
-      step_control(steps, step, results, log), adaptive_cycles(scene, model, step, results, phases, log)
+      step_control(steps, step, results, notes, log, communicator),
+      adaptive_cycles(scene, model, step, results, phases, log)
 {
   StudyOptions(scene.subsection("Study")); // must be right in every run
   if (scene.documenting())

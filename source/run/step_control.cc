@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <sstream>
 
 namespace dovetail {
@@ -67,8 +68,10 @@ Steps::Steps(const Section &section)
 }
 
 template <int dim>
-StepControl<dim>::StepControl(const Steps &steps, NonlinearStep<dim> &step, Results<dim> &results, Log &log)
-    : steps(steps), step(step), results(results), log(log), size(std::min(steps.size(), steps.largest))
+StepControl<dim>::StepControl(const Steps &steps, NonlinearStep<dim> &step, Results<dim> &results,
+                              Notes &notes, Log &log, const MPI_Comm &communicator)
+    : steps(steps), step(step), results(results), notes(notes), log(log), communicator(communicator),
+      size(std::min(steps.size(), steps.largest))
 {
   if (steps.controls_errors())
     step.estimate_errors();
@@ -95,6 +98,10 @@ bool StepControl<dim>::run(Vector &x)
     if (outcome == Outcome::converged) {
       x = trial;
       accept_step(next, x);
+      if (is_asked_to_end()) {
+        write_last_good(x);
+        return false;
+      }
     } else if (outcome == Outcome::out_of_range)
       log.step_ends("a value leaves the range of what is given; backward Euler is tried");
     else if (outcome == Outcome::inexact)
@@ -244,6 +251,32 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
     results.write_pictures({step.system(), x, t, true});
 }
 
+template <int dim>
+bool StepControl<dim>::is_asked_to_end()
+{
+  if (t >= almost_end()) {
+    end_request.reset();
+    return false;
+  }
+  if (!end_request)
+    end_request.emplace();
+  const int signal = EndRequest::signal(communicator);
+  if (signal == 0)
+    return false;
+  std::ostringstream words;
+  words << "the run has ended at t = " << t << " of " << steps.end_time << ", after step " << n_good
+        << ", since it was asked to by a signal (" << strsignal(signal) << ")";
+  notes.add(words.str());
+  return true;
+}
+
+template <int dim>
+void StepControl<dim>::write_last_good(const Vector &x)
+{
+  if (n_good > 0 && !results.is_due(n_good))
+    results.write_pictures({step.system(), x, t, false});
+}
+
 /// @return whether a smaller step than that to time @p next can be tried.
 template <int dim>
 bool StepControl<dim>::retry_smaller(const Outcome outcome, const double next)
@@ -264,8 +297,7 @@ void StepControl<dim>::end_at_last_good(const double failed, const Vector &x)
     step.explain_failure(failed, x);
   if (!step.begin_last_good(t, x) || !step.has_rates())
     results.forget_solution();
-  if (n_good > 0 && !results.is_due(n_good))
-    results.write_pictures({step.system(), x, t, false});
+  write_last_good(x);
 }
 
 template class StepControl<2>;

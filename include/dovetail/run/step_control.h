@@ -6,9 +6,11 @@
 #pragma once
 
 #include <dovetail/output/results.h>
+#include <dovetail/run/end_request.h>
 #include <dovetail/run/nonlinear_step.h>
 
 #include <exception>
+#include <optional>
 
 namespace dovetail {
 
@@ -36,9 +38,11 @@ class StepControl
 {
 public:
   /// All are kept by reference.
-  StepControl(const Steps &steps, NonlinearStep<dim> &step, Results<dim> &results, Log &log);
+  StepControl(const Steps &steps, NonlinearStep<dim> &step, Results<dim> &results, Notes &notes, Log &log,
+              const MPI_Comm &communicator);
 
-  /// Steps from the initial state @p x up to the end or until one fails; x becomes the last good state.
+  /// Steps from the initial state @p x up to the end, or until one fails or a signal asks for the end after
+  /// the first good one; x becomes the last good state.
   /// @return whether the end was reached. Collective.
   bool run(Vector &x);
 
@@ -55,18 +59,23 @@ private:
   Outcome try_step(double next, const Vector &x, Vector &trial);
   NewtonResult continue_in_load(double next, const Vector &x, Vector &trial);
   void accept_step(double next, const Vector &x);
+  bool is_asked_to_end();
   bool retry_smaller(Outcome outcome, double next);
+  void write_last_good(const Vector &x);
   void end_at_last_good(double failed, const Vector &x);
 
   const Steps &steps;
   NonlinearStep<dim> &step;
   Results<dim> &results;
+  Notes &notes;
   Log &log;
+  const MPI_Comm communicator;
   double t = 0, size;
   double size_by_error = 0;  ///< of the step after this one
   double rejected_error = 0; ///< of the attempt before, in the first step after a new start
   double cut_short = 0;      ///< where the step would have ended if no toggle had switched
   unsigned int n_good = 0;
+  std::optional<EndRequest> end_request; ///< once there is a result to lose
   std::exception_ptr problem_of_step;
 };
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/output/phases.h>
 #include <dovetail/output/report.h>
 #include <dovetail/output/shared_file.h>
 
-#include <deal.II/base/utilities.h>
+#include <deal.II/base/mpi.h>
 
 namespace dovetail {
 
@@ -13,13 +14,6 @@ namespace {
 bool speaks(const MPI_Comm &communicator)
 {
   return dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
-}
-
-double peak_memory_in_MiB(const MPI_Comm &communicator)
-{
-  dealii::Utilities::System::MemoryStats memory;
-  dealii::Utilities::System::get_memory_stats(memory);
-  return dealii::Utilities::MPI::sum(static_cast<double>(memory.VmHWM) / 1024, communicator);
 }
 
 } // namespace
@@ -47,6 +41,7 @@ Report::Report(const std::string &directory, const MPI_Comm &communicator)
     content[key] = nlohmann::ordered_json::array();
   content["seconds"] = nlohmann::ordered_json::object();
   content["peak memory MiB"] = 0;
+  content["memory by phase MiB"] = nlohmann::ordered_json::object();
   content["counters"] = nlohmann::ordered_json::object();
   for (const char *key : {"notes", "plan", "left out"})
     content[key] = nlohmann::ordered_json::array();
@@ -74,7 +69,7 @@ void Report::leave_out(const std::string &sentence)
 
 void Report::write()
 {
-  content["peak memory MiB"] = peak_memory_in_MiB(communicator);
+  content["peak memory MiB"] = dealii::Utilities::MPI::sum(peak_memory_of_process(), communicator);
   const std::string text =
       content.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   if (const Obstacle obstacle = write_on_first_rank(file_name, "{\n  \"version\":", text, communicator))

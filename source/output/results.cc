@@ -236,6 +236,7 @@ void Results<dim>::finish(const bool is_converged, const Plan &plan, const nlohm
   report()["plan"] = plan.needed;
   report()["counters"] = counters;
   report()["seconds"] = phases.largest_of_ranks(model.communicator);
+  report()["memory by phase MiB"] = phases.memory(model.communicator);
   report()["notes"] = notes.all();
   try_to_write([&]() { report().write(); });
   if (!step_table.is_empty())

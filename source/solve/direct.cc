@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// MUMPS: L D L^T where the matrix is symmetric, else L U.
+// MUMPS: L D L^T where the matrix is symmetric and has no multipliers, else L U.
 //
 //     subsection Linear solver
 //       set Type = direct
@@ -201,9 +201,10 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
 {
   const Epetra_CrsMatrix &A = *K.matrix();
   bool is_same = false;
-  if (!factors || factors->are_symmetric() != facts.is_symmetric)
+  if (!factors || factors->are_symmetric() != facts.is_positive_definite())
     ranks.run("factorisation", [&]() {
-      factors = std::make_unique<Factors>(ranks.communicator, facts.is_symmetric, facts.has_multipliers);
+      factors =
+          std::make_unique<Factors>(ranks.communicator, facts.is_positive_definite(), facts.has_multipliers);
     });
   ranks.run("entries", [&]() { is_same = factors->take(A); });
   if (dealii::Utilities::MPI::min(static_cast<int>(is_same), ranks.communicator) == 0) {

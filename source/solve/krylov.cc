@@ -79,11 +79,6 @@ private:
   const std::function<bool(unsigned int n, double r)> &gives_up;
 };
 
-bool is_by_cg(const GroupFacts &facts)
-{
-  return facts.is_symmetric && !facts.has_multipliers;
-}
-
 } // namespace
 
 unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
@@ -92,7 +87,7 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
 {
   Control control(goal, gives_up);
   const dealii::SolverGMRES<GroupVector>::AdditionalData data(102, true);
-  if (is_by_cg(facts))
+  if (facts.is_positive_definite())
     dealii::SolverCG<GroupVector>(control).solve(K, x, b, Bodies{P});
   else if (facts.has_multipliers)
     dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, BlockTriangular{K, P});
@@ -103,7 +98,7 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
 
 std::string describe_iteration(const GroupFacts &facts, const std::string &preconditioner)
 {
-  return std::string(is_by_cg(facts) ? "CG" : "GMRES") + " with " + preconditioner +
+  return std::string(facts.is_positive_definite() ? "CG" : "GMRES") + " with " + preconditioner +
          (facts.has_multipliers ? " and Schur complement" : "");
 }
 

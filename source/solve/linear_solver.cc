@@ -99,13 +99,13 @@ void LinearSolver::Group::refuse(const std::string &name, const std::string &rea
                                  ". Take one of: " + others + ".");
 }
 
-/// Factorisation wins while the fill is small, and longer if it is that of a symmetric matrix: the table of
+/// Factorisation wins while the fill is small, and longer for L D L^T: the table of
 /// doc/theory/linear_solvers.md.
 bool LinearSolver::Group::is_direct_by_size() const
 {
   const GroupFacts &facts = system.facts();
-  const unsigned long largest =
-      facts.dim == 2 ? (facts.is_symmetric ? 400000 : 60000) : (facts.is_symmetric ? 12000 : 6000);
+  const bool is_cheaper = facts.is_positive_definite();
+  const unsigned long largest = facts.dim == 2 ? (is_cheaper ? 400000 : 60000) : (is_cheaper ? 12000 : 6000);
   return owner.type == name_of_direct || (owner.type == automatic && facts.n_unknowns <= largest);
 }
 

@@ -163,6 +163,7 @@ int main(int argc, char **argv)
   std::stable_sort(all_blocks.blocks.begin(), all_blocks.blocks.end(), [&](const auto a, const auto b) {
     return system.tangent().part_of(a) < system.tangent().part_of(b);
   });
+  all_blocks.is_symmetric = false;
   LinearSolver solver(SceneText::root(SceneText::from_prm(set("Type", "direct"))), {all_blocks});
   solver.set_matrix(system.tangent());
   report("solved", solver.solve(x, system.negative_residual()).has_value());

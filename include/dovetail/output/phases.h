@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Wall-clock seconds by phase.
+// Wall-clock seconds and memory by phase.
 
 #pragma once
 
@@ -15,7 +15,10 @@
 
 namespace dovetail {
 
-/// Sums of wall-clock seconds by phase of this rank; the report shows the largest over the ranks.
+double peak_memory_of_process(); ///< in MiB
+
+/// Sums of wall-clock seconds by phase of this rank; the report shows the largest over the ranks. And the
+/// memory that they took.
 class Phases
 {
 public:
@@ -23,13 +26,19 @@ public:
   class Scope
   {
   public:
-    Scope(Phases &phases, const std::string &name) : seconds(phases.seconds[name]) {}
-    ~Scope() { seconds += timer.wall_time(); }
+    Scope(Phases &phases, const std::string &name) : phases(phases), name(name) {}
+    ~Scope()
+    {
+      phases.add(name, timer.wall_time());
+      if (phases.peak_memory.count(name) == 0)
+        phases.peak_memory[name] = peak_memory_of_process();
+    }
     Scope(const Scope &) = delete;
     Scope &operator=(const Scope &) = delete;
 
   private:
-    double &seconds;
+    Phases &phases;
+    const std::string name;
     dealii::Timer timer;
   };
 
@@ -49,8 +58,23 @@ public:
     return result;
   }
 
+  /// What the ranks had taken at most when each phase ended for the first time, in MiB: the first of its kind
+  /// shows what it adds. Without phases that did not occur on all ranks. Collective.
+  nlohmann::ordered_json memory(const MPI_Comm &communicator) const
+  {
+    nlohmann::ordered_json result = nlohmann::ordered_json::object();
+    for (const std::string name : {"mesh", "pairing", "setup", "assembly", "solve", "output"}) {
+      const auto found = peak_memory.find(name);
+      const bool is_here = found != peak_memory.end();
+      const double sum = dealii::Utilities::MPI::sum(is_here ? found->second : 0., communicator);
+      if (dealii::Utilities::MPI::min(static_cast<int>(is_here), communicator) == 1)
+        result[name] = sum;
+    }
+    return result;
+  }
+
 private:
-  std::map<std::string, double> seconds;
+  std::map<std::string, double> seconds, peak_memory;
   dealii::Timer total;
 };
 

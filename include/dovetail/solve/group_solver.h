@@ -65,6 +65,7 @@ struct GroupTraits
 struct GroupFacts : GroupTraits
 {
   bool has_multipliers = false;
+  bool is_positive_definite() const { return is_symmetric && !has_multipliers; }
 
   /// [mode][own row of GroupOperator::bodies()]: what the bodies hardly resist. Collective.
   std::function<std::vector<std::vector<double>>()> near_null_space;

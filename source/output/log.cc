@@ -115,6 +115,7 @@ Log::~Log()
 
 void Log::line(const std::string &text)
 {
+  ++count_of_lines;
   if (!is_speaking)
     return;
   erase_bar();

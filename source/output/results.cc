@@ -242,6 +242,7 @@ void Results<dim>::finish(const bool is_converged, const Plan &plan, const nlohm
   if (!step_table.is_empty())
     write_step_table();
   log.finish(report().all(), directory);
+  notes.repeat();
 }
 
 template class Results<2>;

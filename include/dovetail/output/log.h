@@ -49,11 +49,13 @@ public:
   void finish(const nlohmann::ordered_json &report, const std::string &directory);
 
   void line(const std::string &text = "");
+  unsigned int n_lines() const { return count_of_lines; } ///< of all ranks alike
 
 private:
   void draw_bar() const;
   void erase_bar() const;
 
+  unsigned int count_of_lines = 0;
   const bool is_speaking; ///< this is rank 0
   const bool has_terminal;
   bool has_bar = false;

@@ -26,7 +26,8 @@ public:
     if (std::find(sentences.begin(), sentences.end(), sentence) != sentences.end())
       return;
     sentences.push_back(sentence);
-    log.line("  note: " + sentence);
+    print(sentence);
+    lines.push_back(log.n_lines());
   }
   void add(const std::vector<std::string> &texts)
   {
@@ -36,9 +37,23 @@ public:
 
   const std::vector<std::string> &all() const { return sentences; }
 
+  /// Print those again that a screen does not show any more.
+  void repeat()
+  {
+    const unsigned int lines_of_screen = 24, n_lines = log.n_lines();
+    for (unsigned int i = 0; i < sentences.size() && n_lines - lines[i] > lines_of_screen; ++i) {
+      if (i == 0)
+        log.line();
+      print(sentences[i]);
+    }
+  }
+
 private:
+  void print(const std::string &sentence) { log.line("  note: " + sentence); }
+
   Log &log;
   std::vector<std::string> sentences;
+  std::vector<unsigned int> lines; ///< of the log up to each of them
 };
 
 } // namespace dovetail

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Each note is told once, and again at the end if the log has gone on for more than a screen since.
+//
+// ranks: 1
+
+#include <dovetail/output/notes.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <iostream>
+#include <sstream>
+
+using namespace dovetail;
+
+int main(int argc, char **argv)
+{
+  const dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
+  for (const unsigned int n_lines : {0, 10, 30}) {
+    std::ostringstream text;
+    std::streambuf *before = std::cout.rdbuf(text.rdbuf());
+    Log log(MPI_COMM_WORLD);
+    Notes notes(log);
+    notes.add("first");
+    for (unsigned int i = 0; i < n_lines; ++i)
+      log.line("  Newton");
+    notes.add("second");
+    notes.add("first");
+    log.line("results");
+    notes.repeat();
+    std::cout.rdbuf(before);
+    std::istringstream lines(text.str());
+    std::string line;
+    std::cout << n_lines << " lines:";
+    while (std::getline(lines, line))
+      if (line != "  Newton")
+        std::cout << " '" << line << "'";
+    std::cout << std::endl;
+  }
+}

@@ -105,7 +105,7 @@ public:
   std::unique_ptr<CellOperator<dim>> copy() const override { return std::make_unique<CellOperatorOf>(*this); }
   void for_each_unknown(const std::function<void(dealii::types::global_dof_index)> &visit) const override;
   void number(const std::function<int(dealii::types::global_dof_index)> &index) override;
-  void begin_tangent() override { has_any = is_finished = false; }
+  void begin_tangent() override { has_any = false; }
   void set_tangent(unsigned int active_cell_index, unsigned int q, double factor,
                    const Response<dim> &response) override;
   void finish_tangent() override;
@@ -175,7 +175,7 @@ private:
   bool slopes_are_in_order = true;
   std::vector<unsigned int> hierarchic;    ///< number in the domain's element of a lexicographic node
   std::shared_ptr<std::vector<int>> index; ///< [slot][component][lexicographic node]; shared by copies
-  bool has_any = false, is_uniform = true, is_finished = false;
+  bool has_any = false, is_uniform = true;
   std::vector<double> entries; ///< scratch
   /// Of one cell in space, if all points have the same; else of each batch and, once finished, in unit cells:
   /// JxW J^T A J, JxW J^T V, JxW J^T W, JxW M.
@@ -327,7 +327,6 @@ void CellOperatorOf<dim, n_components>::finish_tangent()
 {
   if (!is_uniform)
     refer_to_unit_cells();
-  is_finished = true;
   make_terms();
 }
 

@@ -49,7 +49,7 @@ public:
   void finish(const nlohmann::ordered_json &report, const std::string &directory);
 
   void line(const std::string &text = "");
-  unsigned int n_lines() const { return count_of_lines; } ///< of all ranks alike
+  unsigned int n_lines() const { return count_of_lines; } ///< so far
 
 private:
   void draw_bar() const;

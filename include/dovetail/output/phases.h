@@ -58,8 +58,8 @@ public:
     return result;
   }
 
-  /// What the ranks had taken at most when each phase ended for the first time, in MiB: the first of its kind
-  /// shows what it adds. Without phases that did not occur on all ranks. Collective.
+  /// What the ranks had taken at most when each phase ended for the first time, in MiB: the difference
+  /// from the phase before is what it adds. Without phases that did not occur on all ranks. Collective.
   nlohmann::ordered_json memory(const MPI_Comm &communicator) const
   {
     nlohmann::ordered_json result = nlohmann::ordered_json::object();

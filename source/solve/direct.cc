@@ -201,6 +201,7 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
 {
   const Epetra_CrsMatrix &A = *K.matrix();
   bool is_same = false;
+  missing.clear();
   if (!factors || factors->are_symmetric() != facts.is_positive_definite())
     ranks.run("factorisation", [&]() {
       factors =
@@ -219,7 +220,6 @@ void Direct::check_memory(const MPI_Comm &communicator)
 {
   const double needed = sum_on_machine(factors->memory(), communicator),
                there = largest_memory > 0 ? largest_memory : free_memory();
-  missing.clear();
   if (dealii::Utilities::MPI::max(needed - there, communicator) <= 0)
     return;
   const auto rounded = [&communicator](const double number) {

@@ -219,11 +219,13 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
     if (solve_directly(x, b))
       return 1;
     const std::string shortage = direct.solver->shortage();
-    if (shortage.empty() || iteration_failed)
+    if (shortage.empty())
       return {};
-    if (owner.type == name_of_direct)
+    if (owner.type == name_of_direct && !iteration_failed)
       refuse(name_of_direct, shortage);
     owner.all_notes.push_back(system.facts().name + " is not solved directly: " + shortage);
+    if (iteration_failed)
+      return {};
     is_direct = false;
     chosen = make(name_of_multigrid); // the matrix is there
   }

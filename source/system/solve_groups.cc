@@ -92,7 +92,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
           body_fields.insert(blocks[b].field);
       }
     group.is_symmetric = body_fields.size() == 1 && model.is_symmetric(*body_fields.begin());
-    if (group.is_symmetric)
+    if (group.is_symmetric) // on all ranks or none: nothing has been assembled yet
       group.is_still_symmetric = [&model, field = *body_fields.begin()]() {
         return model.is_symmetric(field);
       };

@@ -3,9 +3,10 @@
 //
 // Abaqus' .inp: nodes, elements, sets, surfaces and sections of a flat file or of parts and their instances
 // in an assembly (Abaqus keywords reference guide); keywords that are no mesh are passed over. Sets of
-// elements, instances, parts and materials name volumes; surfaces and sets of nodes name boundaries. An id in
-// digits is taken from names: *ELEMENT, ELSET=EB3 or *SOLID SECTION, ELSET=..., MATERIAL=steel-3 give the
-// material id 3, *SURFACE, NAME=SS3 the boundary id 3.
+// elements, instances, parts and materials name volumes; surfaces, sets of nodes and sets of shells or bars
+// on faces of cells (as Gmsh writes its physical groups) name boundaries. An id in digits is taken from
+// names: *ELEMENT, ELSET=EB3 or *SOLID SECTION, ELSET=..., MATERIAL=steel-3 give the material id 3, *SURFACE,
+// NAME=SS3 the boundary id 3.
 
 #include <dovetail/domain/mesh_text.h>
 
@@ -60,6 +61,7 @@ struct AbaqusElement
   std::int64_t number;
   std::vector<std::int64_t> nodes; ///< none: it is no cell
   unsigned int id;                 ///< of its material
+  std::vector<std::int64_t> facet; ///< the vertices of a shell or, in 2D, of a bar
 };
 
 struct AbaqusSurface
@@ -83,6 +85,7 @@ struct AbaqusPart
   std::vector<std::pair<std::string, std::string>> sections; ///< set, material
   std::vector<std::vector<double>> placement;                ///< translation; axis and angle
   std::vector<std::size_t> cells;                            ///< of the elements, in the file that is made
+  std::vector<std::vector<unsigned int>> facets;             ///< of the elements, sorted, likewise
 };
 
 constexpr std::size_t no_cell = -1;
@@ -112,6 +115,23 @@ unsigned int n_vertices_in_abaqus(const unsigned int dim, const std::size_t n_no
   if (dim == 2)
     return n_nodes == 3 || n_nodes == 6 ? 3 : n_nodes == 4 || n_nodes == 8 ? 4 : 0;
   return n_nodes == 4 || n_nodes == 10 ? 4 : n_nodes == 8 || n_nodes == 20 ? 8 : 0;
+}
+
+/// Trusses, beams and pipes, and shells and membranes of axisymmetric bodies, which are lines.
+bool is_bar(const std::string &type)
+{
+  static const std::vector<std::string> beginnings = {"T2D", "T3D", "B2",  "B3",  "PIPE", "FRAME",
+                                                      "R2D", "RAX", "SAX", "MAX", "DSAX"};
+  return std::any_of(beginnings.begin(), beginnings.end(),
+                     [&type](const std::string &beginning) { return type.rfind(beginning, 0) == 0; });
+}
+
+/// Of an element that is no cell; 0 if it is no facet of one either.
+unsigned int n_vertices_of_facet(const unsigned int dim, const std::size_t n_nodes, const std::string &type)
+{
+  if (dim == 2)
+    return n_nodes == 2 || n_nodes == 3 ? 2 : 0;
+  return is_bar(type) ? 0 : n_vertices_in_abaqus(2, n_nodes);
 }
 
 /// What the lines of the file say, part by part.
@@ -300,13 +320,16 @@ private:
     const bool has_id = boost::to_upper_copy(set.substr(0, 2)) == "EB";
     while (is_data()) {
       const auto numbers = read_numbers_of_element();
-      AbaqusElement element = {numbers[0], {}, has_id ? id_in(set) : 0};
+      AbaqusElement element = {numbers[0], {}, has_id ? id_in(set) : 0, {}};
       if (is_cell(numbers.size() - 1, numbers[0], type)) {
         element.nodes.assign(numbers.begin() + 1, numbers.end());
-        for (const auto node : element.nodes)
-          text.check(current->node_index.count(node) > 0,
-                     "the node " + std::to_string(node) + " does not exist");
+        check_nodes(element.nodes);
         order_as_in_gmsh(element.nodes);
+      } else if (const auto n = n_vertices_of_facet(dim, numbers.size() - 1, type); n > 0) {
+        element.facet.assign(numbers.begin() + 1, numbers.begin() + 1 + n);
+        if (n == 2) // of three nodes of a bar the second is in the middle
+          element.facet[1] = numbers.back();
+        check_nodes(element.facet);
       }
       text.check(current->element_index.emplace(element.number, current->elements.size()).second,
                  "the element " + std::to_string(element.number) + " is given a second time");
@@ -314,6 +337,12 @@ private:
         set_of(current->element_sets, set).numbers[""].push_back(element.number);
       current->elements.push_back(element);
     }
+  }
+
+  void check_nodes(const std::vector<std::int64_t> &nodes) const
+  {
+    for (const auto node : nodes)
+      text.check(current->node_index.count(node) > 0, "the node " + std::to_string(node) + " does not exist");
   }
 
   unsigned int id_in(const std::string &name) const
@@ -328,7 +357,7 @@ private:
     const bool is_solid = type_name.find("C3D") != std::string::npos;
     const std::string element = "the element " + std::to_string(number) + " of type " + type_name;
     text.check(dim == 3 || !is_solid, element + " has three dimensions, but the scene has Dimension = 2");
-    if (n_nodes <= 2 || (dim == 3 && !is_solid && !type_name.empty()))
+    if (n_nodes <= 2 || is_bar(type_name) || (dim == 3 && !is_solid && !type_name.empty()))
       return false;
     text.check(n_vertices_in_abaqus(dim, n_nodes) > 0,
                element + " has " + std::to_string(n_nodes) +
@@ -496,6 +525,7 @@ public:
     for (const AbaqusPart &part : parts)
       for (const auto &[key, set] : part.node_sets)
         add_faces_of_nodes(part, set);
+    add_facets();
     add_faces();
     return collector.finish();
   }
@@ -536,6 +566,12 @@ private:
         nodes.push_back(part.node_index.at(node));
       if (!nodes.empty())
         collector.add_element(element.number, dim, element.id, nodes);
+      std::vector<unsigned int> facet;
+      for (const auto node : element.facet)
+        facet.push_back(part.node_index.at(node));
+      std::sort(facet.begin(), facet.end());
+      has_facets = has_facets || !facet.empty();
+      part.facets.push_back(std::move(facet));
     }
   }
 
@@ -712,6 +748,36 @@ private:
     name_faces(part, set.name, faces, false);
   }
 
+  /// Sets of shells, or in 2D of bars, that are faces of cells; others are passed over.
+  void add_facets()
+  {
+    if (!has_facets)
+      return;
+    std::map<std::vector<unsigned int>, NamedFace> face_of;
+    const auto &cells = collector.file.cells;
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (unsigned int f = 0; f < faces_of(c).size(); ++f) {
+        std::vector<unsigned int> vertices;
+        for (const unsigned int v : faces_of(c)[f])
+          vertices.push_back(cells.nodes_of(c)[v]);
+        std::sort(vertices.begin(), vertices.end());
+        face_of.emplace(std::move(vertices), NamedFace{c, f});
+      }
+    for (const AbaqusPart &part : parts)
+      for (const auto &[key, set] : part.element_sets) {
+        std::vector<NamedFace> faces;
+        for (const auto &[instance, numbers] : set.numbers) {
+          const AbaqusPart &owner = *find(part, instance);
+          for (const auto number : numbers)
+            if (const auto found = face_of.find(owner.facets[owner.element_index.at(number)]);
+                found != face_of.end())
+              faces.push_back(found->second);
+        }
+        if (set.name[0] != '_')
+          name_faces(part, set.name, faces, false);
+      }
+  }
+
   /// Ids in the names of surfaces first, then the next that are free.
   void add_faces()
   {
@@ -754,6 +820,7 @@ private:
   const unsigned int dim;
   std::vector<AbaqusPart> parts; ///< the first is what stands outside of all
   std::vector<Boundary> boundaries;
+  bool has_facets = false;
 };
 
 } // namespace

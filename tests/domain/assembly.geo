@@ -7,6 +7,7 @@
 //   gmsh -3 -bin -format msh22 assembly.geo -o assembly_22_binary.msh
 //   gmsh -3 -bin -order 2 -format msh41 assembly.geo -o assembly_41_order_2.msh
 //   gmsh -3 -bin -order 2 -format msh22 -setnumber hexahedra 1 assembly.geo -o assembly_22_hexahedra.msh
+//   gmsh -3 assembly.geo -o assembly_gmsh.inp
 // The surface of "load" is in two physical groups where the format can say so (4.1).
 DefineConstant[ hexahedra = 0 ];
 Point(1) = {0, 0, 0};

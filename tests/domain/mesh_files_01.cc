@@ -3,6 +3,8 @@
 //
 // Every format of mesh files: cells, vertices, volume and the measures by boundary id. The four files in this
 // folder hold the same two cells, 2.5 x 1, with the ids 1 left, 2 right, 3 bottom, 4 top (1, 1, 2.5, 2.5).
+// One cell of second order has bars on its left and lower side and on a diagonal, which is no face: both sides are
+// in the set 1, the left one in the set 2, too, and has the new id 3.
 // The numbers of the blade (Gmsh 4.1) and the disk (Gmsh 2.2) stand in meshes/README.md (here in cm).
 //
 // ranks: 1, 2, 3
@@ -31,6 +33,7 @@ int main(int argc, char **argv)
   for (const std::string name : {"_abaqus.inp", "_ucd.inp", ".vtk", ".unv"})
     show<2>("tests/domain/two_cells" + name);
   show<2>("tests/domain/two_cells.vtk", set("Refinements", "2") + set("Scale", "2") + set("Shift", "1; 2"));
+  show<2>("tests/domain/one_cell_bars.inp");
   show<3>("meshes/blade.msh", set("Scale", "0.1"));
   show<3>("meshes/disk.msh", set("Scale", "0.1"));
 

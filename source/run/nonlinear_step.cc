@@ -87,7 +87,8 @@ void NonlinearStep<dim>::start(const Vector &x)
   else
     scheme->start(x);
   range_watch->start(x);
-  widen_ranges(x);
+  widen(ranges, x);
+  ranges_of_first = ranges;
 }
 
 template <int dim>
@@ -145,7 +146,8 @@ void NonlinearStep<dim>::accept_step(const double t, const Vector &x)
   rates_of_last_good = scheme->rates(this_step);
   scheme->accept_step(this_step, x);
   range_watch->add(t, this_step.size, x);
-  widen_ranges(x);
+  widen(ranges, x);
+  ranges_of_first = ranges;
 }
 
 template <int dim>
@@ -166,10 +168,12 @@ void NonlinearStep<dim>::estimate_errors()
 }
 
 template <int dim>
-void NonlinearStep<dim>::widen_ranges(const Vector &x)
+void NonlinearStep<dim>::widen(Ranges &ranges, const Vector &x) const
 {
   const auto &blocks = model.numbering->blocks();
   for (unsigned int b = 0; b < blocks.size(); ++b) {
+    if (blocks[b].is_of_multipliers)
+      continue;
     const double smallest = x.block(b).min(), largest = x.block(b).max();
     ValueRange &range = ranges.try_emplace(blocks[b].field, ValueRange{{smallest, largest}}).first->second;
     range = {{std::min(range[0], smallest), std::max(range[1], largest)}};
@@ -359,8 +363,9 @@ void NonlinearStep<dim>::explain_steps()
 }
 
 /// After the first step only how far it has led is known, d: of what decays like exp(-t) it leaves the error
-/// d^2/2. Prescribed values may jump at the beginning, and give the range. A field that has none then, and
-/// one that moves by its inertia, are not judged before the second step.
+/// d^2/2. Loads may begin suddenly, and what they lead to gives the range: also that of a larger first step
+/// that has been given up, without which a body whose values are equal at first would never be judged. A
+/// field that moves by its inertia is not judged before the second step.
 template <int dim>
 typename NonlinearStep<dim>::Error NonlinearStep<dim>::error(const double t, const Vector &x)
 {
@@ -371,6 +376,10 @@ typename NonlinearStep<dim>::Error NonlinearStep<dim>::error(const double t, con
       error.state_error(dof) = 0;
   error.state_error.compress(dealii::VectorOperation::insert);
   Error result = {0, std::max(1u, error.order), is_first};
+  if (is_first)
+    widen(ranges_of_first, x);
+  Ranges ranges_with = is_first ? ranges_of_first : ranges;
+  widen(ranges_with, x);
   const auto &blocks = model.numbering->blocks();
   for (unsigned int b = 0; b < blocks.size(); ++b) {
     if (blocks[b].is_of_multipliers)
@@ -380,7 +389,7 @@ typename NonlinearStep<dim>::Error NonlinearStep<dim>::error(const double t, con
         domain.material.order_in_time(domain.fields()[blocks[b].field_index].first_component);
     if (order_in_time == 0 || (is_first && order_in_time > 1))
       continue;
-    const ValueRange range = range_for_error(blocks[b].field, x, is_first);
+    const ValueRange &range = ranges_with.at(blocks[b].field);
     const double width = range[1] - range[0],
                  rounding = 1e-12 * std::max(std::abs(range[0]), std::abs(range[1]));
     if (!(width > rounding))
@@ -403,26 +412,6 @@ void NonlinearStep<dim>::note_inexact_step(const double t, const double relative
         << (is_of_mesh ? "a smaller one has a larger error: cells are too large for what jumps there"
                        : "the Smallest step allows no smaller one");
   notes.add(words.str());
-}
-
-/// Of the values so far and, in the first step, what is prescribed in it; later, those of the step, too.
-template <int dim>
-ValueRange NonlinearStep<dim>::range_for_error(const std::string &field, const Vector &x,
-                                               const bool is_first) const
-{
-  ValueRange range = ranges.at(field);
-  const auto &blocks = model.numbering->blocks();
-  for (unsigned int b = 0; b < blocks.size(); ++b)
-    if (blocks[b].field == field && !blocks[b].is_of_multipliers) {
-      Vector::BlockType values = x.block(b);
-      if (is_first)
-        for (const auto i : values.locally_owned_elements())
-          if (!present_system->is_constrained(x.get_block_indices().local_to_global(b, i)))
-            values(i) = scheme->memory().states[0].block(b)(i);
-      values.compress(dealii::VectorOperation::insert);
-      range = {{std::min(range[0], values.min()), std::max(range[1], values.max())}};
-    }
-  return range;
 }
 
 /// Before anything else is assembled.

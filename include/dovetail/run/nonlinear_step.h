@@ -116,8 +116,8 @@ private:
   const StepTime &step_to(double t);
   Rates rates_to(double t);
   bool starts_anew(double begin, double t) const;
-  void widen_ranges(const Vector &x);
-  ValueRange range_for_error(const std::string &field, const Vector &x, bool is_first) const;
+  using Ranges = std::map<std::string, ValueRange>; ///< by field
+  void widen(Ranges &ranges, const Vector &x) const;
   std::vector<std::string> describe_failure() const;
   std::string what_failed() const;
   std::string what_may_help() const;
@@ -130,7 +130,8 @@ private:
   std::unique_ptr<TimeScheme> scheme;           ///< nullptr if no term asks for rates
   std::unique_ptr<GivenValues<dim>> given;      ///< on the present meshes
   std::unique_ptr<RangeWatch<dim>> range_watch; ///< likewise
-  std::map<std::string, ValueRange> ranges;     ///< of the fields so far, for errors
+  Ranges ranges;                                ///< so far, for errors
+  Ranges ranges_of_first;                       ///< and in the tries of a first step
   bool has_noted_inexact_step = false;
   StepTime present_step; ///< the last one that was asked for
   Rates rates_of_last_good;

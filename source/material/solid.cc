@@ -100,13 +100,21 @@ public:
     }
     if (!has_inertia(section))
       return;
-    section.check(density > 0, section.is_set("Density") ? "Density" : "",
-                  std::string(section.is_set("Density") ? "is zero" : "has no Density") +
-                      ", but inertia needs it. Give it, or remove Inertia from the subsection Steps.");
+    check_density(density);
     terms.push_back(std::make_unique<InertiaTerm<dim>>(all.front(), density));
   }
 
 private:
+  void check_density(const double density) const
+  {
+    section.check(
+        density > 0, section.is_set("Density") ? "Density" : "",
+        std::string(section.is_set("Density") ? "is zero" : "has no Density") +
+            (finds_eigenmodes(section)
+                 ? ", but eigenmodes need it: Kind = eigenmodes in the subsection Steps. Give it."
+                 : ", but inertia needs it. Give it, or remove Inertia from the subsection Steps."));
+  }
+
   static bool depends_on_temperature(const SolidLaw &law)
   {
     return std::any_of(law.formulas().begin(), law.formulas().end(),

@@ -56,18 +56,19 @@ void Paraview<dim>::prepare()
 {
   for (const auto &domain : model.domains)
     add_block(*domain, false);
-  for (const auto &interface : model.interfaces) {
-    blocks.emplace_back();
-    blocks.back().name = interface->name;
-    blocks.back().surface = std::make_unique<InterfaceSurface<dim>>(*interface);
-  }
+  for (const auto &interface : model.interfaces)
+    if (shows_interfaces) {
+      blocks.emplace_back();
+      blocks.back().name = interface->name;
+      blocks.back().surface = std::make_unique<InterfaceSurface<dim>>(*interface);
+    }
   for (const auto &domain : model.domains)
     add_block(*domain, true);
   name_files();
   make_directory(directory + "/steps", model.communicator);
   if (times.empty() && dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
     remove_file(directory + "/solution.pvd", beginning_of_index); // its steps will be those of this run
-  for (unsigned int i = 0; i < model.interfaces.size(); ++i)
+  for (unsigned int i = 0; i < model.interfaces.size() && shows_interfaces; ++i)
     show_uncovered_points(i);
 }
 

@@ -103,6 +103,8 @@ bool has_toggles(const Model<dim> &model)
 template <int dim>
 void plan_steps(const Model<dim> &model, const unsigned int n_steps, Plan &plan)
 {
+  if (n_steps == 0)
+    return;
   const std::string steps = n_steps == 1 ? "one step" : std::to_string(n_steps) + " steps";
   if (!model.is_linear())
     plan.needed.push_back(steps + ": nonlinear, Newton's method");

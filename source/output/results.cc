@@ -124,6 +124,16 @@ void Results<dim>::write_pictures(const Solution<dim> &solution)
 }
 
 template <int dim>
+void Results<dim>::write_mode(const BlockSystem<dim> &system, const Vector &x, const unsigned int number)
+{
+  if (!paraview.is_on() || problem_of_output)
+    return;
+  const Phases::Scope scope(phases, "output");
+  paraview.show_bodies_alone();
+  try_to_write([&]() { paraview.write(number, system.ghosted(x)); });
+}
+
+template <int dim>
 void Results<dim>::find_new_meshes()
 {
   probes.locate_again();

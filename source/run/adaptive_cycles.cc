@@ -24,9 +24,11 @@ AdaptiveCycles<dim>::AdaptiveCycles(const Section &scene, Model<dim> &model, Non
                                            [](const auto &domain) { return domain->can_refine(); }),
               "Adaptive cycles",
               "cannot be done: triangles and tetrahedra are not refined locally. Remove the entry.");
-  scene.check(n_cycles == 0 || model.order_in_time() == 0, "Adaptive cycles",
-              "cannot be done in a transient scene: they solve the end time again, but the steps before it "
-              "would stay on the coarse meshes. Remove the entry and set Refinements of the meshes.");
+  scene.check(
+      n_cycles == 0 || model.order_in_time() == 0, "Adaptive cycles",
+      "cannot be done in a transient scene, since they solve the end time again, but the steps before "
+      "it would stay on the coarse meshes, nor for eigenmodes. Remove the entry and set Refinements of "
+      "the meshes.");
 }
 
 template <int dim>

@@ -128,9 +128,11 @@ void project(const Domain<dim> &domain, const Field &field, const Value &value, 
     }
 }
 
-/// Set the unknowns of a field that this rank owns to value(X, component).
-template <int dim, typename Value>
-void set_nodes(const Model<dim> &model, const Domain<dim> &domain, const Field &field, const Value &value,
+} // namespace
+
+template <int dim>
+void set_nodes(const Model<dim> &model, const Domain<dim> &domain, const Field &field,
+               const std::function<double(const dealii::Point<dim> &X, unsigned int component)> &value,
                Vector &x)
 {
   const CellLayout<dim> &layout = domain.layout();
@@ -152,8 +154,6 @@ void set_nodes(const Model<dim> &model, const Domain<dim> &domain, const Field &
     }
 }
 
-} // namespace
-
 template <int dim>
 void set_initial_values(const Model<dim> &model, const double t, Vector &x,
                         const std::string &without_initial)
@@ -170,7 +170,7 @@ void set_initial_values(const Model<dim> &model, const double t, Vector &x,
       if (is_guessed && guesses.count(field.name) == 0)
         guesses[field.name] = mean_given_values(model, field.name, t);
       if (initial || is_guessed)
-        set_nodes(
+        set_nodes<dim>(
             model, *domain, field,
             [&](const dealii::Point<dim> &X, const unsigned int c) {
               return initial ? initial->value(X, 0., c) : guesses.at(field.name)[d];
@@ -189,7 +189,7 @@ Vector initial_rates(const Model<dim> &model, const Vector &x)
   for (const auto &domain : model.domains)
     for (const Field &field : domain->fields())
       if (const Expression *initial = domain->initial().find(field.rate))
-        set_nodes(
+        set_nodes<dim>(
             model, *domain, field,
             [&](const dealii::Point<dim> &X, const unsigned int c) { return initial->value(X, 0., c); },
             rates);
@@ -197,6 +197,10 @@ Vector initial_rates(const Model<dim> &model, const Vector &x)
   return rates;
 }
 
+template void set_nodes(const Model<2> &, const Domain<2> &, const Field &,
+                        const std::function<double(const dealii::Point<2> &, unsigned int)> &, Vector &);
+template void set_nodes(const Model<3> &, const Domain<3> &, const Field &,
+                        const std::function<double(const dealii::Point<3> &, unsigned int)> &, Vector &);
 template Vector initial_rates(const Model<2> &, const Vector &);
 template Vector initial_rates(const Model<3> &, const Vector &);
 template void set_initial_values(const Model<2> &, double, Vector &, const std::string &);

@@ -4,6 +4,7 @@
 #include <dovetail/run/nonlinear_step.h>
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/material/transient.h>
 #include <dovetail/run/initial_values.h>
 #include <dovetail/system/place.h>
 #include <dovetail/system/solve_groups.h>
@@ -40,7 +41,7 @@ NonlinearStep<dim>::NonlinearStep(const Section &scene, Model<dim> &model, Phase
       linear_solver(scene.subsection("Linear solver"),
                     scene.documenting() ? std::vector<SolveGroup>() : solve_groups())
 {
-  if (model.order_in_time() == 0)
+  if (model.order_in_time() == 0 || finds_eigenmodes(scene))
     scheme.reset();
 }
 

@@ -65,7 +65,8 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
       probes(scene, model), step(scene, model, phases, notes, log),
       results(*text, scene.subsection("Output"), model, probes, phases, notes, log),
       step_control(steps, step, results, notes, log, communicator),
-      adaptive_cycles(scene, model, step, results, phases, log)
+      adaptive_cycles(scene, model, step, results, phases, log),
+      eigenmodes(scene, model, step, results, phases, notes, log)
 {
   StudyOptions(scene.subsection("Study")); // must be right in every run
   if (scene.documenting())
@@ -93,10 +94,13 @@ void Simulation<dim>::check_formulas() const
 template <int dim>
 Plan Simulation<dim>::plan() const
 {
-  Plan result = make_plan(model, steps.n_steps, step.solver().description());
+  const bool has_steps = !(steps.finds_modes() && model.is_linear());
+  Plan result = make_plan(model, has_steps ? steps.n_steps : 0, step.solver().description());
   step.add_to(result);
   results.add_to(result);
   adaptive_cycles.add_to(result);
+  if (steps.finds_modes())
+    eigenmodes.add_to(result);
   return result;
 }
 
@@ -122,6 +126,43 @@ void Simulation<dim>::check()
 }
 
 template <int dim>
+void Simulation<dim>::measure(const Vector &x, const bool is_converged)
+{
+  const double t = step_control.time();
+  const bool has_results = step_control.n_done() > 0; // else nothing could be taken for a result
+  if (has_results) {
+    results.measure({step.system(), x, t, is_converged}, step.tolerance());
+    results.compare({step.system(), x, t, is_converged});
+  } else {
+    results.report()["dofs"] = model.numbering->n_dofs();
+    log.line("  no results: the first step did not converge");
+  }
+}
+
+template <int dim>
+bool Simulation<dim>::run_steps(Vector &x)
+{
+  const bool is_converged = step_control.run(x);
+  step.explain_steps();
+  measure(x, is_converged);
+  return is_converged && adaptive_cycles.run(step_control.time(), x);
+}
+
+/// What is measured is the state about which a nonlinear scene vibrates.
+template <int dim>
+bool Simulation<dim>::find_modes(Vector &x)
+{
+  results.report()["dofs"] = model.numbering->n_dofs();
+  if (!model.is_linear()) {
+    const bool is_converged = step_control.run(x);
+    measure(x, is_converged);
+    if (!is_converged)
+      return false;
+  }
+  return eigenmodes.run(model.is_linear() ? steps.end_time : step_control.time(), x);
+}
+
+template <int dim>
 bool Simulation<dim>::run()
 {
   results.begin(introduce());
@@ -132,27 +173,16 @@ bool Simulation<dim>::run()
   set_initial_values(model, steps.size(), x);
   step.start(x);
 
-  bool is_converged = step_control.run(x);
-  step.explain_steps();
+  bool is_converged = steps.finds_modes() ? find_modes(x) : run_steps(x);
   const double t = step_control.time();
-  const bool has_results = step_control.n_done() > 0; // else nothing could be taken for a result
-  if (has_results) {
-    results.measure({step.system(), x, t, is_converged}, step.tolerance());
-    results.compare({step.system(), x, t, is_converged});
-  } else {
-    results.report()["dofs"] = model.numbering->n_dofs();
-    log.line("  no results: the first step did not converge");
-  }
-  if (is_converged)
-    is_converged = adaptive_cycles.run(t, x);
-
-  if (step.has_system()) {
+  if (step.has_system() && !steps.finds_modes()) {
     const Solution<dim> solution = {step.system(), x, t, is_converged};
     if (is_converged)
       results.explain(solution);
     results.measure_spectrum(solution, step.solve_groups());
-    phases.add("tie", step.system().seconds_of_ties());
   }
+  if (step.has_system())
+    phases.add("tie", step.system().seconds_of_ties());
   results.finish(is_converged, plan(), // the linear solver may have decided otherwise
                  count(model, step.assemblies(), step.solver(), results.n_files()));
   for (const auto &problem : {step_control.problem(), adaptive_cycles.problem(), results.problem()})

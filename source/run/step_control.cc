@@ -22,9 +22,11 @@ const double smallest_change = 0.2;                 ///< less is not worth a new
 } // namespace
 
 Steps::Steps(const Section &section)
-    : is_transient(section.choose("Kind", {"static", "transient"}, 0,
-                                  "static: loads follow the time t, and nothing is stored; transient: heat "
-                                  "and species are stored, by their capacities [-]") == 1),
+    : kind(static_cast<Kind>(
+          section.choose("Kind", {"static", "transient", "eigenmodes"}, 0,
+                         "static: loads follow the time t, and nothing is stored; transient: heat "
+                         "and species are stored, by their capacities; eigenmodes: free vibrations of solids "
+                         "about the state at the End time [-]"))),
       end_time(section.read<double>("End time", 1.,
                                     "The time t of the last step; the first step starts at 0 [s]",
                                     Patterns::Double(1e-300))),
@@ -47,7 +49,8 @@ Steps::Steps(const Section &section)
 {
   const bool has_inertia =
       section.read<bool>("Inertia", false, "Solids have inertia, by their Density, in transient scenes [-]");
-  section.check(!has_inertia || is_transient, "Inertia",
+  const bool is_transient = kind == Kind::transient;
+  section.check(!has_inertia || kind != Kind::of_statics, "Inertia",
                 "needs Kind = transient: a static scene has no accelerations.");
   const bool is_lumped = section.read<bool>("Lumped capacity", false,
                                             "What heat and species store is summed at the nodes, so that no "
@@ -247,7 +250,7 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   results.forget_solution();
   if (step.has_rates() || (steps.n_steps > 1 && results.has_probes()))
     results.record_step({step.system(), x, t, true}, step.tolerance());
-  if (results.is_due(n_good) || t >= almost_end())
+  if (!steps.finds_modes() && (results.is_due(n_good) || t >= almost_end()))
     results.write_pictures({step.system(), x, t, true});
 }
 

@@ -49,6 +49,8 @@ public:
   double memory() const { return (mumps.info[14] + 1) * 1e6 / (1024 * 1024); }
   void factorise();
   void solve(double *x, const double *b);
+  /// Of D, as many as eigenvalues of the matrix are negative (Sylvester). @pre are_symmetric()
+  unsigned long n_negative_pivots() const { return mumps.infog[11]; }
 
 private:
   void call(const int job)
@@ -186,6 +188,11 @@ public:
   void prepare(const GroupOperator &K, const Agreement &ranks) override;
   unsigned int solve(const GroupOperator &, GroupVector &x, const GroupVector &b, double) override;
   std::string shortage() const override { return missing; }
+  std::optional<unsigned long> n_negative_eigenvalues() const override
+  {
+    return factors && factors->are_symmetric() ? factors->n_negative_pivots()
+                                               : std::optional<unsigned long>();
+  }
   void forget() override { factors.reset(); }
 
 private:

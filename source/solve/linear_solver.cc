@@ -348,6 +348,13 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
   return n_iterations;
 }
 
+std::optional<unsigned long> LinearSolver::n_negative_eigenvalues(const unsigned int group) const
+{
+  const Group &g = *groups[group];
+  const Member &member = g.is_direct ? g.direct : g.chosen;
+  return member.is_prepared ? member.solver->n_negative_eigenvalues() : std::nullopt;
+}
+
 bool LinearSolver::prefer_direct()
 {
   bool is_new = false;

@@ -15,9 +15,17 @@ inline bool is_transient(const Section &section)
   return section.top().peek("Steps", "Kind") == "transient";
 }
 
+/// Whether the scene asks for the eigenmodes of its solids.
+inline bool finds_eigenmodes(const Section &section)
+{
+  return section.top().peek("Steps", "Kind") == "eigenmodes";
+}
+
 /// Whether solids have a mass, too.
 inline bool has_inertia(const Section &section)
 {
+  if (finds_eigenmodes(section))
+    return true;
   return is_transient(section) && section.top().peek("Steps", "Inertia") == "true";
 }
 

@@ -8,6 +8,7 @@
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,13 @@ namespace dovetail {
 template <int dim>
 void set_initial_values(const Model<dim> &model, double t, Vector &x,
                         const std::string &without_initial = "");
+
+/// Set the unknowns of a field that this rank owns to the values of a function of the place and the component
+/// at the nodes; those of a discontinuous one to its projection, cell by cell.
+template <int dim>
+void set_nodes(const Model<dim> &model, const Domain<dim> &domain, const Field &field,
+               const std::function<double(const dealii::Point<dim> &X, unsigned int component)> &value,
+               Vector &x);
 
 /// The rates at the time 0 that the scene gives (`Initial`: velocity), else zero. @param x whose layout they
 /// get. Collective.

@@ -105,6 +105,7 @@ public:
   BlockSystem<dim> &system() { return *present_system; }
   bool has_system() const { return present_system && problem; } ///< not if the meshes have changed in vain
   const LinearSolver &solver() const { return linear_solver; }
+  LinearSolver &solver() { return linear_solver; }
   void add_to(Plan &plan) const;
   std::vector<SolveGroup> solve_groups() const;
   typename BlockSystem<dim>::Assemblies assemblies() const; ///< of all systems so far

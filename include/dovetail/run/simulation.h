@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/run/adaptive_cycles.h>
+#include <dovetail/run/eigenmodes.h>
 #include <dovetail/run/nonlinear_step.h>
 #include <dovetail/run/step_control.h>
 
@@ -29,6 +30,9 @@ public:
 private:
   void check_formulas() const;
   Plan plan() const;
+  bool run_steps(Vector &x);
+  bool find_modes(Vector &x);
+  void measure(const Vector &x, bool is_converged);
   /// Heading and plan in the log.
   Plan introduce();
 
@@ -44,6 +48,7 @@ private:
   Results<dim> results;
   StepControl<dim> step_control;
   AdaptiveCycles<dim> adaptive_cycles;
+  Eigenmodes<dim> eigenmodes;
 };
 
 /// Read every entry that a scene can have, for the reference (@p text from SceneText::for_documentation).

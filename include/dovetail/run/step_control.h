@@ -20,7 +20,9 @@ struct Steps
   explicit Steps(const Section &section);
   double size() const { return end_time / n_steps; } ///< of a step, if none fails
 
-  bool is_transient; ///< the state at the time 0 is given, not guessed
+  enum class Kind { of_statics, transient, eigenmodes };
+  Kind kind;
+  bool finds_modes() const { return kind == Kind::eigenmodes; } ///< of the state at the end time
   double end_time;
   unsigned int n_steps;
   bool is_adaptive;         ///< halve a step that does not converge

@@ -50,7 +50,7 @@ public:
   void first_stage() override { enter_stage(0); }
   bool next_stage() override;
   bool has_linear_stage() const override { return stages[present_stage].is_linear; }
-  bool is_remembered() const override { return model.order_in_time() > 0; }
+  bool is_remembered() const override { return system.has_rates(); }
   double residual(const Vector &x) override;
   double residual_and_tangent(const Vector &x) override;
   std::optional<unsigned int> solve(const Vector &x, Vector &dx) override;

@@ -12,6 +12,7 @@
 #include <deal.II/lac/trilinos_vector.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -114,6 +115,9 @@ public:
   /// Why the last prepare() failed, "its factors need about 9 MiB, and 8 MiB are free", if K was too large
   /// for this solver; else empty. The same on all ranks.
   virtual std::string shortage() const { return ""; }
+  /// How many eigenvalues of the K that was prepared are negative, if that is a by-product. The same on all
+  /// ranks.
+  virtual std::optional<unsigned long> n_negative_eigenvalues() const { return {}; }
   /// K and what belongs to its structure will not be there any more.
   virtual void forget() {}
 };

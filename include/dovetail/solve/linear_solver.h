@@ -82,6 +82,9 @@ public:
   };
   std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side, const Demand &demand);
 
+  /// Of the matrix of a group that was solved last; nothing if the solver does not know.
+  std::optional<unsigned long> n_negative_eigenvalues(unsigned int group) const;
+
   /// From now on everything is solved directly. @return false if it is already.
   bool prefer_direct();
 

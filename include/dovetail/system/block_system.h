@@ -49,6 +49,7 @@ public:
 
   /// Those of the unknowns in the present step, from a time scheme; without any what is stored is left out.
   void set_rates(const Rates &rates);
+  bool has_rates() const { return step_rates.has_first(); }
 
   /// Prescribed values of time @p t; weights and penalties of the ties frozen at @p x.
   void begin_step(double t, const Vector &x);

@@ -7,7 +7,8 @@ namespace dovetail {
 
 template <int dim>
 nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem<dim>::Assemblies &assemblies,
-                             const LinearSolver &solver, const unsigned int n_files)
+                             const LinearSolver &solver, const unsigned int n_predicted,
+                             const unsigned int n_files)
 {
   const auto sum = [&](const unsigned long own) {
     return dealii::Utilities::MPI::sum(own, model.communicator);
@@ -28,11 +29,19 @@ nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem
     work += interface->work();
   }
   LinearSolver::Counts linear = solver.counts();
+  GroupSolver::Preparations multigrids;
+  for (const auto &[name, preparations] : linear.preparations)
+    if (name != "direct") {
+      multigrids.made += preparations.made;
+      multigrids.kept += preparations.kept;
+    }
   nlohmann::ordered_json counters = {{"tangent assemblies", assemblies.tangents},
                                      {"residual assemblies", assemblies.residuals_alone},
+                                     {"predicted steps", n_predicted},
                                      {"linear solves", linear.solves},
-                                     {"factorisations", linear.preparations["direct"]},
-                                     {"multigrids", linear.preparations["multigrid"]},
+                                     {"factorisations", linear.preparations["direct"].made},
+                                     {"multigrids", multigrids.made},
+                                     {"multigrids kept", multigrids.kept},
                                      {"solid law evaluations", evaluations("solid")},
                                      {"heat law evaluations", evaluations("heat")},
                                      {"first flux variations", sum(variations.first)},
@@ -52,8 +61,8 @@ nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem
 }
 
 template nlohmann::ordered_json count(const Model<2> &, const BlockSystem<2>::Assemblies &,
-                                      const LinearSolver &, unsigned int);
+                                      const LinearSolver &, unsigned int, unsigned int);
 template nlohmann::ordered_json count(const Model<3> &, const BlockSystem<3>::Assemblies &,
-                                      const LinearSolver &, unsigned int);
+                                      const LinearSolver &, unsigned int, unsigned int);
 
 } // namespace dovetail

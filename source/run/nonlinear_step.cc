@@ -62,6 +62,7 @@ template <int dim>
 void NonlinearStep<dim>::make_system(const double t)
 {
   present_system = std::make_unique<BlockSystem<dim>>(model);
+  predictor.forget();
   set_up(t);
   problem = std::make_unique<StepProblem<dim>>(model, *present_system, newton, linear_solver, phases, log);
   given = std::make_unique<GivenValues<dim>>(model);
@@ -74,6 +75,7 @@ void NonlinearStep<dim>::release_system()
   phases.add("tie", present_system->seconds_of_ties());
   assemblies_of_released = assemblies();
   linear_solver.forget_matrix();
+  n_predictions = n_predicted();
   problem.reset();
   present_system.reset();
 }
@@ -141,6 +143,9 @@ Rates NonlinearStep<dim>::rates_to(const double t)
 template <int dim>
 void NonlinearStep<dim>::accept_step(const double t, const Vector &x)
 {
+  if (has_jumped)
+    predictor.forget();
+  predictor.add(t, x);
   if (!scheme)
     return;
   const StepTime this_step = step_to(t);
@@ -246,6 +251,39 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x, const Rates &rat
   present_system->set_rates(rates);
   present_system->begin_step(t, x);
   problem->begin_step(t, x);
+}
+
+/// The first assembly is at x: what a step freezes there, and what it is measured by, stays as it is without
+/// a prediction.
+template <int dim>
+bool NonlinearStep<dim>::predict(const double t, const Vector &x, Vector &trial)
+{
+  const std::vector<bool> active = active_toggles(model, t);
+  if (std::exchange(toggles_of_predictor, active) != active)
+    predictor.forget();
+  if (!predictor.has_guess())
+    return false;
+  Vector guess = predictor.guess(t);
+  if (model.is_linear()) {
+    if (linear_solver.iterates()) {
+      guess -= x;
+      problem->set_guess(guess);
+    }
+    return false;
+  }
+  Vector moves = x;
+  present_system->constrain(moves);
+  moves -= x;
+  // what prescribed values do when they move is known by the tangent only
+  const double at_x = moves.linfty_norm() > 0 ? problem->residual_and_tangent(x) : problem->residual(x);
+  present_system->constrain(guess);
+  if (!(problem->start_at(guess) < at_x)) {
+    begin(t, x);
+    return false;
+  }
+  trial = guess;
+  ++n_predictions;
+  return true;
 }
 
 template <int dim>

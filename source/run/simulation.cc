@@ -184,7 +184,7 @@ bool Simulation<dim>::run()
   if (step.has_system())
     phases.add("tie", step.system().seconds_of_ties());
   results.finish(is_converged, plan(), // the linear solver may have decided otherwise
-                 count(model, step.assemblies(), step.solver(), results.n_files()));
+                 count(model, step.assemblies(), step.solver(), step.n_predicted(), results.n_files()));
   for (const auto &problem : {step_control.problem(), adaptive_cycles.problem(), results.problem()})
     if (problem)
       std::rethrow_exception(problem);

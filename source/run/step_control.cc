@@ -105,7 +105,7 @@ bool StepControl<dim>::run(Vector &x)
         write_last_good(x);
         return false;
       }
-    } else if (outcome == Outcome::out_of_range)
+    } else if (step.reject_step(); outcome == Outcome::out_of_range)
       log.step_ends("a value leaves the range of what is given; backward Euler is tried");
     else if (outcome == Outcome::inexact)
       log.step_ends("the error of the step is too large; a smaller one is tried");
@@ -178,7 +178,14 @@ typename StepControl<dim>::Outcome StepControl<dim>::try_step(const double next,
   }
   step.begin(next, x);
   step.add_notes();
+  const bool is_predicted = step.predict(next, x, trial);
   NewtonResult result = step.solve(trial);
+  if (!result.is_converged && is_predicted) {
+    log.line("  did not converge from the prediction; the step begins at the last state");
+    step.begin(next, x);
+    trial = x;
+    result.append(step.solve(trial));
+  }
   Outcome outcome = Outcome::failed_at_any_size;
   const bool may_try_again = steps.is_adaptive && !step.is_linear(); // a linear scene fails in the same way
   if (!result.is_converged && may_try_again && is_first) {

@@ -9,10 +9,16 @@
 #include <cmath>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 namespace dovetail {
 
 namespace {
+
+/// Of a linear scene, relative to the forces at work. The balance of forces is asked for to 1e-10 of what is
+/// put in, which is less.
+const double exact_linear_residual = 1e-11;
+const double share_of_exact = 0.1; ///< that the solver is asked for
 
 std::vector<bool> blocks_of_constraints(const Numbering &numbering)
 {
@@ -70,6 +76,7 @@ template <int dim>
 void StepProblem<dim>::enter_stage(const unsigned int number)
 {
   present_stage = number;
+  residual_of_update = 0;
   has_block = stages[number].has_block;
   criterion.restrict_to(has_block);
 }
@@ -122,6 +129,8 @@ void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
 {
   t = t_of_step;
   start = x;
+  guess.reset();
+  is_at_start = false;
   tangent_at_rest.clear(); // ties and conditions may have changed
   may_adapt_penalties = starts_from_guess;
   is_first_assembly = true;
@@ -140,15 +149,27 @@ template <int dim>
 double StepProblem<dim>::residual(const Vector &x)
 {
   const Phases::Scope scope(phases, "assembly");
+  is_at_start = false;
   return measure(system.assemble(x, false));
+}
+
+template <int dim>
+double StepProblem<dim>::start_at(const Vector &x)
+{
+  const double norm = residual_and_tangent(x);
+  is_at_start = std::isfinite(norm);
+  return norm;
 }
 
 template <int dim>
 double StepProblem<dim>::residual_and_tangent(const Vector &x)
 {
   const Phases::Scope scope(phases, "assembly");
+  if (std::exchange(is_at_start, false)) // assembled already, but perhaps measured with other stages
+    return measure(true);
   const bool with_tangent = !system.keeps_tangent();
   has_new_tangent = has_new_tangent || with_tangent;
+  is_stabilised = is_stabilised && !with_tangent;
   return measure(system.assemble(x, with_tangent));
 }
 
@@ -186,8 +207,22 @@ void StepProblem<dim>::give_tangent()
   has_new_tangent = false;
 }
 
-/// The last iteration does not have to solve far below the tolerance. Others do: an update that is not exact
-/// costs the quadratic convergence, and the line search relies on it.
+/// How exact an update has to be, relative to its residual: such that what is left of the residual is a tenth
+/// of what Newton's method will leave if it converges quadratically (Eisenstat and Walker 1996, choice 2). 0:
+/// exact, because one iteration solves the stage or because the residual says nothing of the update: while
+/// prescribed values move, and with a tangent that is not that of the state.
+template <int dim>
+double StepProblem<dim>::forcing() const
+{
+  const double largest = 1e-4, share = 0.1;
+  if (stages[present_stage].is_linear || is_stabilised || !(residual_of_last > 0) || moves_constraints())
+    return 0;
+  if (!(residual_of_update > residual_of_last))
+    return std::min(largest, share * residual_of_last);
+  return std::min(largest, share * std::pow(residual_of_last / residual_of_update, 2));
+}
+
+/// The last iteration does not have to solve far below the tolerance; if the residual is remembered, it does.
 template <int dim>
 LinearSolver::Demand StepProblem<dim>::demand() const
 {
@@ -198,15 +233,29 @@ LinearSolver::Demand StepProblem<dim>::demand() const
           is_exact ? 0 : std::min(largest, rest * criterion.tolerance() / residual_of_last)};
 }
 
+/// Of an update: as demand(), unless what the update leaves is surely more than the tolerance.
+template <int dim>
+LinearSolver::Demand StepProblem<dim>::demand_of_update()
+{
+  LinearSolver::Demand result = demand();
+  if (const double share = forcing(); share * residual_of_last > criterion.tolerance())
+    result.enough = std::max(result.enough, share);
+  residual_of_update = residual_of_last;
+  return result;
+}
+
 template <int dim>
 std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
 {
   const Phases::Scope scope(phases, "solve");
   give_tangent();
-  auto n_iterations = linear_solver.solve(dx, system.negative_residual(), demand());
+  const LinearSolver::Demand needed = demand_of_update();
+  auto n_iterations =
+      guess ? solve_from_guess(dx) : linear_solver.solve(dx, system.negative_residual(), needed);
+  guess.reset();
   if (!n_iterations && linear_solver.lacks_entries()) {
     make_entries(x);
-    n_iterations = linear_solver.solve(dx, system.negative_residual(), demand());
+    n_iterations = linear_solver.solve(dx, system.negative_residual(), needed);
   }
   if (model.is_linear() && n_iterations)
     residual_of_solver = refine_linear_solution(x, dx);
@@ -217,6 +266,32 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   keep_stage(dx);
   if (!model.is_linear())
     learn_scales(x, dx);
+  return n_iterations;
+}
+
+/// Of a linear scene. The solver only has to find what the guess leaves, unless that is no less than what
+/// there is without it.
+template <int dim>
+std::optional<unsigned int> StepProblem<dim>::solve_from_guess(Vector &dx)
+{
+  Vector start = system.owned_vector(), rest = start;
+  const double without = system.linear_residual_norm(start, rest);
+  for (unsigned int b = 0; b < start.n_blocks(); ++b) {
+    const Block &block = model.numbering->blocks()[b];
+    for (unsigned int i = 0; i < block.owned.n_elements(); ++i)
+      if (!system.is_constrained(block.begin + block.owned.nth_index_in_set(i)))
+        start.block(b).trilinos_vector()[0][i] = guess->block(b).trilinos_vector()[0][i];
+  }
+  const double with = system.linear_residual_norm(start, rest);
+  LinearSolver::Demand needed = demand();
+  if (!(with < without))
+    return linear_solver.solve(dx, system.negative_residual(), needed);
+  ++n_guesses;
+  if (with > 0)
+    needed.enough = share_of_exact * exact_linear_residual / with;
+  const auto n_iterations = linear_solver.solve(dx, rest, needed);
+  if (n_iterations)
+    dx += start;
   return n_iterations;
 }
 
@@ -238,15 +313,16 @@ void StepProblem<dim>::make_entries(const Vector &x)
 template <int dim>
 double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
 {
-  // the balance of forces is asked for to 1e-10 of what is put in, which is less than the forces at work
-  const double exact = 1e-11, usual = 1e-8;
+  const double usual = 1e-8;
   Vector rest = system.owned_vector(), correction = rest;
   double relative = system.linear_residual_norm(dx, rest);
-  for (unsigned int pass = 0; pass < 2 && relative > (pass == 0 ? exact : usual); ++pass) {
+  for (unsigned int pass = 0; pass < 2 && relative > (pass == 0 ? exact_linear_residual : usual); ++pass) {
     if (pass == 1 && linear_solver.prefer_direct() && linear_solver.lacks_entries())
       make_entries(x);
     const Stage &stage = stages[present_stage];
-    if (!linear_solver.solve(correction, rest, {stage.first_group, stage.end_group, 0.1 * exact / relative}))
+    if (!linear_solver.solve(
+            correction, rest,
+            {stage.first_group, stage.end_group, share_of_exact * exact_linear_residual / relative}))
       break;
     Vector trial = dx;
     trial += correction;
@@ -418,6 +494,7 @@ bool StepProblem<dim>::stabilise(const Vector &x, const double share)
       return false;
   }
   system.add_to_tangent(share, tangent_at_rest);
+  is_stabilised = true;
   return true;
 }
 

@@ -209,6 +209,7 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
   const Epetra_CrsMatrix &A = *K.matrix();
   bool is_same = false;
   missing.clear();
+  ++preparations.made;
   if (!factors || factors->are_symmetric() != facts.is_positive_definite())
     ranks.run("factorisation", [&]() {
       factors =

@@ -137,11 +137,9 @@ void LinearSolver::Group::forget_matrix()
 
 bool LinearSolver::Group::prepare(Member &member, const GroupOperator &K)
 {
-  if (!member.is_prepared) {
-    ++owner.all_counts.preparations[member.name];
+  if (!member.is_prepared)
     member.is_prepared =
         owner.ranks.succeeds("preparation", [&]() { member.solver->prepare(K, owner.ranks); });
-  }
   return member.is_prepared;
 }
 
@@ -214,7 +212,7 @@ bool LinearSolver::Group::solve_directly(GroupVector &x, const GroupVector &b)
 std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const GroupVector &b)
 {
   const double largest_usable = 1e-4;
-  ++owner.all_counts.solves;
+  ++owner.n_solves;
   if (is_direct) {
     if (solve_directly(x, b))
       return 1;
@@ -348,11 +346,31 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
   return n_iterations;
 }
 
+<<<<<<< HEAD
 std::optional<unsigned long> LinearSolver::n_negative_eigenvalues(const unsigned int group) const
 {
   const Group &g = *groups[group];
   const Member &member = g.is_direct ? g.direct : g.chosen;
   return member.is_prepared ? member.solver->n_negative_eigenvalues() : std::nullopt;
+}
+
+bool LinearSolver::iterates() const
+{
+  return std::any_of(groups.begin(), groups.end(), [](const auto &group) {
+    return !(group->is_decided ? group->is_direct : group->is_direct_by_size());
+  });
+}
+
+LinearSolver::Counts LinearSolver::counts() const
+{
+  Counts result{n_solves, {}};
+  for (const auto &group : groups)
+    for (const Member *member : {&group->chosen, &group->direct}) {
+      result.preparations[member->name].made += member->solver->counts().made;
+      result.preparations[member->name].kept += member->solver->counts().kept;
+    }
+  return result;
+>>>>>>> 9f8c909525193d27643f31fd15b3b51be17e38ac
 }
 
 bool LinearSolver::prefer_direct()

@@ -13,9 +13,12 @@
 // application, 2012.
 
 #include "degree_coarsening.h"
+#include "upkeep.h"
 
 #include <dovetail/solve/krylov.h>
 
+#include <cmath>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -63,7 +66,8 @@ private:
 class MatrixFree : public GroupSolver
 {
 public:
-  MatrixFree(const Section &, const GroupFacts &facts) : facts(facts) {}
+  /// The cost of levels: measured, in iterations (doc/theory/linear_solvers.md).
+  MatrixFree(const Section &, const GroupFacts &facts) : facts(facts), upkeep(12) {}
 
   std::string description() const override
   {
@@ -78,34 +82,75 @@ public:
     cycle.reset();
     level.reset();
     modes.reset();
+    upkeep.forget();
   }
 
 private:
+  void make(const GroupOperator &K);
+  unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
+                       const std::function<bool(unsigned int n, double r)> &gives_up);
+
   const GroupFacts &facts;
+  Agreement ranks;
+  Upkeep upkeep;
+  bool was_symmetric = true; ///< when the levels were made
   std::unique_ptr<Epetra_MultiVector> modes;
   std::unique_ptr<SumLevel> level;
   std::unique_ptr<DegreeCoarsening> cycle;
 };
 
-void MatrixFree::prepare(const GroupOperator &K, const Agreement &ranks)
+void MatrixFree::prepare(const GroupOperator &K, const Agreement &all_ranks)
+{
+  ranks = all_ranks;
+  if (upkeep.pays() && was_symmetric == facts.is_symmetric) {
+    upkeep.keep();
+    ++preparations.kept;
+  } else
+    make(K);
+}
+
+void MatrixFree::make(const GroupOperator &K)
 {
   cycle.reset();
+  upkeep.forget();
+  ++preparations.made;
   ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
   if (!modes)
     ranks.run("modes", [&]() { modes = make_modes(facts, level->rows()); });
   ranks.run("multigrid", [&]() {
     cycle = std::make_unique<DegreeCoarsening>(*level, facts.degree, facts.linear_part(), *modes);
   });
+  was_symmetric = facts.is_symmetric;
+  upkeep.made();
 }
 
 unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                const double goal)
 {
+  if (!upkeep.is_of_earlier())
+    return iterate(K, x, b, goal, {});
+  return solve_in_two_attempts(
+      K, x, b,
+      [&](GroupVector &z, const GroupVector &r) {
+        return iterate(K, z, r, goal, upkeep.gives_up(r.l2_norm(), goal));
+      },
+      [&](GroupVector &z, const GroupVector &r) {
+        make(K);
+        return iterate(K, z, r, goal, {});
+      });
+}
+
+unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,
+                                 const double goal,
+                                 const std::function<bool(unsigned int n, double r)> &gives_up)
+{
   const auto apply = [this](GroupVector &solution, const GroupVector &right_hand_side) {
     Epetra_Vector z(View, solution.trilinos_vector(), 0);
     cycle->vmult(z, Epetra_Vector(View, right_hand_side.trilinos_vector(), 0));
   };
-  return solve_by_iteration(K, facts, apply, x, b, goal, {});
+  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up);
+  upkeep.solved(n_iterations, std::log10(b.l2_norm() / goal));
+  return n_iterations;
 }
 
 namespace {

@@ -5,17 +5,17 @@
 // degree one. A group that is not symmetric is preconditioned by the symmetric part of its matrix.
 //
 // At degree one the smoothers are made of the diagonal, until an iteration is slow: then, and from then on,
-// of incomplete factorisations, which cost more and smooth what stretched cells and the like leave.
+// of incomplete factorisations, which cost more and smooth what stretched cells and the like leave. The
+// levels of one matrix are kept for the next ones while that pays.
 //
 //     subsection Linear solver
 //       set Type = multigrid
 //     end
 
 #include "degree_coarsening.h"
+#include "upkeep.h"
 
 #include <dovetail/solve/krylov.h>
-
-#include <deal.II/lac/solver_control.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
@@ -30,7 +30,8 @@ namespace dovetail {
 class Multigrid : public GroupSolver
 {
 public:
-  Multigrid(const Section &, const GroupFacts &facts) : facts(facts) {}
+  /// The cost of levels: measured, in iterations (doc/theory/linear_solvers.md).
+  Multigrid(const Section &, const GroupFacts &facts) : facts(facts), upkeep(12) {}
 
   std::string description() const override { return describe_iteration(facts, "multigrid"); }
   void prepare(const GroupOperator &K, const Agreement &all_ranks) override;
@@ -38,19 +39,26 @@ public:
   void forget() override
   {
     forget_values();
+    upkeep.forget();
     modes.reset();
     is_slow = false;
   }
 
 private:
+  using GivesUp = std::function<bool(unsigned int n, double r)>;
+
   void forget_values();
+  void make(const GroupOperator &K);
   void make_aggregation();
   void make_levels();
+  unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
-                       const std::function<bool(unsigned int n, double r)> &gives_up);
+                       const GivesUp &gives_up);
 
   const GroupFacts &facts;
   Agreement ranks;
+  Upkeep upkeep;
+  bool was_symmetric = true; ///< when the levels were made
   std::unique_ptr<Epetra_MultiVector> modes;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< of a matrix that is not symmetric
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
@@ -70,8 +78,19 @@ void Multigrid::forget_values()
 
 void Multigrid::prepare(const GroupOperator &K, const Agreement &all_ranks)
 {
-  forget_values();
   ranks = all_ranks;
+  if (upkeep.pays() && was_symmetric == facts.is_symmetric) {
+    upkeep.keep();
+    ++preparations.kept;
+  } else
+    make(K);
+}
+
+void Multigrid::make(const GroupOperator &K)
+{
+  forget_values();
+  upkeep.forget();
+  ++preparations.made;
   matrix = K.bodies().matrix();
   if (!modes)
     ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
@@ -81,6 +100,8 @@ void Multigrid::prepare(const GroupOperator &K, const Agreement &all_ranks)
     matrix = symmetric_part.get();
   }
   ranks.run("multigrid", [&]() { make_levels(); });
+  was_symmetric = facts.is_symmetric;
+  upkeep.made();
 }
 
 void Multigrid::make_levels()
@@ -103,45 +124,54 @@ void Multigrid::make_aggregation()
 
 unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, const double goal)
 {
+  if (!upkeep.is_of_earlier())
+    return solve_with_new(K, x, b, goal);
+  return solve_in_two_attempts(
+      K, x, b,
+      [&](GroupVector &z, const GroupVector &r) {
+        return iterate(K, z, r, goal, upkeep.gives_up(r.l2_norm(), goal));
+      },
+      [&](GroupVector &z, const GroupVector &r) {
+        make(K);
+        return solve_with_new(K, z, r, goal);
+      });
+}
+
+/// With levels of the present matrix.
+unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,
+                                       const double goal)
+{
   if (is_slow || by_degree || facts.has_multipliers) // whose Schur complement may be what is slow
     return iterate(K, x, b, goal, {});
 
-  const unsigned int n_between_checks = 8, most_iterations = 30;
-  const double decades = std::log10(b.l2_norm() / goal);
+  const unsigned int n_between_checks = 8;
+  const double most_per_decade = 3; // of the residual: 30 iterations for the usual tolerance
+  const double norm = b.l2_norm();
   const auto will_take_too_many = [&](const unsigned int n, const double residual) {
-    return n > 0 && n % n_between_checks == 0 &&
-           n * decades > most_iterations * std::log10(b.l2_norm() / residual);
+    return n > 0 && n % n_between_checks == 0 && n > most_per_decade * std::log10(norm / residual);
   };
-  unsigned int n_iterations = 0;
-  try {
-    return iterate(K, x, b, goal, will_take_too_many);
-  } catch (const dealii::SolverControl::NoConvergence &end) { // on all ranks
-    n_iterations = end.last_step;
-  }
-  is_slow = true;
-  ranks.run("multigrid", [this]() { make_aggregation(); });
-  GroupVector residual(b), correction(K.vector());
-  K.vmult(residual, x);
-  residual.sadd(-1., 1., b);
-  if (!(residual.l2_norm() < b.l2_norm())) {
-    x = 0;
-    residual = b;
-  }
-  n_iterations += iterate(K, correction, residual, goal, {});
-  x += correction;
-  return n_iterations;
+  return solve_in_two_attempts(
+      K, x, b,
+      [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, will_take_too_many); },
+      [&](GroupVector &z, const GroupVector &r) {
+        is_slow = true;
+        ranks.run("multigrid", [this]() { make_aggregation(); });
+        upkeep.made();
+        return iterate(K, z, r, goal, {});
+      });
 }
 
 unsigned int Multigrid::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,
-                                const double goal,
-                                const std::function<bool(unsigned int n, double r)> &gives_up)
+                                const double goal, const GivesUp &gives_up)
 {
   const auto cycle = [this](GroupVector &solution, const GroupVector &right_hand_side) {
     Epetra_Vector z(View, solution.trilinos_vector(), 0);
     const Epetra_Vector r(View, right_hand_side.trilinos_vector(), 0);
     by_degree ? by_degree->vmult(z, r) : aggregation->vmult(z, r);
   };
-  return solve_by_iteration(K, facts, cycle, x, b, goal, gives_up);
+  const unsigned int n_iterations = solve_by_iteration(K, facts, cycle, x, b, goal, gives_up);
+  upkeep.solved(n_iterations, std::log10(b.l2_norm() / goal));
+  return n_iterations;
 }
 
 namespace {

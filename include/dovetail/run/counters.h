@@ -17,6 +17,6 @@ namespace dovetail {
 /// rank are sums over the ranks. Collective.
 template <int dim>
 nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem<dim>::Assemblies &assemblies,
-                             const LinearSolver &solver, unsigned int n_files);
+                             const LinearSolver &solver, unsigned int n_predicted, unsigned int n_files);
 
 } // namespace dovetail

@@ -7,6 +7,7 @@
 
 #include <dovetail/output/notes.h>
 #include <dovetail/output/plan.h>
+#include <dovetail/run/predictor.h>
 #include <dovetail/run/range_watch.h>
 #include <dovetail/run/step_problem.h>
 #include <dovetail/time/time_scheme.h>
@@ -37,6 +38,8 @@ public:
   void start(const Vector &x);
   /// The step to time @p t has led to @p x. A step that fails leaves no trace in the time scheme.
   void accept_step(double t, const Vector &x);
+  /// The step that was tried last is rejected: what comes next is not predicted from the steps before.
+  void reject_step() { predictor.forget(); }
   bool has_rates() const { return scheme != nullptr; } ///< a term asks for them
 
   /// The end of a step from the last good one: @p end, or before it the last time at which all toggles are as
@@ -68,6 +71,12 @@ public:
   bool is_solution(double t, const Vector &x);
   /// A step to time @p t from @p x begins.
   void begin(double t, const Vector &x);
+  /// In the step to time @p t from @p x that has begun: let @p trial be the last solutions, extrapolated, if
+  /// that leaves a smaller residual than @p x does with the prescribed values of time t. In a linear scene
+  /// the solver is told instead. @return whether trial has changed. Collective.
+  bool predict(double t, const Vector &x, Vector &trial);
+  /// Of steps that began, or whose solver began, from there.
+  unsigned int n_predicted() const { return n_predictions + (problem ? problem->n_guesses_taken() : 0); }
   /// The last good step, which led to @p x at time @p t, is what the system stands for again. Ties freeze at
   /// its end what they froze at its beginning. @return whether what was measured of it holds still: not if
   /// the system has been set up for other toggles.
@@ -140,6 +149,9 @@ private:
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<StepProblem<dim>> problem;
   NewtonResult last_result;
+  Predictor predictor;
+  std::vector<bool> toggles_of_predictor; ///< active ones
+  unsigned int n_predictions = 0;
   bool has_jumped = false;                                      ///< in this step, past a limit point
   std::vector<std::string> failure;                             ///< of the last iteration that failed
   typename BlockSystem<dim>::Assemblies assemblies_of_released; ///< systems

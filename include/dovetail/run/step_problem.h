@@ -39,6 +39,13 @@ public:
   /// @return false if x stays as it is because that cannot be found.
   bool spread_prescribed_values(Vector &x);
 
+  /// Of a linear scene: about what the next solve(x, dx) will find. Taken if it leaves a smaller residual.
+  void set_guess(const Vector &dx) { guess = dx; }
+  unsigned int n_guesses_taken() const { return n_guesses; }
+
+  /// As residual_and_tangent(x), where Newton's method will begin: it does not assemble there again.
+  double start_at(const Vector &x);
+
   double time() const { return t; }
   /// Norms at the first state of the step: of the residual, of what is prescribed.
   const std::array<double, 2> &loads() const { return loads_at_start; }
@@ -80,6 +87,9 @@ private:
   void enter_all_stages();
   void keep_stage(Vector &dx) const;
   LinearSolver::Demand demand() const;
+  LinearSolver::Demand demand_of_update();
+  double forcing() const;
+  std::optional<unsigned int> solve_from_guess(Vector &dx);
   double measure(bool is_defined);
   void set_matrix();
   double refine_linear_solution(const Vector &x, Vector &dx);
@@ -121,6 +131,11 @@ private:
   bool update_moves = false;    ///< prescribed values
   Vector update_loads;
   std::optional<Vector> moving_loads;
+  std::optional<Vector> guess; ///< of the next update
+  unsigned int n_guesses = 0;
+  double residual_of_update = 0; ///< where the last update of this stage began; 0: none yet
+  bool is_stabilised = false;    ///< the tangent
+  bool is_at_start = false;      ///< the last assembly, with the tangent, was start_at()
   std::vector<std::string> all_notes;
 };
 

@@ -108,7 +108,8 @@ public:
   /// Whether it asks for all entries of K. If not, those of cells are never made: GroupOperator::cells().
   virtual bool needs_entries() const { return true; }
 
-  /// K has new values. @p ranks: for steps that one rank alone may not survive.
+  /// K has new values. What was made for the last ones may be kept, and counted as such. @p ranks: for steps
+  /// that one rank alone may not survive.
   virtual void prepare(const GroupOperator &K, const Agreement &ranks) = 0;
   /// Until |b - K x| <= @p goal, from x = 0. @return the number of iterations. @pre prepare(K)
   virtual unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) = 0;
@@ -120,6 +121,16 @@ public:
   virtual std::optional<unsigned long> n_negative_eigenvalues() const { return {}; }
   /// K and what belongs to its structure will not be there any more.
   virtual void forget() {}
+
+  /// Of prepare(), and of what was made anew in solve().
+  struct Preparations
+  {
+    unsigned long made = 0, kept = 0;
+  };
+  const Preparations &counts() const { return preparations; }
+
+protected:
+  Preparations preparations;
 };
 
 /// Adding one is adding a file: doc/how_to/add_a_solver.md.

@@ -27,6 +27,12 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
                                 GroupVector &x, const GroupVector &b, double goal,
                                 const std::function<bool(unsigned int n, double r)> &gives_up = {});
 
+/// x of K x = b from 0 by @p first. If that ends without convergence, @p second solves for what it leaves.
+/// @return the number of iterations of both
+using Attempt = std::function<unsigned int(GroupVector &x, const GroupVector &b)>;
+unsigned int solve_in_two_attempts(const GroupOperator &K, GroupVector &x, const GroupVector &b,
+                                   const Attempt &first, const Attempt &second);
+
 /// "CG with @p preconditioner", "GMRES with @p preconditioner and Schur complement", …
 std::string describe_iteration(const GroupFacts &facts, const std::string &preconditioner);
 

@@ -85,6 +85,8 @@ public:
   /// Of the matrix of a group that was solved last; nothing if the solver does not know.
   std::optional<unsigned long> n_negative_eigenvalues(unsigned int group) const;
 
+  /// Whether some group is solved by iteration, as far as is known.
+  bool iterates() const;
   /// From now on everything is solved directly. @return false if it is already.
   bool prefer_direct();
 
@@ -100,10 +102,10 @@ public:
 
   struct Counts
   {
-    unsigned long solves = 0;                          ///< of groups
-    std::map<std::string, unsigned long> preparations; ///< by the name of the solver
+    unsigned long solves = 0;                                      ///< of groups
+    std::map<std::string, GroupSolver::Preparations> preparations; ///< by the name of the solver
   };
-  const Counts &counts() const { return all_counts; }
+  Counts counts() const;
 
 private:
   struct Group;
@@ -116,7 +118,7 @@ private:
   double relative_tolerance;
   double present_tolerance = 0; ///< of the present solve
   Agreement ranks;
-  Counts all_counts;
+  unsigned long n_solves = 0;
   std::vector<std::string> all_notes;
 };
 

@@ -40,6 +40,7 @@ const char *const usage = R"(Dovetail: heat and solids on several bodies whose m
 
   dovetail scene.prm                          run (several ranks: mpirun -np 4 dovetail scene.prm)
   dovetail --check scene.prm                  read, make meshes and pairings, print the plan, solve nothing
+  dovetail --resume scene.prm                 go on from the last checkpoint, on any number of ranks
   dovetail --set 'PATH=value' … scene.prm     override an entry, for instance 'Interface seam/Theta=-1'
   dovetail --study scene.prm                  error against run time over the levels and variants of subsection Study
   dovetail --mesh FILE                        what a mesh file holds: cells, extents, names, quality; a preview for ParaView
@@ -48,12 +49,12 @@ const char *const usage = R"(Dovetail: heat and solids on several bodies whose m
   dovetail --version | --help
 
 A scene is a .prm or .json file. Exit status: 0 done, 1 the input is wrong, 2 the solver did not converge, or a
-signal (Ctrl-C, SIGTERM, SIGUSR1) asked a run of several steps to end (the last good step is written), 3 anything else.
+signal (Ctrl-C, SIGTERM, SIGUSR1) asked a run of several steps to end (the last good step is written, and --resume goes on from it), 3 anything else.
 )";
 
 struct Arguments
 {
-  bool help = false, version = false, parameters = false, check = false, study = false;
+  bool help = false, version = false, parameters = false, check = false, study = false, resume = false;
   std::vector<std::string> overrides;
   std::string scene, mesh, plot;
 };
@@ -86,11 +87,11 @@ Arguments parse(const int argc, char **argv)
         throw UserError("--plot needs the Directory of the Output of a run.");
       arguments.plot = argv[++i];
     } else if (word == "--resume")
-      throw UserError("The option " + word + " is not available yet.");
+      arguments.resume = true;
     else if (!word.empty() && word[0] == '-')
       throw UserError("The option '" + word + "' is not known. " +
                       did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set",
-                                          "--study", "--mesh", "--plot"}) +
+                                          "--study", "--mesh", "--plot", "--resume"}) +
                       " See dovetail --help.");
     else if (!arguments.scene.empty())
       throw UserError("Two scenes are given, " + arguments.scene + " and " + word + "; run them one by one.");
@@ -100,18 +101,22 @@ Arguments parse(const int argc, char **argv)
   if (arguments.study && arguments.check)
     throw UserError(
         "--check and --study exclude each other; a study checks its variants before the first run.");
+  if (arguments.resume && (arguments.study || arguments.check))
+    throw UserError(
+        std::string("--resume and ") + (arguments.study ? "--study" : "--check") + " exclude each other" +
+        (arguments.study ? ": a study that is started again leaves out the runs that have ended." : "."));
   return arguments;
 }
 
 template <int dim>
-Status run(const std::shared_ptr<SceneText> &text, const bool only_check)
+Status run(const std::shared_ptr<SceneText> &text, const Arguments &arguments)
 {
   Simulation<dim> simulation(text, MPI_COMM_WORLD);
-  if (only_check) {
+  if (arguments.check) {
     simulation.check();
     return done;
   }
-  return simulation.run() ? done : not_converged;
+  return (arguments.resume ? simulation.resume() : simulation.run()) ? done : not_converged;
 }
 
 std::string needs_scene(const Arguments &arguments)
@@ -161,8 +166,7 @@ Status run(const Arguments &arguments, const bool is_first_rank)
     return done;
   }
   const auto text = SceneText::from_file(needs_scene(arguments), arguments.overrides);
-  return begin_scene(SceneText::root(text)) == 2 ? run<2>(text, arguments.check)
-                                                 : run<3>(text, arguments.check);
+  return begin_scene(SceneText::root(text)) == 2 ? run<2>(text, arguments) : run<3>(text, arguments);
 }
 
 /// Deal.II's reason without its banner.

@@ -96,6 +96,30 @@ void InterfaceMemory<dim>::accept()
     side_variables.accept();
 }
 
+template <int dim>
+std::vector<double> InterfaceMemory<dim>::pack(const unsigned int q) const
+{
+  std::vector<double> numbers;
+  for (const auto &side_variables : variables)
+    if (!side_variables.empty()) {
+      const auto values = side_variables.accepted(q);
+      numbers.insert(numbers.end(), values.begin(), values.end());
+    }
+  return numbers;
+}
+
+template <int dim>
+void InterfaceMemory<dim>::unpack(const unsigned int q, const std::vector<double> &numbers)
+{
+  const double *begin = numbers.data();
+  for (auto &side_variables : variables)
+    if (!side_variables.empty()) {
+      const auto n = side_variables.accepted(q).size();
+      side_variables.set_accepted(q, {begin, n});
+      begin += n;
+    }
+}
+
 template class InterfaceMemory<2>;
 template class InterfaceMemory<3>;
 

@@ -219,11 +219,22 @@ void Paraview<dim>::write(const double time, const Vector &solution, const React
     write_picture(directory + "/steps/" + file_of(block.stem, times.size(), ".vtu"), flags,
                   [&]() { return show(block, flags, time, solution); });
   times.push_back(time);
-  write_indices();
+  write_index_of_step();
+  write_series();
+  n_written += 2;
+}
+
+/// What a run that was killed has written after its last checkpoint leaves the list at once.
+template <int dim>
+void Paraview<dim>::go_on_from(const std::vector<double> &times_so_far)
+{
+  times = times_so_far;
+  if (writes && !times.empty())
+    write_series();
 }
 
 template <int dim>
-void Paraview<dim>::write_indices()
+void Paraview<dim>::write_index_of_step() const
 {
   const unsigned int last = times.size() - 1;
   std::ostringstream step_index;
@@ -235,16 +246,19 @@ void Paraview<dim>::write_indices()
   step_index << "</vtkMultiBlockDataSet>\n</VTKFile>\n";
   check(write_on_first_rank(directory + "/steps/" + file_of("step", last, ".vtm"), beginning_of_index,
                             step_index.str(), model.communicator));
+}
 
+template <int dim>
+void Paraview<dim>::write_series() const
+{
   std::ostringstream series;
   series << beginning_of_index << "Collection\" version=\"0.1\">\n<Collection>\n" << std::setprecision(16);
-  for (unsigned int step = 0; step <= last; ++step)
+  for (unsigned int step = 0; step < times.size(); ++step)
     series << "<DataSet timestep=\"" << times[step] << "\" file=\"steps/" << file_of("step", step, ".vtm")
            << "\"/>\n";
   series << "</Collection>\n</VTKFile>\n";
   check(
       write_on_first_rank(directory + "/solution.pvd", beginning_of_index, series.str(), model.communicator));
-  n_written += 2;
 }
 
 template class Paraview<2>;

@@ -33,6 +33,10 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
       every_steps(output.read<unsigned int>(
           "Every steps", 1, "Pictures of every n-th step, and of the last one; probes.csv has all steps [-]",
           Patterns::Integer(1))),
+      checkpoint_steps(output.read<unsigned int>(
+          "Checkpoint every steps", 0,
+          "Keep the state after every n-th step, after the last one and where the run ends early, so that "
+          "--resume can go on from there; 0: only where a signal ends the run [-]")),
       with_spectrum(output.read<bool>("Spectrum", false,
                                       "Report eigenvalues and condition number of the matrix, up to " +
                                           std::to_string(largest_spectrum) + " unknowns [-]")),
@@ -50,20 +54,76 @@ void Results<dim>::add_to(Plan &plan) const
     plan.needed.push_back(pictures + (every_steps == 1
                                           ? "every step"
                                           : "every " + std::to_string(every_steps) + " steps, and the last"));
+  if (checkpoint_steps > 0)
+    plan.needed.push_back("checkpoint: every " +
+                          (checkpoint_steps == 1 ? "step" : std::to_string(checkpoint_steps) + " steps"));
 }
 
 template <int dim>
-void Results<dim>::begin(const Plan &plan)
+void Results<dim>::prepare_directory(const Plan &plan)
 {
   make_directory(directory, model.communicator);
   lock = lock_directory(directory, model.communicator);
   content = std::make_unique<Report>(directory, model.communicator);
   report()["plan"] = plan.needed;
   report()["left out"] = plan.left_out;
+}
+
+template <int dim>
+void Results<dim>::begin(const Plan &plan)
+{
+  prepare_directory(plan);
   report().write(); // so that an interrupted run does not look like the one before it
-  if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
-    remove_file(directory + "/" + StepTable::file, StepTable::first_word); // likewise
+  if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0) { // likewise
+    remove_file(directory + "/" + StepTable::file, StepTable::first_word);
+    remove_file(checkpoint_file(), RecordFile::first_words);
+  }
   write_used();
+}
+
+template <int dim>
+Checkpoint<dim> Results<dim>::find_checkpoint() const
+{
+  return Checkpoint<dim>(checkpoint_file(), model.communicator);
+}
+
+template <int dim>
+void Results<dim>::go_on(const Plan &plan, const nlohmann::ordered_json &saved)
+{
+  prepare_directory(plan);
+  report()["steps"] = saved["steps"];
+  notes.recall(saved["notes"]);
+  mark_good_step();
+  step_table.restore(saved["probes"]);
+  report().write();
+  write_used();
+  try_to_write([&]() { paraview.go_on_from(saved["pictures"]); });
+  if (!step_table.is_empty())
+    write_step_table();
+}
+
+template <int dim>
+void Results<dim>::mark_good_step()
+{
+  n_steps_so_far = report()["steps"].size();
+  n_notes_so_far = notes.all().size();
+}
+
+template <int dim>
+void Results<dim>::write_checkpoint(SavedState &state)
+{
+  const Phases::Scope scope(phases, "output");
+  const auto &all_steps = report()["steps"];
+  const auto &all_notes = notes.all();
+  state.numbers["results"] = {
+      {"steps", nlohmann::ordered_json(all_steps.begin(), all_steps.begin() + n_steps_so_far)},
+      {"notes", std::vector<std::string>(all_notes.begin(), all_notes.begin() + n_notes_so_far)},
+      {"probes", step_table.save()},
+      {"pictures", paraview.times_of_steps()}};
+  try_to_write([&]() {
+    if (const Obstacle obstacle = dovetail::write_checkpoint(checkpoint_file(), text, model, state))
+      obstacle.raise(set_another_directory);
+  });
 }
 
 template <int dim>

@@ -3,7 +3,9 @@
 
 #include <dovetail/output/step_table.h>
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <vector>
 
 namespace dovetail {
@@ -42,8 +44,45 @@ void StepTable::add(const double time, const ordered_json &probes, const ordered
       result += (result.empty() ? "" : ",") + cell;
     return result + "\n";
   };
-  header = line(names);
+  set_header(line(names));
   rows += line(texts);
+}
+
+void StepTable::restore(const ordered_json &saved)
+{
+  header = saved["header"];
+  rows = saved["rows"];
+}
+
+/// Earlier rows get its columns: what they do not have stays empty.
+void StepTable::set_header(const std::string &line)
+{
+  if (line == header)
+    return;
+  const auto cells_of = [](std::string text) {
+    text.pop_back(); // the end of the line
+    std::vector<std::string> cells(1);
+    for (const char c : text)
+      if (c == ',')
+        cells.emplace_back();
+      else
+        cells.back() += c;
+    return cells;
+  };
+  std::istringstream earlier(rows);
+  const std::vector<std::string> names = cells_of(line),
+                                 old_names = header.empty() ? names : cells_of(header);
+  header = line;
+  rows.clear();
+  for (std::string row; std::getline(earlier, row);) {
+    const std::vector<std::string> cells = cells_of(row + "\n");
+    for (const std::string &name : names) {
+      const auto place = std::find(old_names.begin(), old_names.end(), name) - old_names.begin();
+      rows += (name == first_word ? "" : ",") +
+              (place < static_cast<std::ptrdiff_t>(cells.size()) ? cells[place] : std::string());
+    }
+    rows += '\n';
+  }
 }
 
 bool StepTable::is_due()

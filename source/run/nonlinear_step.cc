@@ -6,6 +6,7 @@
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/material/transient.h>
 #include <dovetail/run/initial_values.h>
+#include <dovetail/run/saved_time.h>
 #include <dovetail/system/place.h>
 #include <dovetail/system/solve_groups.h>
 
@@ -92,6 +93,37 @@ void NonlinearStep<dim>::start(const Vector &x)
   range_watch->start(x);
   widen(ranges, x);
   ranges_of_first = ranges;
+}
+
+template <int dim>
+void NonlinearStep<dim>::save(SavedState &to) const
+{
+  nlohmann::ordered_json &numbers = to.numbers["step"];
+  numbers["ranges"] = ranges;
+  numbers["has noted an inexact step"] = has_noted_inexact_step;
+  if (!scheme)
+    return;
+  numbers["histories"] = range_watch->save();
+  save_memory(scheme->memory(), to);
+  save_rates(rates_of_last_good, to);
+}
+
+template <int dim>
+void NonlinearStep<dim>::go_on(const Checkpoint<dim> &checkpoint, const SavedState &from, const double t,
+                               const Vector &x)
+{
+  const nlohmann::ordered_json &numbers = from.numbers["step"];
+  ranges = numbers["ranges"].get<std::map<std::string, ValueRange>>();
+  has_noted_inexact_step = numbers["has noted an inexact step"];
+  checkpoint.restore_memory(model);
+  if (scheme) {
+    range_watch->restore(numbers["histories"]);
+    scheme->restore(saved_memory(from));
+    rates_of_last_good = saved_rates(from);
+  }
+  problem->set_converged();
+  begin_last_good(t, x);
+  checkpoint.restore_penalties(model);
 }
 
 template <int dim>

@@ -55,6 +55,34 @@ void RangeWatch<dim>::start(const Vector &x)
   });
 }
 
+template <int dim>
+nlohmann::ordered_json RangeWatch<dim>::save() const
+{
+  nlohmann::ordered_json saved = nlohmann::ordered_json::object();
+  for (const auto &[field, history] : histories) {
+    const Worst &worst = history.worst;
+    saved[field] = {{"range", history.range},
+                    {"is open", history.is_open},
+                    {"worst", {worst.share, worst.t, worst.size, worst.smallest, worst.largest}},
+                    {"allowed then", worst.allowed},
+                    {"block", worst.block}};
+  }
+  return saved;
+}
+
+template <int dim>
+void RangeWatch<dim>::restore(const nlohmann::ordered_json &saved)
+{
+  histories.clear();
+  for (const auto &[field, value] : saved.items()) {
+    const std::vector<double> worst = value["worst"];
+    histories[field] = {
+        value["range"],
+        value["is open"],
+        {worst[0], worst[1], worst[2], worst[3], worst[4], value["allowed then"], value["block"]}};
+  }
+}
+
 /// The history of a field with what is given at time @p t.
 template <int dim>
 typename RangeWatch<dim>::History RangeWatch<dim>::at(const std::string &field, const double t) const

@@ -163,16 +163,56 @@ bool Simulation<dim>::find_modes(Vector &x)
 }
 
 template <int dim>
-bool Simulation<dim>::run()
+Vector Simulation<dim>::begin()
 {
   results.begin(introduce());
-  if (const std::string units = scene.peek("Units"); !units.empty())
-    results.report().add("units", units);
   step.make_system(steps.size());
   Vector x = step.system().owned_vector();
   set_initial_values(model, steps.size(), x);
   step.start(x);
+  return x;
+}
 
+/// What is wrong is told before anything is written.
+template <int dim>
+Vector Simulation<dim>::go_on()
+{
+  const Checkpoint<dim> checkpoint = results.find_checkpoint();
+  checkpoint.check_scene(*text);
+  checkpoint.check_meshes(model);
+  SavedState saved;
+  saved.numbers = checkpoint.numbers();
+  const Plan planned = introduce();
+  log.line();
+  step_control.go_on(saved.numbers["step control"]);
+  results.go_on(planned, saved.numbers["results"]);
+  const double t = step_control.time();
+  step.make_system(t);
+  saved.vectors = checkpoint.vectors(model, step.system().owned_vector());
+  const Vector x = saved.vectors.at("solution");
+  step.go_on(checkpoint, saved, t, x);
+  results.report().add(
+      "resumed", {{"step", step_control.n_done()}, {"time", t}, {"ranks before", checkpoint.n_ranks()}});
+  return x;
+}
+
+template <int dim>
+bool Simulation<dim>::run()
+{
+  return run_from(begin());
+}
+
+template <int dim>
+bool Simulation<dim>::resume()
+{
+  return run_from(go_on());
+}
+
+template <int dim>
+bool Simulation<dim>::run_from(Vector x)
+{
+  if (const std::string units = scene.peek("Units"); !units.empty())
+    results.report().add("units", units);
   bool is_converged = steps.finds_modes() ? find_modes(x) : run_steps(x);
   const double t = step_control.time();
   if (step.has_system() && !steps.finds_modes()) {

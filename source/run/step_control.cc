@@ -22,7 +22,8 @@ const double smallest_change = 0.2;                 ///< less is not worth a new
 } // namespace
 
 Steps::Steps(const Section &section)
-    : kind(static_cast<Kind>(
+    : section(section),
+      kind(static_cast<Kind>(
           section.choose("Kind", {"static", "transient", "eigenmodes"}, 0,
                          "static: loads follow the time t, and nothing is stored; transient: heat "
                          "and species are stored, by their capacities; eigenmodes: free vibrations of solids "
@@ -102,6 +103,8 @@ bool StepControl<dim>::run(Vector &x)
       x = trial;
       accept_step(next, x);
       if (is_asked_to_end()) {
+        if (!results.is_checkpoint_due(n_good))
+          write_checkpoint(x);
         write_last_good(x);
         return false;
       }
@@ -259,6 +262,60 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
     results.record_step({step.system(), x, t, true}, step.tolerance());
   if (!steps.finds_modes() && (results.is_due(n_good) || t >= almost_end()))
     results.write_pictures({step.system(), x, t, true});
+  remember_good_step();
+  if (results.is_checkpoint_due(n_good) || (results.has_checkpoints() && t >= almost_end()))
+    write_checkpoint(x);
+}
+
+template <int dim>
+void StepControl<dim>::remember_good_step()
+{
+  results.mark_good_step();
+  last_good = {{"time", t},
+               {"steps", n_good},
+               {"size", size},
+               {"size by error", size_by_error},
+               {"cut short", cut_short},
+               {"is of full size", size == steps.size()}};
+}
+
+/// Of the last good state @p x, whatever has been tried since then.
+template <int dim>
+void StepControl<dim>::write_checkpoint(const Vector &x)
+{
+  SavedState state;
+  state.numbers["step control"] = last_good;
+  state.vectors["solution"] = x;
+  step.save(state);
+  results.write_checkpoint(state);
+}
+
+/// The number of steps may be another one.
+template <int dim>
+void StepControl<dim>::go_on(const nlohmann::ordered_json &saved)
+{
+  t = saved["time"];
+  n_good = saved["steps"];
+  size = saved["size"];
+  size_by_error = saved["size by error"];
+  cut_short = saved["cut short"];
+  if (steps.controls_errors())
+    size = std::min(steps.largest, std::max(steps.smallest, size));
+  else
+    size = saved["is of full size"] ? steps.size() : std::min(size, steps.size());
+  std::ostringstream words;
+  words << "t = " << t;
+  steps.section.check(t <= steps.end_time + 1e-6 * steps.size(), "End time",
+                      "lies before the time of the checkpoint, " + words.str() +
+                          ". Set a later one, or run the scene from its beginning, without --resume.");
+  last_good = saved;
+  if (t >= almost_end())
+    log.line("nothing is left of the steps: the checkpoint is of the end, " + words.str());
+  else if (steps.controls_errors())
+    log.line("goes on after step " + std::to_string(n_good) + ", " + words.str());
+  else
+    log.line("goes on at step " + std::to_string(n_good + 1) + " of " + std::to_string(steps.n_steps) + ", " +
+             words.str());
 }
 
 template <int dim>
@@ -307,6 +364,8 @@ void StepControl<dim>::end_at_last_good(const double failed, const Vector &x)
     step.explain_failure(failed, x);
   if (!step.begin_last_good(t, x) || !step.has_rates())
     results.forget_solution();
+  if (n_good > 0 && results.has_checkpoints() && !results.is_checkpoint_due(n_good))
+    write_checkpoint(x);
   write_last_good(x);
 }
 

@@ -102,6 +102,14 @@ std::vector<std::string> Declarations::subsections_of(const std::string &path) c
   return names;
 }
 
+std::map<std::string, std::string> Declarations::used() const
+{
+  std::map<std::string, std::string> values;
+  for (const Declaration &declaration : declarations)
+    values[join_path(declaration.path, declaration.name)] = declaration.value;
+  return values;
+}
+
 void Declarations::print_used(std::ostream &out) const
 {
   print_used(out, "", "");

@@ -38,6 +38,7 @@ public:
   std::vector<std::string> known_entries(const std::string &path) const;
   std::vector<std::string> known_subsections(const std::string &path) const;
 
+  std::map<std::string, std::string> used() const; ///< path -> value
   void print_used(std::ostream &out) const;
   void print_reference(std::ostream &out) const;
 

@@ -137,6 +137,36 @@ std::map<std::string, std::string> SceneText::given() const
   return result;
 }
 
+std::map<std::string, std::string> SceneText::used() const
+{
+  return implementation->declarations.used();
+}
+
+void SceneText::check_unchanged(const std::map<std::string, std::string> &before,
+                                const std::function<bool(const std::string &)> &may_differ,
+                                const std::string &refusal) const
+{
+  const auto now = used();
+  const auto in_words = [](const std::string &value) {
+    return value.empty() ? "nothing" : "'" + value + "'";
+  };
+  const auto refuse = [&](const std::string &path, const std::string &change) {
+    const std::string parent = parent_path(path), name = last_name(path);
+    throw UserError(implementation->where(parent, name) + "the entry '" + name + "' " + change + ". " +
+                    refusal);
+  };
+  for (const auto &[path, value] : now)
+    if (const auto old = before.find(path); !may_differ(path)) {
+      if (old == before.end())
+        refuse(path, "is new, with the value " + in_words(value));
+      else if (old->second != value)
+        refuse(path, "was " + in_words(old->second) + " and is " + in_words(value));
+    }
+  for (const auto &[path, value] : before)
+    if (now.count(path) == 0 && !may_differ(path))
+      refuse(path, "had the value " + in_words(value) + " and is gone");
+}
+
 const std::string &SceneText::file_name() const
 {
   return implementation->tree.location_of("").file;

@@ -346,7 +346,6 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
   return n_iterations;
 }
 
-<<<<<<< HEAD
 std::optional<unsigned long> LinearSolver::n_negative_eigenvalues(const unsigned int group) const
 {
   const Group &g = *groups[group];
@@ -370,7 +369,6 @@ LinearSolver::Counts LinearSolver::counts() const
       result.preparations[member->name].kept += member->solver->counts().kept;
     }
   return result;
->>>>>>> 9f8c909525193d27643f31fd15b3b51be17e38ac
 }
 
 bool LinearSolver::prefer_direct()

@@ -77,7 +77,8 @@ void Model<dim>::number()
   for (const auto &interface : interfaces)
     for (TiedField &field : interface->fields) {
       const Multipliers<dim> *multipliers = interface->tie().parts().multipliers;
-      field.n_multipliers = multipliers != nullptr ? multipliers->n_multipliers(*interface, field) : 0;
+      field.n_multipliers =
+          multipliers != nullptr ? multipliers->unknowns_with_multiplier(*interface, field).size() : 0;
       field.first_multiplier =
           numbering->add_multipliers(interface->name, field.name, field.n_multipliers, communicator);
     }

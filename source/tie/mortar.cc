@@ -66,7 +66,8 @@ public:
   bool update_penalties(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                         const MPI_Comm &communicator) override;
 
-  unsigned int n_multipliers(const Interface<dim> &interface, const TiedField &field) const override;
+  std::vector<Index> unknowns_with_multiplier(const Interface<dim> &interface,
+                                              const TiedField &field) const override;
   unsigned int n_terms() const override { return terms.size(); }
   const std::vector<Index> &term_dofs(const unsigned int term) const override { return terms[term].dofs; }
   void assemble_term(unsigned int term, const std::vector<double> &unknowns, std::vector<double> &residual,
@@ -158,9 +159,10 @@ std::vector<dealii::types::global_dof_index> Mortar<dim>::owned_nodes(const Inte
 }
 
 template <int dim>
-unsigned int Mortar<dim>::n_multipliers(const Interface<dim> &interface, const TiedField &field) const
+std::vector<dealii::types::global_dof_index>
+Mortar<dim>::unknowns_with_multiplier(const Interface<dim> &interface, const TiedField &field) const
 {
-  return is_dual ? 0 : owned_nodes(interface, field).size();
+  return is_dual ? std::vector<Index>() : owned_nodes(interface, field);
 }
 
 template <int dim>

@@ -226,6 +226,21 @@ bool Nitsche<dim>::update_penalties(const Interface<dim> &interface, const doubl
   return is_new;
 }
 
+/// Nothing if they follow from the scene alone.
+template <int dim>
+std::vector<double> Nitsche<dim>::pack_points(const Interface<dim> &interface) const
+{
+  if (penalty_at_points.is_constant(interface) || penalty_at_points.empty())
+    return {};
+  return penalty_at_points.pack(interface.pairing().n_points());
+}
+
+template <int dim>
+void Nitsche<dim>::unpack_points(const Interface<dim> &interface, const std::vector<double> &numbers)
+{
+  penalty_at_points.unpack(interface.pairing().n_points(), numbers);
+}
+
 /// a and b at a point.
 template <int dim>
 bool Nitsche<dim>::join(const Interface<dim> &interface, const TiedField &field, const unsigned int q,

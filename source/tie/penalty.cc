@@ -418,6 +418,33 @@ double Penalty<dim>::theta_at(const Interface<dim> &interface, const TiedField &
 }
 
 template <int dim>
+std::vector<double> Penalty<dim>::pack(const unsigned int n_points) const
+{
+  std::vector<double> numbers;
+  for (unsigned int q = 0; q < n_points; ++q)
+    for (unsigned int i = q; i < points.size(); i += n_points) { // the fields
+      const AtPoint &at = points[i];
+      numbers.insert(numbers.end(), {first_gamma[i], at.gamma, at.weight[0], at.weight[1], at.bound[0],
+                                     at.bound[1], at.stiffness[0], at.stiffness[1], at.is_skew ? 1. : 0.});
+    }
+  return numbers;
+}
+
+template <int dim>
+void Penalty<dim>::unpack(const unsigned int n_points, const std::vector<double> &numbers)
+{
+  const unsigned int size = 9;
+  points.resize(numbers.size() / size);
+  first_gamma.resize(points.size());
+  const double *n = numbers.data();
+  for (unsigned int q = 0; q < n_points; ++q)
+    for (unsigned int i = q; i < points.size(); i += n_points, n += size) {
+      first_gamma[i] = n[0];
+      points[i] = {{{n[2], n[3]}}, n[1], {{n[4], n[5]}}, {{n[6], n[7]}}, n[8] != 0};
+    }
+}
+
+template <int dim>
 bool Penalty<dim>::is_skew_somewhere() const
 {
   return std::any_of(points.begin(), points.end(), [](const AtPoint &p) { return p.is_skew; });

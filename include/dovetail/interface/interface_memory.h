@@ -8,6 +8,7 @@
 #include <dovetail/pairing/pairing.h>
 
 #include <array>
+#include <vector>
 
 namespace dovetail {
 
@@ -32,6 +33,10 @@ public:
     variables[side].set_trial(q, values);
   }
   void accept();
+
+  /// The accepted variables at a point, those of the source first.
+  std::vector<double> pack(unsigned int q) const;
+  void unpack(unsigned int q, const std::vector<double> &numbers);
 
 private:
   void copy_from_nearest(unsigned int side, const InternalVariables &former,

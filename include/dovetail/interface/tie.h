@@ -149,8 +149,10 @@ class Multipliers
 public:
   virtual ~Multipliers() = default;
 
-  /// Unknowns for a field that this rank owns; numbered from TiedField::first_multiplier on.
-  virtual unsigned int n_multipliers(const Interface<dim> &interface, const TiedField &field) const = 0;
+  /// The unknowns of the destination that this rank owns and that have a multiplier for a field each; these
+  /// are numbered in the same order, from TiedField::first_multiplier on.
+  virtual std::vector<dealii::types::global_dof_index>
+  unknowns_with_multiplier(const Interface<dim> &interface, const TiedField &field) const = 0;
   /// Terms with multipliers, this rank's, known after add_constraints; the last unknown of each is the
   /// multiplier. Residual and tangent come in as zero.
   virtual unsigned int n_terms() const = 0;
@@ -213,6 +215,11 @@ public:
   {
     return false;
   }
+  /// What the steps to come depend on beside the solution, such as penalties of the last step: as many
+  /// numbers at each point of this rank. A checkpoint holds them, so that unpack_points() gets them back
+  /// after begin_step().
+  virtual std::vector<double> pack_points(const Interface<dim> & /*interface*/) const { return {}; }
+  virtual void unpack_points(const Interface<dim> & /*interface*/, const std::vector<double> & /*numbers*/) {}
   /// What the laws of both sides remember of a state: the trial of the interface's memory. @return false if
   /// one is not defined there, on this rank.
   virtual bool evaluate_memory(Interface<dim> &interface, double t, const ValuesOf &unknowns);

@@ -36,6 +36,15 @@ public:
   }
 
   const std::vector<std::string> &all() const { return sentences; }
+  /// Those of a run that goes on have been printed.
+  void recall(const std::vector<std::string> &texts)
+  {
+    for (const std::string &text : texts)
+      if (std::find(sentences.begin(), sentences.end(), text) == sentences.end()) {
+        sentences.push_back(text);
+        lines.push_back(log.n_lines());
+      }
+  }
 
   /// Print those again that a screen does not show any more.
   void repeat()

@@ -49,6 +49,10 @@ public:
 
   void forget_meshes() { blocks.clear(); } ///< they have changed
 
+  /// Of the steps that solution.pvd lists; a run that goes on adds its own to those.
+  const std::vector<double> &times_of_steps() const { return times; }
+  void go_on_from(const std::vector<double> &times_so_far);
+
 private:
   struct Block
   {
@@ -69,7 +73,8 @@ private:
   void show_uncovered_points(unsigned int interface);
   template <typename Show>
   void write_picture(const std::string &file, const dealii::DataOutBase::VtkFlags &flags, const Show &show);
-  void write_indices();
+  void write_index_of_step() const;
+  void write_series() const;
   void check(const Obstacle &obstacle) const;
 
   const Model<dim> &model;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/measure/probes.h>
+#include <dovetail/output/checkpoint.h>
 #include <dovetail/output/directory_lock.h>
 #include <dovetail/output/notes.h>
 #include <dovetail/output/paraview.h>
@@ -50,6 +51,19 @@ public:
   /// converged. Collective. @throw UserError or OutputError
   void begin(const Plan &plan);
 
+  /// What the directory holds of a run that has not come to its end. @throw UserError if nothing can go on.
+  Checkpoint<dim> find_checkpoint() const;
+  /// Instead of begin(): results are added to those of that run until its checkpoint. Collective.
+  void go_on(const Plan &plan, const nlohmann::ordered_json &saved);
+  /// A step is done: what comes later is not of the checkpoint after it.
+  void mark_good_step();
+  bool is_checkpoint_due(const unsigned int step) const
+  {
+    return checkpoint_steps > 0 && step % checkpoint_steps == 0;
+  }
+  bool has_checkpoints() const { return checkpoint_steps > 0; } ///< the scene asks for them
+  void write_checkpoint(SavedState &state);
+
   /// Whether a step, counted from one, shall be written.
   bool is_due(const unsigned int step) const { return step % every_steps == 0; }
   void write_pictures(const Solution<dim> &solution);
@@ -77,6 +91,8 @@ public:
 private:
   template <typename Write>
   void try_to_write(const Write &write);
+  void prepare_directory(const Plan &plan);
+  std::string checkpoint_file() const { return directory + "/checkpoint.bin"; }
   void write_used() const;
   void write_step_table();
   const NodalForces<dim> &nodal_forces(const Solution<dim> &solution);
@@ -90,15 +106,16 @@ private:
   Notes &notes;
   Log &log;
   std::string directory;
-  unsigned int every_steps;
+  unsigned int every_steps, checkpoint_steps;
   bool with_spectrum;
   Paraview<dim> paraview;
   Reference<dim> reference;
   std::unique_ptr<DirectoryLock> lock;
   std::unique_ptr<Report> content;
   StepTable step_table;
-  std::optional<NodalForces<dim>> forces; ///< at the solution, once they are asked for
-  std::exception_ptr problem_of_output;   ///< why no more pictures are written
+  std::size_t n_steps_so_far = 0, n_notes_so_far = 0; ///< in the report, at the last good step
+  std::optional<NodalForces<dim>> forces;             ///< at the solution, once they are asked for
+  std::exception_ptr problem_of_output;               ///< why no more pictures are written
 };
 
 } // namespace dovetail

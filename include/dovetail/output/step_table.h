@@ -27,7 +27,13 @@ public:
   bool is_due();
   static constexpr const char *first_word = "time", *file = "probes.csv";
 
+  /// For a run that goes on. Its columns may be others.
+  nlohmann::ordered_json save() const { return {{"header", header}, {"rows", rows}}; }
+  void restore(const nlohmann::ordered_json &saved);
+
 private:
+  void set_header(const std::string &line);
+
   std::string header, rows;
   std::size_t n_kept = 0; ///< letters of rows
 };

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/output/checkpoint.h>
 #include <dovetail/output/notes.h>
 #include <dovetail/output/plan.h>
 #include <dovetail/run/predictor.h>
@@ -41,6 +42,11 @@ public:
   /// The step that was tried last is rejected: what comes next is not predicted from the steps before.
   void reject_step() { predictor.forget(); }
   bool has_rates() const { return scheme != nullptr; } ///< a term asks for them
+
+  /// What later steps depend on, after a good one.
+  void save(SavedState &to) const;
+  /// Instead of start(): the last good step was that to time @p t, which has led to @p x.
+  void go_on(const Checkpoint<dim> &checkpoint, const SavedState &from, double t, const Vector &x);
 
   /// The end of a step from the last good one: @p end, or before it the last time at which all toggles are as
   /// they are just after @p begin.

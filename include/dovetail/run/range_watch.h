@@ -8,6 +8,8 @@
 #include <dovetail/run/given_values.h>
 #include <dovetail/system/vector.h>
 
+#include <nlohmann/json.hpp>
+
 #include <map>
 #include <string>
 #include <vector>
@@ -27,6 +29,9 @@ public:
 
   /// A transient scene begins at the state @p x.
   void start(const Vector &x);
+  /// What has been so far, for a run that goes on from there.
+  nlohmann::ordered_json save() const;
+  void restore(const nlohmann::ordered_json &saved);
   /// A transient step of this size has led to @p x at time @p t.
   void add(double t, double size, const Vector &x);
   /// Whether a transient step to @p x at time @p t leaves the history of a range by more than rounding.

@@ -26,6 +26,8 @@ public:
   void check();
   /// @return whether all steps converged; otherwise the last good step is kept and written.
   bool run();
+  /// Go on from the checkpoint in the scene's Directory, then as run().
+  bool resume();
 
 private:
   void check_formulas() const;
@@ -35,6 +37,9 @@ private:
   void measure(const Vector &x, bool is_converged);
   /// Heading and plan in the log.
   Plan introduce();
+  Vector begin();
+  Vector go_on();
+  bool run_from(Vector x);
 
   std::shared_ptr<SceneText> text;
   Section scene;

@@ -21,6 +21,7 @@ struct Steps
   double size() const { return end_time / n_steps; } ///< of a step, if none fails
 
   enum class Kind { of_statics, transient, eigenmodes };
+  const Section section; ///< for error messages
   Kind kind;
   bool finds_modes() const { return kind == Kind::eigenmodes; } ///< of the state at the end time
   double end_time;
@@ -47,6 +48,9 @@ public:
   /// the first good one; x becomes the last good state.
   /// @return whether the end was reached. Collective.
   bool run(Vector &x);
+  /// Before run(): what a checkpoint holds takes the place of the initial state. @throw UserError if the end
+  /// lies before it.
+  void go_on(const nlohmann::ordered_json &saved);
 
   double time() const { return t; } ///< of the last good step
   unsigned int n_done() const { return n_good; }
@@ -61,6 +65,8 @@ private:
   Outcome try_step(double next, const Vector &x, Vector &trial);
   NewtonResult continue_in_load(double next, const Vector &x, Vector &trial);
   void accept_step(double next, const Vector &x);
+  void remember_good_step();
+  void write_checkpoint(const Vector &x);
   bool is_asked_to_end();
   bool retry_smaller(Outcome outcome, double next);
   void write_last_good(const Vector &x);
@@ -77,6 +83,7 @@ private:
   double rejected_error = 0; ///< of the attempt before, in the first step after a new start
   double cut_short = 0;      ///< where the step would have ended if no toggle had switched
   unsigned int n_good = 0;
+  nlohmann::ordered_json last_good;      ///< all of that after the last good step
   std::optional<EndRequest> end_request; ///< once there is a result to lose
   std::exception_ptr problem_of_step;
 };

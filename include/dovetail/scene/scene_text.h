@@ -7,6 +7,7 @@
 
 #include <dovetail/scene/section.h>
 
+#include <functional>
 #include <iosfwd>
 #include <map>
 #include <memory>
@@ -46,6 +47,14 @@ public:
   /// The reference: one Markdown heading per section and Type, one table row per entry: name, default (or
   /// "required"), range, description with unit.
   void print_reference(std::ostream &out) const;
+
+  /// Every entry that was read, with its value, by path; those of print_used().
+  std::map<std::string, std::string> used() const;
+  /// @throw UserError for the first entry whose value is not that of @p before, from used() of another scene,
+  /// and that @p may_differ does not allow. @p refusal ends the message.
+  void check_unchanged(const std::map<std::string, std::string> &before,
+                       const std::function<bool(const std::string &path)> &may_differ,
+                       const std::string &refusal) const;
 
   const std::string &file_name() const;
   std::string name() const; ///< of the file, without folder and ending; names a directory

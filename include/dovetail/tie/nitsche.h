@@ -59,6 +59,8 @@ public:
                   const MPI_Comm &communicator) override;
   bool update_penalties(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                         const MPI_Comm &communicator) override;
+  std::vector<double> pack_points(const Interface<dim> &interface) const override;
+  void unpack_points(const Interface<dim> &interface, const std::vector<double> &numbers) override;
   bool adapt(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
              const MPI_Comm &communicator) override;
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,

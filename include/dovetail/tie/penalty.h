@@ -57,7 +57,10 @@ public:
     bool is_skew = false; ///< -1 takes the place of theta until the end of the step
   };
   bool empty() const { return points.empty(); } ///< nothing has been frozen yet
-  bool is_skew_somewhere() const;               ///< theta_at() is not theta at a point of this rank
+  /// What is frozen now and was frozen first, the same number of numbers at each of @p n_points points.
+  std::vector<double> pack(unsigned int n_points) const;
+  void unpack(unsigned int n_points, const std::vector<double> &numbers);
+  bool is_skew_somewhere() const; ///< theta_at() is not theta at a point of this rank
   const AtPoint &operator[](const unsigned int i) const
   {
     return points[i];

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The memory of a time scheme in a checkpoint.
+
+#pragma once
+
+#include <dovetail/output/checkpoint.h>
+#include <dovetail/time/time_scheme.h>
+
+namespace dovetail {
+
+void save_memory(const TimeMemory &memory, SavedState &to);
+TimeMemory saved_memory(const SavedState &from);
+
+/// Those of the last good step.
+void save_rates(const Rates &rates, SavedState &to);
+Rates saved_rates(const SavedState &from);
+
+} // namespace dovetail

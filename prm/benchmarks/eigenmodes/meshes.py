@@ -4,7 +4,7 @@
 #
 # Writes beside this file what the scenes include: the meshes membrane_*.msh, parts of a trapezoid whose half width
 # falls from 2.5 at x = 0 to 0.5 at x = 10 (boundary 0: its left end, 1: its right end, 2 and 3: below and above), and
-# edges.prm, the supports u_z = 0 of the nodes on the lower edges of the plate.
+# edges.inc, the supports u_z = 0 of the nodes on the lower edges of the plate.
 #
 #     python3 prm/benchmarks/eigenmodes/meshes.py
 
@@ -53,6 +53,6 @@ def supports(domain, begin, end, nx, ny, edge):
 
 write_membrane("membrane_left", 0, 5, 6, 8)
 write_membrane("membrane_right", 5, 10, 5, 6)
-with open(os.path.join(FOLDER, "edges.prm"), "w", encoding="utf-8") as edges:
+with open(os.path.join(FOLDER, "edges.inc"), "w", encoding="utf-8") as edges:
     edges.write(LICENCE + "#\n# Written by meshes.py: the lower edges of plate.prm, for the degree 2.\n")
     edges.write("\n".join(supports("left", 0, 5, 4, 8, 0) + supports("right", 5, 10, 4, 6, 10)) + "\n")

@@ -331,8 +331,8 @@ bool Eigenmodes<dim>::is_symmetric() const
 {
   std::array<Column, 2> x = {{problem.guides[0], problem.guides[1]}};
   for (Column &column : x)
-    for (double &entry : column)
-      entry = std::sin(1e4 * entry);
+    for (std::size_t i = 0; i < column.size(); ++i) // multipliers have no guides
+      column[i] = std::sin(1e4 * column[i] + i);
   const std::array<Column, 2> Kx = {{problem.stiffness(x[0]), problem.stiffness(x[1])}};
   const double size = std::sqrt(product(Kx[0], Kx[0]) * product(x[1], x[1]));
   return std::abs(product(Kx[0], x[1]) - product(Kx[1], x[0])) <= 1e-9 * size;
@@ -360,14 +360,19 @@ bool Eigenmodes<dim>::run(const double t, const Vector &x)
     problem.mass = [this](const Column &column) { return product(mass, 1 / mass_alone, column); };
     problem.inverse = [this](const Column &column) { return inverse(column); };
     make_guides();
-    section.check(is_symmetric(), "Kind",
-                  "cannot be eigenmodes: the tangent at the state whose modes are wanted is not symmetric.");
+    section.check(
+        is_symmetric(), "Kind",
+        "cannot be eigenmodes: the tangent at the state whose modes are wanted is not symmetric. Bodies "
+        "with Formulation = mixed are tied symmetrically by mortar and pointwise; else a law has lost "
+        "its symmetry.");
     choose_shift();
     prepare_inverse(problem.shift);
     const EigenPairs pairs = nearest_eigenpairs(problem, n_modes);
     write(pairs);
     count(pairs);
     return pairs.has_converged && why_not_counted.empty();
+  } catch (const UserError &) {
+    throw;
   } catch (const std::runtime_error &error) {
     notes.add("no eigenmodes: " + std::string(error.what()));
     return false;

@@ -19,9 +19,10 @@ namespace {
 using Column = EigenProblem::Column;
 using Matrix = dealii::FullMatrix<double>;
 
-const unsigned int n_at_once = 4;    ///< vectors that the search begins with
-const double tolerance = 1e-12;      ///< of a Ritz vector, relative to its value
-const double dependent = 1e-11;      ///< a vector with so little of its own, relative to the largest value
+const unsigned int n_at_once = 4; ///< vectors that the search begins with
+const double tolerance = 1e-12;   ///< of a Ritz vector, relative to its value
+const double dependent = 1e-11;   ///< a vector with so little of its own, relative to the largest value
+const double largest_residual = 1e-7;
 const unsigned int most_rounds = 60; ///< from restart to restart
 /// Relative to the distance from the shift: what is nearer is one eigenvalue.
 const double repeated = 1e-7;
@@ -354,10 +355,12 @@ EigenPairs nearest_eigenpairs(const EigenProblem &problem, const unsigned int n)
     residuals.emplace_back(problem.shift + 1 / value, std::sqrt(std::max(0., square)));
   }
   EigenPairs result = pairs_in_span(problem, std::move(columns));
-  result.has_converged = has_converged;
   std::sort(residuals.begin(), residuals.end());
   for (const auto &[value, residual] : residuals)
     result.residuals.push_back(residual);
+  result.has_converged =
+      has_converged && std::all_of(result.residuals.begin(), result.residuals.end(),
+                                   [](const double residual) { return residual <= largest_residual; });
   for (unsigned int first = 0, end = 0; first < result.values.size(); first = end) {
     for (end = first + 1; end < result.values.size(); ++end)
       if (result.values[end] - result.values[end - 1] >

@@ -269,7 +269,10 @@ void Interface<dim>::pair(const MPI_Comm &communicator)
       return own_share_of_gap(*this, field, own, {{geometry->X(source, q), geometry->X(destination, q)}});
     });
   geometry->extend(shares);
-  memory.set_points(*geometry, sides, communicator);
+  std::vector<double> of_joint;
+  for (const InternalVariable &variable : method->internal_variables())
+    of_joint.insert(of_joint.end(), variable.n_components, variable.initial);
+  memory.set_points(*geometry, sides, of_joint, communicator);
   check_coverage(communicator);
 }
 

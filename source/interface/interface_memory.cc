@@ -16,18 +16,19 @@ namespace dovetail {
 template <int dim>
 void InterfaceMemory<dim>::set_points(const Pairing<dim> &pairing,
                                       const std::array<InterfaceSide<dim>, 2> &sides,
-                                      const MPI_Comm &communicator)
+                                      const std::vector<double> &of_joint, const MPI_Comm &communicator)
 {
-  for (const unsigned int side : {source, destination}) {
-    const Material<dim> &material = sides[side].domain->material;
-    if (!material.has_memory())
+  for (const unsigned int side : {source, destination, joint}) {
+    const std::vector<double> &initial =
+        side == joint ? of_joint : sides[side].domain->material.initial_memory();
+    if (initial.empty())
       continue;
     const auto former_points = std::move(points[side]);
     const InternalVariables former = std::move(variables[side]);
     points[side].clear();
     for (unsigned int q = 0; q < pairing.n_points(); ++q)
-      points[side].push_back(pairing.X(side, q));
-    variables[side] = InternalVariables(points[side].size(), material.initial_memory());
+      points[side].push_back(pairing.X(side == joint ? source : side, q));
+    variables[side] = InternalVariables(points[side].size(), initial);
     if (has_points)
       copy_from_nearest(side, former, former_points, communicator);
   }
@@ -87,6 +88,13 @@ void InterfaceMemory<dim>::copy_from_nearest(const unsigned int side, const Inte
     const std::vector<double> &row = all[find_nearest<dim>(tree, points[side][q])];
     variables[side].set_accepted(q, {row.data() + dim, row.size() - dim});
   }
+}
+
+template <int dim>
+void InterfaceMemory<dim>::keep_joint(const unsigned int q)
+{
+  std::vector<double> values(variables[joint].accepted(q).begin(), variables[joint].accepted(q).end());
+  variables[joint].set_trial(q, {values.data(), values.size()});
 }
 
 template <int dim>

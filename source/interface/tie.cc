@@ -11,12 +11,14 @@ bool Tie<dim>::evaluate_memory(Interface<dim> &interface, const double t, const 
   SidePoints<dim> points(interface, t);
   bool is_defined = true;
   for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
-    for (unsigned int q = group.begin; q < group.end; ++q)
+    for (unsigned int q = group.begin; q < group.end; ++q) {
+      interface.memory.keep_joint(q);
       for (const unsigned int side : {source, destination}) {
         points.reinit(side, q, unknowns);
         is_defined = points.evaluate(side, false) && is_defined;
         interface.memory.set_trial(side, q, points.state[side].memory.trial);
       }
+    }
   });
   return is_defined;
 }

@@ -395,6 +395,27 @@ void measure_penalty(const Interface<dim> &interface, const MPI_Comm &communicat
   }
 }
 
+/// Of what the tie remembers at the points: smallest, largest and integral over the interface.
+template <int dim>
+void measure_memory(const Interface<dim> &interface, const MPI_Comm &communicator, ordered_json &result)
+{
+  unsigned int i = 0;
+  for (const InternalVariable &variable : interface.tie().internal_variables()) {
+    double smallest = std::numeric_limits<double>::infinity(), largest = -smallest, integral = 0;
+    for (unsigned int q = 0; q < interface.pairing().n_points(); ++q) {
+      const double value = interface.memory.accepted(InterfaceMemory<dim>::joint, q)[i];
+      smallest = std::min(smallest, value);
+      largest = std::max(largest, value);
+      integral += value * interface.pairing().weight(q);
+    }
+    result["internal variables"][variable.name] = {
+        {"smallest", dealii::Utilities::MPI::min(smallest, communicator)},
+        {"largest", dealii::Utilities::MPI::max(largest, communicator)},
+        {"integral", sum_over_ranks(integral, communicator)}};
+    i += variable.n_components;
+  }
+}
+
 } // namespace
 
 template <int dim>
@@ -440,6 +461,7 @@ ordered_json measure_interfaces(const Model<dim> &model, const Vector &solution,
         result[side == source ? "resultant source" : "resultant destination"][interface->fields[f].name] =
             reactions.interface_resultants(*interface, f)[side];
     measure_penalty(*interface, model.communicator, result);
+    measure_memory(*interface, model.communicator, result);
     all[interface->name] = result;
   }
   return all;

@@ -62,6 +62,10 @@ void InterfaceSurface<dim>::update(const Vector &solution, const double t)
     data.push_back(signed_gap(interface, q));
     for (unsigned int d = 0; d < dim; ++d)
       data.push_back(pairing.N(own, q)[d]);
+    if (interface.memory.has_joint()) {
+      const auto memory = interface.memory.accepted(InterfaceMemory<dim>::joint, q);
+      data.insert(data.end(), memory.begin(), memory.end());
+    }
 
     const unsigned int p = patch_of_point[q];
     area[p] += pairing.weight(q);
@@ -88,6 +92,8 @@ std::vector<std::string> InterfaceSurface<dim>::get_dataset_names() const
   }
   names.push_back("gap");
   names.insert(names.end(), dim, "normal");
+  for (const InternalVariable &variable : interface.tie().internal_variables())
+    names.insert(names.end(), variable.n_components, variable.name);
   return names;
 }
 

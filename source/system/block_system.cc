@@ -642,7 +642,9 @@ template <int dim>
 bool BlockSystem<dim>::remember(const double t, const Vector &x)
 {
   if (std::none_of(model.materials.begin(), model.materials.end(),
-                   [](const auto &material) { return material->has_memory(); }))
+                   [](const auto &material) { return material->has_memory(); }) &&
+      std::all_of(model.interfaces.begin(), model.interfaces.end(),
+                  [](const auto &interface) { return interface->tie().internal_variables().empty(); }))
     return true;
   ghosted_scratch = x;
   std::exception_ptr fault;

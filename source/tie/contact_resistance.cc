@@ -10,6 +10,8 @@
 //                           - theta (gamma_eff/gamma) delta{A}.([B] + {A}/h)  dGamma
 //
 // This is Nitsche's tie with a joint in series (nitsche.h). h = 0 separates the bodies, h = inf ties them.
+// Solids may be joined by a law of its own, such as that of a cohesive joint (joint_law.h); its normal is the
+// mean of both sides' at the last good step, and found anew if the solution has turned it.
 //
 //     subsection Interface seam
 //       set Type        = contact resistance
@@ -18,6 +20,7 @@
 //       set Conductance = 2000 + 3*T      # W/(m^2 K)
 //     end
 
+#include <dovetail/material/embedding.h>
 #include <dovetail/scene/undefined.h>
 #include <dovetail/tie/nitsche.h>
 
@@ -42,7 +45,10 @@ public:
             section.read_expression("Joint stiffness", "", {1, 2},
                                     "Force per area and jump of the displacement: one number for all "
                                     "directions, or two numbers, normal; tangential; from 0 (no contact) to "
-                                    "inf (tied); required if the displacement is tied [Pa/m]"))
+                                    "inf (tied); required if the displacement is tied [Pa/m]")),
+        law(JointCatalogue::create_by("Joint", section, "none",
+                                      "A law by which the joint between solids gives way; none: Joint "
+                                      "stiffness alone [-]"))
   {
     if (section.documenting())
       read_conductance();
@@ -51,9 +57,10 @@ public:
   void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
   bool is_symmetric() const override
   {
-    return Nitsche<dim>::is_symmetric() && !conductance.depends_on_scalars();
+    return Nitsche<dim>::is_symmetric() && !conductance.depends_on_scalars() &&
+           (!law || law->is_symmetric(stiffness.n_components() == 1));
   }
-  bool is_linear() const override { return !conductance.depends_on_scalars(); }
+  bool is_linear() const override { return !conductance.depends_on_scalars() && !law; }
   bool has_constant_tangent(const Interface<dim> &interface) const override
   {
     return Nitsche<dim>::has_constant_tangent(interface) && !conductance.depends_on_time() &&
@@ -61,18 +68,25 @@ public:
   }
   std::string description() const override
   {
-    return Nitsche<dim>::description() + ", in series with a joint";
+    return Nitsche<dim>::description() + ", in series with a " + (law ? section.peek("Joint") + ' ' : "") +
+           "joint";
   }
   bool holds(const TiedField &field) const override { return !law_of(field).is_zero(); }
   bool surely_holds(const TiedField &field, double t) const override;
   bool allows_jump(const TiedField & /*field*/) const override { return true; }
   void begin_step(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                   const MPI_Comm &communicator) override;
+  bool update_penalties(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
+                        const MPI_Comm &communicator) override;
+  std::vector<InternalVariable> internal_variables() const override
+  {
+    return law ? law->internal_variables() : std::vector<InternalVariable>();
+  }
 
 protected:
   bool has_joint() const override { return true; }
-  bool find_joint(const TiedField &field, const std::array<State<dim>, 2> &state,
-                  typename Nitsche<dim>::Joint &joint) const override;
+  bool find_joint(const Interface<dim> &interface, const TiedField &field, unsigned int q,
+                  const std::array<State<dim>, 2> &state, typename Nitsche<dim>::Joint &joint) const override;
 
 private:
   void read_conductance()
@@ -90,15 +104,30 @@ private:
   {
     return field.n_components == 1 ? conductance : stiffness;
   }
-  static void check_not_negative(const double h, const Section &section, const TiedField &field)
+  bool has_law(const TiedField &field) const { return law && field.n_components > 1; }
+  bool is_admissible(const TiedField &field, const double h) const
+  {
+    return has_law(field) ? h > 0 && std::isfinite(h) : h >= 0;
+  }
+  std::string admissible(const TiedField &field) const
+  {
+    return has_law(field) ? "must be positive and finite with a Joint."
+                          : "must be from 0 (no contact) to inf (tied).";
+  }
+  void check_admissible(const double h, const Section &section, const TiedField &field) const
   {
     std::ostringstream message;
-    message << "is " << (std::isnan(h) ? "not a number" : "negative") << " on the interface";
+    message << "is "
+            << (std::isnan(h) ? "not a number"
+                : h < 0       ? "negative"
+                              : "no stiffness of a whole joint")
+            << " on the interface";
     if (!std::isnan(h))
       message << " (" << h << ')';
-    section.check(h >= 0, entry_of(field),
-                  message.str() + ", but must be from 0 (no contact) to inf (tied).");
+    section.check(is_admissible(field, h), entry_of(field), message.str() + ", but " + admissible(field));
   }
+  std::vector<dealii::Tensor<1, dim>> find_normals(const Interface<dim> &interface, double t,
+                                                   const ValuesOf &unknowns) const;
   static std::string entry_of(const TiedField &field)
   {
     return field.n_components == 1 ? "Conductance" : "Joint stiffness";
@@ -108,6 +137,10 @@ private:
   std::string symbol = "T"; ///< of the scalar that is tied
   Expression conductance;
   const Expression stiffness;
+  const std::unique_ptr<const JointLaw> law;   ///< of solids; empty: linear
+  std::vector<dealii::Tensor<1, dim>> normals; ///< of the law, at the points
+  mutable std::vector<double> trial_memory;    ///< of the law, at the point evaluated last
+  static constexpr double small_turn = 1e-3;   ///< of the normal in a step
 };
 
 template <int dim>
@@ -137,11 +170,16 @@ void ContactResistance<dim>::set_fields(const Section &section, const std::vecto
             (entry == "Conductance" ? "scalar fields such as the temperature" : "the displacement") +
             ", which this interface does not tie. Remove it, or change Fields.");
   }
+  section.check(
+      !law || std::any_of(fields.begin(), fields.end(),
+                          [this](const TiedField &field) { return has_law(field); }),
+      "Joint",
+      "belongs to the displacement, which this interface does not tie. Remove it, or change Fields.");
   for (const TiedField &field : fields) {
     const Expression &law = law_of(field);
     if (!law.depends_on_position() && !law.depends_on_time() && !law.depends_on_scalars())
       for (unsigned int c = 0; c < law.n_components(); ++c)
-        check_not_negative(law.value(dealii::Point<dim>(), 0, c), section, field);
+        check_admissible(law.value(dealii::Point<dim>(), 0, c), section, field);
   }
 }
 
@@ -149,18 +187,19 @@ void ContactResistance<dim>::set_fields(const Section &section, const std::vecto
 template <int dim>
 bool ContactResistance<dim>::surely_holds(const TiedField &field, const double t) const
 {
-  const Expression &law = law_of(field);
-  if (law.depends_on_position() || law.depends_on_scalars())
+  const Expression &h = law_of(field);
+  if (h.depends_on_position() || h.depends_on_scalars() || has_law(field))
     return false;
-  for (unsigned int c = 0; c < law.n_components(); ++c)
-    if (!(law.value(dealii::Point<dim>(), t, c) > 0))
+  for (unsigned int c = 0; c < h.n_components(); ++c)
+    if (!(h.value(dealii::Point<dim>(), t, c) > 0))
       return false;
   return true;
 }
 
 /// Both sides get the same h: at the middle between the points and at the mean of the traces.
 template <int dim>
-bool ContactResistance<dim>::find_joint(const TiedField &field, const std::array<State<dim>, 2> &state,
+bool ContactResistance<dim>::find_joint(const Interface<dim> &interface, const TiedField &field,
+                                        const unsigned int q, const std::array<State<dim>, 2> &state,
                                         typename Nitsche<dim>::Joint &joint) const
 {
   const dealii::Point<dim> X =
@@ -177,10 +216,58 @@ bool ContactResistance<dim>::find_joint(const TiedField &field, const std::array
     joint.along_normal = stiffness.value(X, t, 0);
     joint.along_tangents = stiffness.n_components() == 1 ? joint.along_normal : stiffness.value(X, t, 1);
   }
-  if (joint.along_normal >= 0 && joint.along_tangents >= 0)
+  for (const double h : {joint.along_normal, joint.along_tangents})
+    if (!is_admissible(field, h))
+      return explain(field, X, t, h, law_of(field).depends_on_scalars() ? std::optional(mean) : std::nullopt);
+  if (!has_law(field))
     return true;
-  return explain(field, X, t, joint.along_normal >= 0 ? joint.along_tangents : joint.along_normal,
-                 law_of(field).depends_on_scalars() ? std::optional(mean) : std::nullopt);
+  const auto accepted = interface.memory.accepted(InterfaceMemory<dim>::joint, q);
+  trial_memory.assign(accepted.begin(), accepted.end());
+  joint.law = law.get();
+  joint.normal = normals[q];
+  joint.place = {embed(X),
+                 t,
+                 {{joint.along_normal, joint.along_tangents}},
+                 {accepted, {trial_memory.data(), trial_memory.size()}}};
+  return true;
+}
+
+/// The mean of the normals of both sides, N F^-1, from the source to the destination; as in the undeformed
+/// state where a side has turned over, and for small strain.
+template <int dim>
+std::vector<dealii::Tensor<1, dim>> ContactResistance<dim>::find_normals(const Interface<dim> &interface,
+                                                                         const double t,
+                                                                         const ValuesOf &values_of) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  std::vector<dealii::Tensor<1, dim>> result;
+  for (unsigned int q = 0; q < pairing.n_points(); ++q) {
+    const dealii::Tensor<1, dim> N = pairing.N(source, q) - pairing.N(destination, q);
+    result.push_back(N / N.norm());
+  }
+  const auto field = std::find_if(interface.fields.begin(), interface.fields.end(),
+                                  [&](const TiedField &one) { return has_large_strain(interface, one); });
+  if (field == interface.fields.end())
+    return result;
+  SidePoints<dim> points(interface, t);
+  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
+    for (unsigned int q = group.begin; q < group.end; ++q) {
+      dealii::Tensor<1, dim> sum;
+      for (const unsigned int side : {source, destination}) {
+        points.reinit(side, q, unknowns);
+        dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>();
+        for (unsigned int d = 0; d < dim; ++d)
+          F[d] += points.state[side].gradient[field->first_component[side] + d];
+        if (determinant(F) > 0) {
+          const dealii::Tensor<1, dim> n = pairing.N(side, q) * invert(F);
+          sum += (side == source ? 1 : -1) / n.norm() * n;
+        }
+      }
+      if (sum.norm() > 0)
+        result[q] = sum / sum.norm();
+    }
+  });
+  return result;
 }
 
 /// Leave the reason why h is no conductance, at the mean of the scalar if it depends on that. @return false
@@ -191,8 +278,7 @@ bool ContactResistance<dim>::explain(const TiedField &field, const dealii::Point
   return undefined(sentence_about(section, entry_of(field),
                                   (std::isnan(h) ? "is not a number" : "is " + in_words(h)) + " at " +
                                       (mean ? symbol + " = " + in_words(*mean) + ", " : "") + in_words(X) +
-                                      " and t = " + in_words(t) +
-                                      ", but must be from 0 (no contact) to inf (tied)."),
+                                      " and t = " + in_words(t) + ", but " + admissible(field)),
                    !mean);
 }
 
@@ -201,26 +287,50 @@ template <int dim>
 void ContactResistance<dim>::begin_step(const Interface<dim> &interface, const double t,
                                         const ValuesOf &unknowns, const MPI_Comm &communicator)
 {
+  if (law)
+    normals = find_normals(interface, t, unknowns);
   for (const TiedField &field : interface.fields) {
     const Expression &law = law_of(field);
     if (law.depends_on_scalars())
       continue;
-    double smallest = 0;
+    double smallest = std::numeric_limits<double>::infinity(), largest = 0;
     Undefined not_a_number;
     const unsigned int n_points = interface.pairing().n_points();
     for (unsigned int q = 0; q < (law.depends_on_position() ? n_points : std::min(n_points, 1u)); ++q)
       for (unsigned int c = 0; c < law.n_components(); ++c) {
         const double h = law.value(interface.pairing().X(source, q), t, c);
         smallest = std::min(smallest, h);
+        largest = std::max(largest, h);
         if (std::isnan(h) && !not_a_number) {
           explain(field, interface.pairing().X(source, q), t, h);
           not_a_number = last_undefined();
         }
       }
     refuse_undefined(not_a_number, communicator);
-    check_not_negative(dealii::Utilities::MPI::min(smallest, communicator), interface.section, field);
+    smallest = dealii::Utilities::MPI::min(smallest, communicator);
+    largest = dealii::Utilities::MPI::max(largest, communicator);
+    if (smallest <= largest) // there are points
+      for (const double h : {smallest, largest})
+        check_admissible(h, interface.section, field);
   }
   Nitsche<dim>::begin_step(interface, t, unknowns, communicator);
+}
+
+template <int dim>
+bool ContactResistance<dim>::update_penalties(const Interface<dim> &interface, const double t,
+                                              const ValuesOf &unknowns, const MPI_Comm &communicator)
+{
+  const bool is_new = Nitsche<dim>::update_penalties(interface, t, unknowns, communicator);
+  if (!law)
+    return is_new;
+  const auto now = find_normals(interface, t, unknowns);
+  double largest = 0;
+  for (unsigned int q = 0; q < now.size(); ++q)
+    largest = std::max(largest, (now[q] - normals[q]).norm());
+  if (dealii::Utilities::MPI::max(largest, communicator) < small_turn)
+    return is_new;
+  normals = now;
+  return true;
 }
 
 const bool registered = add_tie<ContactResistance>(

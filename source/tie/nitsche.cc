@@ -32,6 +32,31 @@
 
 namespace dovetail {
 
+namespace {
+
+/// A unit normal and, across it, other unit vectors: of no matter which direction, but always the same.
+template <int dim>
+std::array<dealii::Tensor<1, dim>, dim> axes_with(const dealii::Tensor<1, dim> &N)
+{
+  std::array<dealii::Tensor<1, dim>, dim> axes;
+  axes[0] = N;
+  if constexpr (dim == 2)
+    axes[1] = dealii::Point<2>(-N[1], N[0]);
+  else {
+    unsigned int least = 0;
+    for (unsigned int d = 1; d < dim; ++d)
+      if (std::abs(N[d]) < std::abs(N[least]))
+        least = d;
+    axes[1][least] = 1;
+    axes[1] -= N[least] * N;
+    axes[1] /= axes[1].norm();
+    axes[2] = dealii::cross_product_3d(N, axes[1]);
+  }
+  return axes;
+}
+
+} // namespace
+
 template <int dim>
 Nitsche<dim>::Nitsche(const Section &section)
     : theta(section.read<double>("Theta", 1.,
@@ -154,8 +179,31 @@ bool Nitsche<dim>::evaluate_memory(Interface<dim> &interface, const double t, co
       for (const unsigned int side : {source, destination}) {
         is_defined = sides.evaluate(interface, group, side, q, t, unknowns, false) && is_defined;
         interface.memory.set_trial(side, q, sides.state[side].memory.trial);
+        if (side == destination && interface.memory.has_joint())
+          is_defined = remember_joint(interface, q, t, unknowns) && is_defined;
       }
   });
+  return is_defined;
+}
+
+/// After both sides have been evaluated.
+template <int dim>
+bool Nitsche<dim>::remember_joint(Interface<dim> &interface, const unsigned int q, const double t,
+                                  const std::vector<double> &unknowns)
+{
+  bool is_defined = true;
+  for (const TiedField &field : interface.fields) {
+    if (field.n_components == 1)
+      continue;
+    AtPoint p = parameters_at(interface, field, q);
+    find_mean_flux(interface, field, p, q);
+    interface.jump(field, q, t, unknowns, jump);
+    Joint joint;
+    is_defined = find_joint(interface, field, q, sides.state, joint) && is_defined;
+    Series series;
+    is_defined = is_defined && join_by_law(joint, mean_flux, jump, p, series);
+    interface.memory.set_trial(InterfaceMemory<dim>::joint, q, joint.place.memory.trial);
+  }
   return is_defined;
 }
 
@@ -241,30 +289,124 @@ void Nitsche<dim>::unpack_points(const Interface<dim> &interface, const std::vec
   penalty_at_points.unpack(interface.pairing().n_points(), numbers);
 }
 
-/// a and b at a point.
+/// Whether a side whose flux counts takes the gradient of the centre.
+template <int dim>
+bool Nitsche<dim>::is_central(const AtPoint &p, const unsigned int q) const
+{
+  return (p.weight[source] != 0 && sides.is_central(source, q)) ||
+         (p.weight[destination] != 0 && sides.is_central(destination, q));
+}
+
+/// With the penalty in force.
+template <int dim>
+typename Nitsche<dim>::AtPoint Nitsche<dim>::parameters_at(const Interface<dim> &interface,
+                                                           const TiedField &field, const unsigned int q) const
+{
+  AtPoint p = penalty_at_points[field.index * interface.pairing().n_points() + q];
+  if (is_central(p, q) && has_large_strain(interface, field))
+    p.gamma *= central_factor;
+  return p;
+}
+
+template <int dim>
+void Nitsche<dim>::find_mean_flux(const Interface<dim> &interface, const TiedField &field, const AtPoint &p,
+                                  const unsigned int q)
+{
+  mean_flux.assign(field.n_components, 0.);
+  for (const unsigned int side : {source, destination})
+    if (p.weight[side] != 0)
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        mean_flux[c] +=
+            (side == source ? 1 : -1) * p.weight[side] *
+            (sides.response[side].flux[field.first_component[side] + c] * interface.pairing().N(side, q));
+}
+
+/// The series at a point; adds to the penalty what the law of a joint asks for.
 template <int dim>
 bool Nitsche<dim>::join(const Interface<dim> &interface, const TiedField &field, const unsigned int q,
-                        const double gamma, const std::array<State<dim>, 2> &side_states,
-                        Series &series) const
+                        const std::array<State<dim>, 2> &side_states, const std::vector<double> &mean_flux,
+                        const std::vector<double> &jump, AtPoint &p, Series &series) const
 {
-  if (!has_joint())
-    return true;
   Joint joint;
-  if (!find_joint(field, side_states, joint))
-    return false;
+  if (has_joint()) {
+    if (!find_joint(interface, field, q, side_states, joint))
+      return false;
+    if (joint.law != nullptr)
+      return join_by_law(joint, mean_flux, jump, p, series);
+    join_linearly(interface, field, q, joint, mean_flux, jump, p.gamma, series);
+    return true;
+  }
+  for (unsigned int c = 0; c < field.n_components; ++c) {
+    series.transmitted[c] = mean_flux[c] - p.gamma * jump[c];
+    series.mismatch[c] = jump[c];
+  }
+  return true;
+}
+
+/// a and b have one value along the normal, another one across it.
+template <int dim>
+void Nitsche<dim>::join_linearly(const Interface<dim> &interface, const TiedField &field,
+                                 const unsigned int q, const Joint &joint,
+                                 const std::vector<double> &mean_flux, const std::vector<double> &jump,
+                                 const double gamma, Series &series) const
+{
   series.is_rigid = false;
   const std::array<double, 2> h = {{joint.along_normal, joint.along_tangents}};
+  std::array<double, 2> a, b;
   for (const unsigned int i : {0, 1}) {
-    series.b[i] = h[i] + gamma > 0 ? 1 / (h[i] + gamma) : 0;
-    series.a[i] = std::isfinite(h[i]) ? h[i] * series.b[i] : 1;
+    b[i] = h[i] + gamma > 0 ? 1 / (h[i] + gamma) : 0;
+    a[i] = std::isfinite(h[i]) ? h[i] * b[i] : 1;
   }
-  if (field.n_components == 1) { // along N whatever N is
-    series.N[0] = 1;
-    series.b_by_mean = std::isfinite(h[0]) ? series.b[0] * series.b[0] * joint.derivative_by_mean : 0;
-    return true;
+  if (field.n_components == 1) {
+    series.a[0][0] = a[0];
+    series.b[0][0] = b[0];
+    series.b_by_mean = std::isfinite(h[0]) ? b[0] * b[0] * joint.derivative_by_mean : 0;
+  } else {
+    dealii::Tensor<1, dim> N = interface.pairing().N(source, q) - interface.pairing().N(destination, q);
+    N /= N.norm();
+    for (unsigned int c = 0; c < dim; ++c)
+      for (unsigned int d = 0; d < dim; ++d) {
+        series.a[c][d] = (c == d ? a[1] : 0) + (a[0] - a[1]) * N[c] * N[d];
+        series.b[c][d] = (c == d ? b[1] : 0) + (b[0] - b[1]) * N[c] * N[d];
+      }
   }
-  series.N = interface.pairing().N(source, q) - interface.pairing().N(destination, q);
-  series.N /= series.N.norm();
+  for (unsigned int c = 0; c < field.n_components; ++c)
+    for (unsigned int d = 0; d < field.n_components; ++d) {
+      series.transmitted[c] += series.a[c][d] * (mean_flux[d] - gamma * jump[d]);
+      series.mismatch[c] += series.a[c][d] * jump[d] + series.b[c][d] * mean_flux[d];
+    }
+}
+
+/// The opening in the axes of the joint: its normal, and across it any two (2D: one).
+template <int dim>
+bool Nitsche<dim>::join_by_law(const Joint &joint, const std::vector<double> &mean_flux,
+                               const std::vector<double> &jump, AtPoint &p, Series &series) const
+{
+  series.is_rigid = false;
+  p.gamma += joint.law->softening(joint.place);
+  const std::array<dealii::Tensor<1, dim>, dim> axes = axes_with(joint.normal);
+  dealii::Tensor<1, 3> r, opening;
+  for (unsigned int i = 0; i < dim; ++i)
+    for (unsigned int c = 0; c < dim; ++c)
+      r[i] += axes[i][c] * (mean_flux[c] - p.gamma * jump[c]);
+  JointResponse response;
+  if (!find_opening(*joint.law, joint.place, p.gamma, r, opening, response))
+    return false;
+  const dealii::Tensor<2, 3> b =
+      invert(response.by_opening + p.gamma * dealii::Tensor<2, 3>(dealii::unit_symmetric_tensor<3>()));
+  const dealii::Tensor<2, 3> a = response.by_opening * b;
+  for (unsigned int c = 0; c < dim; ++c) {
+    series.mismatch[c] = jump[c];
+    for (unsigned int i = 0; i < dim; ++i) {
+      series.transmitted[c] += axes[i][c] * response.traction[i];
+      series.mismatch[c] += axes[i][c] * opening[i];
+      for (unsigned int d = 0; d < dim; ++d)
+        for (unsigned int j = 0; j < dim; ++j) {
+          series.a[c][d] += axes[i][c] * a[i][j] * axes[j][d];
+          series.b[c][d] += axes[i][c] * b[i][j] * axes[j][d];
+        }
+    }
+  }
   return true;
 }
 
@@ -285,18 +427,14 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
       result = known->second; // that of the last assembly
       return;
     }
-  Series series;
-  const bool is_defined = join(interface, field, q, p.gamma, side_states, series);
-  std::array<double, dim> rigid;
+  AtPoint in_force = p;
+  std::vector<double> mean(field.n_components);
   for (unsigned int c = 0; c < field.n_components; ++c)
-    rigid[c] = is_defined ? p.weight[source] * flux[source][c] -
-                                p.weight[destination] * flux[destination][c] - p.gamma * jump[c]
-                          : std::numeric_limits<double>::quiet_NaN();
-  for (unsigned int c = 0; c < field.n_components; ++c) {
-    result[c] = series.is_rigid ? rigid[c] : 0;
-    for (unsigned int d = 0; d < field.n_components && !series.is_rigid; ++d)
-      result[c] += series.entry(series.a, c, d) * rigid[d];
-  }
+    mean[c] = p.weight[source] * flux[source][c] - p.weight[destination] * flux[destination][c];
+  Series series;
+  const bool is_defined = join(interface, field, q, side_states, mean, jump, in_force, series);
+  for (unsigned int c = 0; c < field.n_components; ++c)
+    result[c] = is_defined ? series.transmitted[c] : std::numeric_limits<double>::quiet_NaN();
 }
 
 /// @return false where a law is not defined, or no penalty was found at the beginning of the step.
@@ -366,54 +504,31 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
   const unsigned int i_at = field_index * pairing.n_points() + q;
   const unsigned int n_c = field.n_components, n_local = residual.size();
   theta_here = penalty_at_points.theta_at(interface, field, q, sides, i_at);
-  AtPoint p = penalty_at_points[i_at];
-  bool is_central = false;
-  for (const unsigned int side : {source, destination})
-    is_central = is_central || (p.weight[side] != 0 && sides.is_central(side, q));
-  if (is_central && has_large_strain(interface, field))
-    p.gamma *= central_factor;
-
-  Series series;
-  if (!join(interface, field, q, p.gamma, sides.state, series))
-    return false;
+  AtPoint p = parameters_at(interface, field, q);
   interface.jump(field, q, t, unknowns, jump);
   if (!std::all_of(jump.begin(), jump.end(), [](const double value) { return std::isfinite(value); }))
     return false;
-  mean_flux.assign(n_c, 0.);
-  for (const unsigned int side : {source, destination})
-    if (p.weight[side] != 0)
-      for (unsigned int c = 0; c < n_c; ++c)
-        mean_flux[c] += (side == source ? 1 : -1) * p.weight[side] *
-                        (sides.response[side].flux[field.first_component[side] + c] * pairing.N(side, q));
-  transmitted.assign(n_c, 0.);
-  mismatch = series.is_rigid ? jump : transmitted;
-  for (unsigned int c = 0; c < n_c; ++c) {
-    if (series.is_rigid)
-      transmitted[c] = mean_flux[c] - p.gamma * jump[c];
-    else
-      for (unsigned int d = 0; d < n_c; ++d) {
-        const double a = series.entry(series.a, c, d);
-        transmitted[c] += a * (mean_flux[d] - p.gamma * jump[d]);
-        mismatch[c] += a * jump[d] + series.entry(series.b, c, d) * mean_flux[d];
-      }
-  }
-  if (is_central)
-    central_flux[i_at] = transmitted;
+  find_mean_flux(interface, field, p, q);
+  Series series;
+  if (!join(interface, field, q, sides.state, mean_flux, jump, p, series))
+    return false;
+  if (is_central(p, q))
+    central_flux[i_at].assign(series.transmitted.begin(), series.transmitted.begin() + n_c);
   if (tangent != nullptr || theta != 0)
     linearise_mean_flux(interface, field, p, q);
 
   find_jump_unknowns(interface, field, q);
   for (const InJump &row : in_jump)
-    residual[row.i] -= pairing.weight(q) * row.test * transmitted[row.component];
+    residual[row.i] -= pairing.weight(q) * row.test * series.transmitted[row.component];
   if (theta != 0)
     for (const unsigned int i : field_unknowns)
       for (unsigned int c = 0; c < n_c; ++c)
-        residual[i] -= theta_here * pairing.weight(q) * variation_of[c * n_local + i] * mismatch[c];
+        residual[i] -= theta_here * pairing.weight(q) * variation_of[c * n_local + i] * series.mismatch[c];
   if (tangent == nullptr)
     return true;
   add_tangent(interface, field, p, series, q, *tangent);
   if (theta != 0 && !interface.is_linear() && !has_frozen_variation)
-    add_curvature(interface, field, p, q, *tangent);
+    add_curvature(interface, field, p, series, q, *tangent);
   return true;
 }
 
@@ -509,7 +624,7 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
     transmitted_of.assign(n_c * n_local, 0.);
     for (unsigned int c = 0; c < n_c; ++c)
       for (unsigned int d = 0; d < n_c; ++d) {
-        const double a = series.entry(series.a, c, d);
+        const double a = series.a[c][d];
         for (unsigned int j = 0; j < n_local; ++j)
           transmitted_of[c * n_local + j] += a * mean_flux_of[d * n_local + j];
       }
@@ -527,7 +642,7 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
           entries[column.i] += penalty * column.trial;
     } else
       for (const InJump &column : in_jump)
-        entries[column.i] += series.entry(series.a, row.component, column.component) * penalty * column.trial;
+        entries[column.i] += series.a[row.component][column.component] * penalty * column.trial;
   }
   if (theta != 0)
     add_variation_rows(field, series, w, tangent);
@@ -551,8 +666,8 @@ void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &seri
         double flux_factor = 0;
         jump_factor[c] = 0;
         for (unsigned int d = 0; d < n_c; ++d) {
-          jump_factor[c] += series.entry(series.a, c, d) * variation[d];
-          flux_factor += series.entry(series.b, c, d) * variation[d];
+          jump_factor[c] += variation[d] * series.a[d][c];
+          flux_factor += variation[d] * series.b[d][c];
         }
         const double *mean = &mean_flux_of[c * n_local];
         for (unsigned int j = 0; j < n_local; ++j)
@@ -594,7 +709,8 @@ void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const Ti
 /// - theta e_c d2{A}_c(delta, d): the second derivative of the flux contracted with e.
 template <int dim>
 void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedField &field, const AtPoint &p,
-                                 const unsigned int q, dealii::FullMatrix<double> &tangent)
+                                 const Series &series, const unsigned int q,
+                                 dealii::FullMatrix<double> &tangent)
 {
   const Pairing<dim> &pairing = interface.pairing();
   for (const unsigned int side : {source, destination}) {
@@ -607,8 +723,8 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
       contraction.assign(n, dealii::Tensor<1, dim>());
       for (unsigned int c = 0; c < field.n_components; ++c)
         contraction[field.first_component[side] + c] = -theta_here * (side == source ? 1 : -1) *
-                                                       p.weight[side] * pairing.weight(q) * mismatch[c] *
-                                                       pairing.N(side, q);
+                                                       p.weight[side] * pairing.weight(q) *
+                                                       series.mismatch[c] * pairing.N(side, q);
       dealii::FullMatrix<double> &H = second_derivative;
       sides.curvature(side, contraction, H);
 

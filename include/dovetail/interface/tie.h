@@ -220,6 +220,8 @@ public:
   /// after begin_step().
   virtual std::vector<double> pack_points(const Interface<dim> & /*interface*/) const { return {}; }
   virtual void unpack_points(const Interface<dim> & /*interface*/, const std::vector<double> & /*numbers*/) {}
+  /// What it remembers itself at each point, beside the laws of both sides.
+  virtual std::vector<InternalVariable> internal_variables() const { return {}; }
   /// What the laws of both sides remember of a state: the trial of the interface's memory. @return false if
   /// one is not defined there, on this rank.
   virtual bool evaluate_memory(Interface<dim> &interface, double t, const ValuesOf &unknowns);

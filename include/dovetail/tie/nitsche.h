@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/tie/gradient_change.h>
+#include <dovetail/tie/joint_law.h>
 #include <dovetail/tie/penalty.h>
 
 #include <limits>
@@ -22,6 +23,11 @@ namespace dovetail {
 /// with the signs of pairing.h. In the letters of Juntunen and Stenberg (2009), who did this for a boundary,
 /// a = gamma_eff/gamma and b = (gamma_eff/gamma)/h with 1/gamma_eff = 1/h + 1/gamma. The exact flux {A} = -h
 /// [B] makes e vanish and s = {A}, for every h from 0 (two bodies) to infinity (a = 1, b = 0: the tie alone).
+///
+/// A joint with a law of its own, traction t over opening w = -[B] (joint_law.h), is in series likewise:
+/// t(w) + gamma w = {A} - gamma [B] gives w at each point, and then s = t(w), e = [B] + w. With D = dt/dw the
+/// derivatives are those above with h = D, a tensor. gamma grows by what t falls at most, so that w is
+/// unique.
 ///
 /// theta = 1 is symmetric, 0 nonsymmetric (delta{A} is never evaluated), -1 skew-symmetric. The tangent is
 /// exact: for theta != 0 and a nonlinear law it holds the second derivative of A, contracted with e; with
@@ -84,11 +90,15 @@ protected:
     double along_normal = infinity;   ///< h of the component along N, and of a scalar
     double along_tangents = infinity; ///< h of the components across it
     double derivative_by_mean = 0;    ///< dh/dB of a scalar, B the mean of both sides' traces
+    const JointLaw *law = nullptr;    ///< in place of h
+    JointPlace place;                 ///< for the law
+    dealii::Tensor<1, dim> normal;    ///< that of the law, from the source to the destination
   };
   /// Whether there is one at all; then find_joint() is asked for it at every point.
   virtual bool has_joint() const { return false; }
-  /// @return false if it is not defined at this state of the two sides.
-  virtual bool find_joint(const TiedField & /*field*/, const std::array<State<dim>, 2> & /*state*/,
+  /// Of a field at a point. @return false if it is not defined at this state of the two sides.
+  virtual bool find_joint(const Interface<dim> & /*interface*/, const TiedField & /*field*/,
+                          unsigned int /*q*/, const std::array<State<dim>, 2> & /*state*/,
                           Joint & /*joint*/) const
   {
     return true;
@@ -97,18 +107,13 @@ protected:
 private:
   using AtPoint = typename Penalty<dim>::AtPoint;
 
-  /// The tensors a and b: one value along N, another one across it.
+  /// Tie and joint in series at a point: a, b, s and e; only the first entries of a scalar.
   struct Series
   {
-    bool is_rigid = true;
-    std::array<double, 2> a = {{1, 1}}, b = {{0, 0}};
+    bool is_rigid = true; ///< a = 1, b = 0
+    dealii::Tensor<2, dim> a, b;
     double b_by_mean = 0; ///< - db/dB of a scalar
-    dealii::Tensor<1, dim> N;
-    /// Of component c of the field with d.
-    double entry(const std::array<double, 2> &values, unsigned int c, unsigned int d) const
-    {
-      return (c == d ? values[1] : 0) + (values[0] - values[1]) * N[c] * N[d];
-    }
+    std::array<double, dim> transmitted{}, mismatch{};
   };
 
   void freeze_variation(const Interface<dim> &interface, double t, const ValuesOf &unknowns);
@@ -118,8 +123,20 @@ private:
                       const MPI_Comm &communicator);
   void note_central_gradients(const MPI_Comm &communicator);
 
-  bool join(const Interface<dim> &interface, const TiedField &field, unsigned int q, double gamma,
-            const std::array<State<dim>, 2> &side_states, Series &series) const;
+  bool is_central(const AtPoint &parameters, unsigned int q) const;
+  AtPoint parameters_at(const Interface<dim> &interface, const TiedField &field, unsigned int q) const;
+  void find_mean_flux(const Interface<dim> &interface, const TiedField &field, const AtPoint &parameters,
+                      unsigned int q);
+  bool join(const Interface<dim> &interface, const TiedField &field, unsigned int q,
+            const std::array<State<dim>, 2> &side_states, const std::vector<double> &mean_flux,
+            const std::vector<double> &jump, AtPoint &parameters, Series &series) const;
+  bool join_by_law(const Joint &joint, const std::vector<double> &mean_flux, const std::vector<double> &jump,
+                   AtPoint &parameters, Series &series) const;
+  void join_linearly(const Interface<dim> &interface, const TiedField &field, unsigned int q,
+                     const Joint &joint, const std::vector<double> &mean_flux,
+                     const std::vector<double> &jump, double gamma, Series &series) const;
+  bool remember_joint(Interface<dim> &interface, unsigned int q, double t,
+                      const std::vector<double> &unknowns);
   bool evaluate_sides(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
                       unsigned int q, double t, const std::vector<double> &unknowns, bool with_derivatives);
   bool add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q, double t,
@@ -137,7 +154,7 @@ private:
   void add_change_of_joint(const Interface<dim> &interface, const TiedField &field, const AtPoint &parameters,
                            const Series &series, unsigned int q, dealii::FullMatrix<double> &tangent) const;
   void add_curvature(const Interface<dim> &interface, const TiedField &field, const AtPoint &parameters,
-                     unsigned int q, dealii::FullMatrix<double> &tangent);
+                     const Series &series, unsigned int q, dealii::FullMatrix<double> &tangent);
 
   const double theta;
   Penalty<dim> penalty_at_points;
@@ -166,12 +183,12 @@ private:
 
   // at the current point: states and responses of the two sides, and of the current field what R needs
   SideStates<dim> sides;
-  double theta_here = 0;                                      ///< theta or -1
-  std::vector<double> jump, mean_flux, transmitted, mismatch; ///< [B], {A}, s and e
-  std::vector<double> mean_flux_of;                           ///< d{A}_c / dx_i at c * n_local + i
-  std::vector<double> transmitted_of;                         ///< a.d{A}, likewise; unless a = 1
-  std::vector<double> variation_of; ///< delta{A}_c for the test function i, likewise
-  struct InJump                     ///< an unknown that enters the jump, with signed trial and test value
+  double theta_here = 0;               ///< theta or -1
+  std::vector<double> jump, mean_flux; ///< [B] and {A}
+  std::vector<double> mean_flux_of;    ///< d{A}_c / dx_i at c * n_local + i
+  std::vector<double> transmitted_of;  ///< a.d{A}, likewise; unless a = 1
+  std::vector<double> variation_of;    ///< delta{A}_c for the test function i, likewise
+  struct InJump                        ///< an unknown that enters the jump, with signed trial and test value
   {
     unsigned int i, component;
     double trial, test;

@@ -7,6 +7,7 @@
 #include <dovetail/output/mesh_report.h>
 #include <dovetail/output/new_file.h>
 #include <dovetail/run/simulation.h>
+#include <dovetail/scene/note.h>
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/scene/shortened.h>
 #include <dovetail/scene/user_error.h>
@@ -22,6 +23,7 @@
 #include <fcntl.h>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <poll.h>
 #include <string>
 #include <thread>
@@ -45,35 +47,56 @@ const char *const usage = R"(Dovetail: heat and solids on several bodies whose m
   dovetail --study scene.prm                  error against run time over the levels and variants of subsection Study
   dovetail --mesh FILE                        what a mesh file holds: cells, extents, names, quality; a preview for ParaView
   dovetail --plot DIRECTORY                   residuals, run time and probes of a run that has ended, by gnuplot
+  dovetail --quiet scene.prm                  print results and notes only, no tables and steps
+  dovetail --verbose scene.prm                print all iterations; else runs of more than 10 steps print a line for each
   dovetail --parameters                       every entry of a scene, as Markdown
-  dovetail --version | --help
+  dovetail --version | --help | -h
 
-A scene is a .prm or .json file. Exit status: 0 done, 1 the input is wrong, 2 the solver did not converge, or a
-signal (Ctrl-C, SIGTERM, SIGUSR1) asked a run of several steps to end (the last good step is written, and --resume goes on from it), 3 anything else.
+Options stand before or after the scene, which is a .prm or .json file.
+Exit status: 0 done, 1 the input is wrong, 2 the solver did not converge, or a signal (Ctrl-C, SIGTERM, SIGUSR1)
+asked a run of several steps to end (the last good step is written, and --resume goes on from it), 3 anything else.
 )";
 
 struct Arguments
 {
   bool help = false, version = false, parameters = false, check = false, study = false, resume = false;
+  bool quiet = false, verbose = false;
   std::vector<std::string> overrides;
   std::string scene, mesh, plot;
 };
+
+/// Those without a value, with where they are stored.
+const std::map<std::string, bool Arguments::*> switches = {
+    {"--help", &Arguments::help},       {"-h", &Arguments::help},
+    {"--version", &Arguments::version}, {"--parameters", &Arguments::parameters},
+    {"--check", &Arguments::check},     {"--study", &Arguments::study},
+    {"--resume", &Arguments::resume},   {"--quiet", &Arguments::quiet},
+    {"--verbose", &Arguments::verbose}};
+
+void check_together(const Arguments &arguments)
+{
+  if (arguments.study && arguments.check)
+    throw UserError(
+        "--check and --study exclude each other; a study checks its variants before the first run.");
+  if (arguments.resume && (arguments.study || arguments.check))
+    throw UserError(
+        std::string("--resume and ") + (arguments.study ? "--study" : "--check") + " exclude each other" +
+        (arguments.study ? ": a study that is started again leaves out the runs that have ended." : "."));
+  if (arguments.quiet && arguments.verbose)
+    throw UserError("--quiet and --verbose exclude each other.");
+  if ((arguments.quiet || arguments.verbose) &&
+      (arguments.study || !arguments.mesh.empty() || !arguments.plot.empty()))
+    throw UserError(std::string(arguments.quiet ? "--quiet" : "--verbose") +
+                    " is for runs and for --check only. Remove it.");
+}
 
 Arguments parse(const int argc, char **argv)
 {
   Arguments arguments;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    if (word == "--help" || word == "-h")
-      arguments.help = true;
-    else if (word == "--version")
-      arguments.version = true;
-    else if (word == "--parameters")
-      arguments.parameters = true;
-    else if (word == "--check")
-      arguments.check = true;
-    else if (word == "--study")
-      arguments.study = true;
+    if (const auto found = switches.find(word); found != switches.end())
+      arguments.*(found->second) = true;
     else if (word == "--set") {
       if (i + 1 == argc)
         throw UserError("--set needs an argument, for instance --set 'Interface seam/Theta=-1'.");
@@ -86,32 +109,28 @@ Arguments parse(const int argc, char **argv)
       if (i + 1 == argc)
         throw UserError("--plot needs the Directory of the Output of a run.");
       arguments.plot = argv[++i];
-    } else if (word == "--resume")
-      arguments.resume = true;
-    else if (!word.empty() && word[0] == '-')
-      throw UserError("The option '" + word + "' is not known. " +
-                      did_you_mean(word, {"--help", "--version", "--parameters", "--check", "--set",
-                                          "--study", "--mesh", "--plot", "--resume"}) +
+    } else if (!word.empty() && word[0] == '-') {
+      std::vector<std::string> known = {"--set", "--mesh", "--plot"};
+      for (const auto &one : switches)
+        known.push_back(one.first);
+      throw UserError("The option '" + word + "' is not known. " + did_you_mean(word, known) +
                       " See dovetail --help.");
-    else if (!arguments.scene.empty())
+    } else if (!arguments.scene.empty())
       throw UserError("Two scenes are given, " + arguments.scene + " and " + word + "; run them one by one.");
     else
       arguments.scene = word;
   }
-  if (arguments.study && arguments.check)
-    throw UserError(
-        "--check and --study exclude each other; a study checks its variants before the first run.");
-  if (arguments.resume && (arguments.study || arguments.check))
-    throw UserError(
-        std::string("--resume and ") + (arguments.study ? "--study" : "--check") + " exclude each other" +
-        (arguments.study ? ": a study that is started again leaves out the runs that have ended." : "."));
+  check_together(arguments);
   return arguments;
 }
 
 template <int dim>
 Status run(const std::shared_ptr<SceneText> &text, const Arguments &arguments)
 {
-  Simulation<dim> simulation(text, MPI_COMM_WORLD);
+  Simulation<dim> simulation(text, MPI_COMM_WORLD,
+                             arguments.quiet     ? Detail::quiet
+                             : arguments.verbose ? Detail::verbose
+                                                 : Detail::usual);
   if (arguments.check) {
     simulation.check();
     return done;
@@ -141,6 +160,19 @@ void on_first_rank(const bool is_first_rank, const std::function<void()> &action
     throw UserError(problem);
 }
 
+void print_names_of_notes()
+{
+  std::cout
+      << "\n## Names of notes\n\nThe entry `Silenced notes` of the subsection Output switches them off.\n\n"
+         "| name | told when |\n|---|---|\n";
+  for (const auto &[name, occasions] : occasions_of_notes()) {
+    std::cout << "| " << name << " | ";
+    for (const std::string &occasion : occasions)
+      std::cout << (&occasion == &occasions.front() ? "" : "; ") << occasion;
+    std::cout << " |\n";
+  }
+}
+
 Status run(const Arguments &arguments, const bool is_first_rank)
 {
   if (!arguments.mesh.empty()) {
@@ -162,6 +194,7 @@ Status run(const Arguments &arguments, const bool is_first_rank)
       const auto text = SceneText::for_documentation();
       read_all_entries(text);
       text->print_reference(std::cout);
+      print_names_of_notes();
     }
     return done;
   }

@@ -13,6 +13,8 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_locking("locking", "a nearly incompressible solid has displacements of a low degree");
+
 /// The scalars at the time 0.
 template <int dim>
 void set_scalars(const Domain<dim> &domain, State<dim> &state)
@@ -50,7 +52,7 @@ double largest_ratio(const unsigned int degree)
 } // namespace
 
 template <int dim>
-std::string note_on_locking(const Domain<dim> &domain, const MPI_Comm &communicator)
+NoteList notes_on_locking(const Domain<dim> &domain, const MPI_Comm &communicator)
 {
   const auto &fields = domain.fields();
   const auto displacement = std::find_if(fields.begin(), fields.end(),
@@ -68,10 +70,10 @@ std::string note_on_locking(const Domain<dim> &domain, const MPI_Comm &communica
   if (domain.has_simplices() && degree == 3)
     words << " and take quadrilaterals or hexahedra";
   words << ", or Formulation = mixed with Degree = 2 or higher";
-  return words.str();
+  return {of_locking(words.str())};
 }
 
-template std::string note_on_locking(const Domain<2> &, const MPI_Comm &);
-template std::string note_on_locking(const Domain<3> &, const MPI_Comm &);
+template NoteList notes_on_locking(const Domain<2> &, const MPI_Comm &);
+template NoteList notes_on_locking(const Domain<3> &, const MPI_Comm &);
 
 } // namespace dovetail

@@ -15,6 +15,8 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_coverage("coverage", "both sides of an interface have parts that face nothing");
+
 std::vector<unsigned int> read_material_ids(const Section &section, const std::string &entry)
 {
   return section.read<std::vector<unsigned int>>(
@@ -358,15 +360,15 @@ void Interface<dim>::check_coverage(const MPI_Comm &communicator)
           << " of the face size), or set Uncovered = allow if this is meant.";
   if (uncovered == "error")
     section.fail("Uncovered", "is error: " + message.str());
-  sentences.push_back(message.str());
+  geometry_notes.push_back(of_coverage(message.str()));
 }
 
 template <int dim>
-std::vector<std::string> Interface<dim>::notes() const
+NoteList Interface<dim>::notes() const
 {
-  std::vector<std::string> all = sentences;
-  for (const std::string &sentence : method->notes())
-    all.push_back(sentence);
+  NoteList all = geometry_notes;
+  for (const Note &note : method->notes())
+    all.push_back(note);
   return all;
 }
 

@@ -12,6 +12,9 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_stiff_destination("stiff destination", "a tie makes a stiff body follow a soft one");
+const NoteName of_soft_source("soft source", "a source is softer and finer than its destination by mortar");
+
 template <int dim>
 double mean_face_size(const InterfaceSide<dim> &side, const MPI_Comm &communicator)
 {
@@ -95,7 +98,7 @@ double own_share_of_gap(const Interface<dim> &interface, const TiedField &field,
   return k[1 - own] > 0 && k[own] > k[1 - own] ? 1 - k[1 - own] / k[own] : 0;
 }
 
-std::string note_on_stiff_destination(const double stiffness)
+Note note_on_stiff_destination(const double stiffness)
 {
   std::ostringstream sentence;
   sentence.precision(2);
@@ -103,10 +106,10 @@ std::string note_on_stiff_destination(const double stiffness)
       << "the destination follows the source and is " << stiffness
       << " times as stiff: the flux between them errs by about that ratio times the error of the bodies. "
          "Make the stiffer side the source, or use Type = Nitsche";
-  return sentence.str();
+  return of_stiff_destination(sentence.str());
 }
 
-std::string words_for_fine_soft_source(const SideRatios &ratios)
+Note note_on_fine_soft_source(const SideRatios &ratios)
 {
   std::ostringstream sentence;
   sentence.precision(2);
@@ -116,7 +119,7 @@ std::string words_for_fine_soft_source(const SideRatios &ratios)
       << " times as large: the softer, finer source is tied in the mean over these faces only and slips "
          "between them, which at large strain makes the answer wrong. Swap Source and Destination, or use "
          "Type = Nitsche";
-  return sentence.str();
+  return of_soft_source(sentence.str());
 }
 
 template SideRatios side_ratios(const Interface<2> &, const MPI_Comm &);

@@ -17,6 +17,8 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_balance("balance", "forces or heat of a body are not in balance");
+
 using nlohmann::ordered_json;
 
 /// Sums of positive and of negative influxes, by component.
@@ -197,7 +199,7 @@ const double largest_rounding = 1e-6;
 
 template <int dim>
 Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
-                        const double tolerance, std::vector<std::string> &notes)
+                        const double tolerance, NoteList &notes)
 {
   const double allowed = std::max(largest_imbalance, tolerance);
   Balance balance = {ordered_json::object()};
@@ -230,16 +232,15 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
       const double relative = imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 1.;
       if (!(relative <= balance.worst))
         balance.worst = relative;
-      notes.push_back(imbalance.largest <= rounding ? explain_rounding(*domain, field, imbalance, rounding)
-                                                    : explain_loss(*domain, field, imbalance));
+      notes.push_back(of_balance(imbalance.largest <= rounding
+                                     ? explain_rounding(*domain, field, imbalance, rounding)
+                                     : explain_loss(*domain, field, imbalance)));
     }
   }
   return balance;
 }
 
-template Balance measure_balance(const Model<2> &, const Reactions<2> &, const Vector &, double,
-                                 std::vector<std::string> &);
-template Balance measure_balance(const Model<3> &, const Reactions<3> &, const Vector &, double,
-                                 std::vector<std::string> &);
+template Balance measure_balance(const Model<2> &, const Reactions<2> &, const Vector &, double, NoteList &);
+template Balance measure_balance(const Model<3> &, const Reactions<3> &, const Vector &, double, NoteList &);
 
 } // namespace dovetail

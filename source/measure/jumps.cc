@@ -14,6 +14,10 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_jump("jump", "the sides of a tie differ by more than 1 % of the range of a field");
+const NoteName of_oscillation("flux oscillation", "the flux of a tie differs from the fluxes in both bodies");
+const NoteName of_imbalance("flux imbalance", "the sides of an interface receive different resultants");
+
 using nlohmann::ordered_json;
 
 constexpr double worth_a_note = 0.01;
@@ -107,7 +111,7 @@ double imbalance(const ordered_json &numbers, const std::string &field)
 /// Where the flux through the interface is small beside that along it, or rounding, there is nothing to tell.
 template <int dim>
 void explain_fluxes(const Interface<dim> &interface, const double area, ordered_json &numbers,
-                    std::vector<std::string> &sentences)
+                    NoteList &notes)
 {
   const PointTerms<dim> *terms = interface.tie().parts().point_terms;
   for (const TiedField &field : interface.fields) {
@@ -119,22 +123,22 @@ void explain_fluxes(const Interface<dim> &interface, const double area, ordered_
     if (std::isfinite(gap))
       numbers["relative flux gap"][field.name] = gap / flux;
     if (gap > flux_worth_a_note * flux)
-      sentences.push_back(words_for_flux_gap(interface.name, field.name, gap / flux));
+      notes.push_back(of_oscillation(words_for_flux_gap(interface.name, field.name, gap / flux)));
     if (terms == nullptr || terms->is_balanced())
       continue;
     const double share = imbalance(numbers, field.name) / (flux * std::sqrt(area));
     if (share > worth_a_note)
-      sentences.push_back(words_for_imbalance(interface.name, field.name, share));
+      notes.push_back(of_imbalance(words_for_imbalance(interface.name, field.name, share)));
   }
 }
 
 } // namespace
 
 template <int dim>
-std::vector<std::string> explain_jumps(const Model<dim> &model, const double t, const ordered_json &domains,
-                                       ordered_json &interfaces)
+NoteList explain_jumps(const Model<dim> &model, const double t, const ordered_json &domains,
+                       ordered_json &interfaces)
 {
-  std::vector<std::string> sentences;
+  NoteList notes;
   for (const auto &interface : model.interfaces) {
     ordered_json &numbers = interfaces.at(interface->name);
     const double area = interface->pairing().coverage().covered[source];
@@ -152,15 +156,13 @@ std::vector<std::string> explain_jumps(const Model<dim> &model, const double t, 
         large.emplace_back(field.name, jump);
     }
     if (!large.empty())
-      sentences.push_back(explain(*interface, large, model.communicator));
-    explain_fluxes(*interface, area, numbers, sentences);
+      notes.push_back(of_jump(explain(*interface, large, model.communicator)));
+    explain_fluxes(*interface, area, numbers, notes);
   }
-  return sentences;
+  return notes;
 }
 
-template std::vector<std::string> explain_jumps(const Model<2> &, double, const ordered_json &,
-                                                ordered_json &);
-template std::vector<std::string> explain_jumps(const Model<3> &, double, const ordered_json &,
-                                                ordered_json &);
+template NoteList explain_jumps(const Model<2> &, double, const ordered_json &, ordered_json &);
+template NoteList explain_jumps(const Model<3> &, double, const ordered_json &, ordered_json &);
 
 } // namespace dovetail

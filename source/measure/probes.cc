@@ -2,12 +2,15 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/measure/probes.h>
+#include <dovetail/measure/singular_points.h>
 
 #include <algorithm>
 
 namespace dovetail {
 
 namespace {
+
+const NoteName of_singular_probe("singular probe", "a probe of a stress or flux lies where it is singular");
 
 template <int dim>
 const Domain<dim> *find_domain(const std::string &name, const Section &section, const std::string &entry,
@@ -204,9 +207,25 @@ typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Sec
   }
   if (has_quantity || section.documenting())
     probe.quantity = read_quantity(section, probe.region.domain, has_boundary);
+  if (has_quantity && probe.X && !section.documenting())
+    probe.field_of_law = probe.region.domain->material.find_field(
+        QuantityCatalogue<dim>::find(section.peek("Quantity"), section, "Quantity").field);
   if (probe.X && !section.documenting())
     probe.places = find_cells(*probe.region.domain, *probe.X, section, model.communicator);
   return probe;
+}
+
+template <int dim>
+NoteList Probes<dim>::notes() const
+{
+  NoteList notes;
+  for (const Probe &probe : probes)
+    if (probe.field_of_law != nullptr)
+      if (const std::string why = why_singular(model, *probe.X, *probe.field_of_law); !why.empty())
+        notes.push_back(of_singular_probe("the point of the probe " + probe.name + " lies at " + why +
+                                          ", where its quantity grows without bound as the mesh is refined: "
+                                          "move the point away from it, or take a mean over a part of it"));
+  return notes;
 }
 
 template <int dim>

@@ -16,6 +16,8 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_resolution("resolution", "a conductivity varies much within one cell");
+
 /// Largest over smallest conductivity of a field within one cell, and the centre of that cell.
 template <int dim>
 using Variation = std::pair<double, dealii::Point<dim>>;
@@ -56,9 +58,9 @@ Variation<dim> variation_on_this_rank(const Domain<dim> &domain, const Field &fi
 } // namespace
 
 template <int dim>
-std::vector<std::string> explain_resolution(const Model<dim> &model, const Vector &solution, const double t)
+NoteList explain_resolution(const Model<dim> &model, const Vector &solution, const double t)
 {
-  std::vector<std::string> sentences;
+  NoteList notes;
   for (const auto &domain : model.domains)
     for (unsigned int f = 0; f < domain->fields().size(); ++f) {
       const Field &field = domain->fields()[f];
@@ -75,12 +77,12 @@ std::vector<std::string> explain_resolution(const Model<dim> &model, const Vecto
       words << domain->name << ": within one cell, around " << in_words(worst.second)
             << ", the conductivity for its " << field.name << " varies by a factor of " << worst.first
             << ". The mesh does not resolve that, and the result may be far off. Refine it there";
-      sentences.push_back(words.str());
+      notes.push_back(of_resolution(words.str()));
     }
-  return sentences;
+  return notes;
 }
 
-template std::vector<std::string> explain_resolution(const Model<2> &, const Vector &, double);
-template std::vector<std::string> explain_resolution(const Model<3> &, const Vector &, double);
+template NoteList explain_resolution(const Model<2> &, const Vector &, double);
+template NoteList explain_resolution(const Model<3> &, const Vector &, double);
 
 } // namespace dovetail

@@ -3,6 +3,7 @@
 
 #include <dovetail/measure/gaps.h>
 #include <dovetail/output/log.h>
+#include <dovetail/output/phases.h>
 #include <dovetail/output/progress_bar.h>
 
 #include <cstdio>
@@ -33,21 +34,15 @@ std::string to_text(const nlohmann::ordered_json &value)
   return text;
 }
 
-/// Columns as wide as their widest entry; the first row is the heading.
-std::vector<std::string> align(const std::vector<std::vector<std::string>> &rows)
+/// A duration that is easy to read: "0.5 s", "3 min 20 s", "2 h 5 min".
+std::string in_seconds(const double seconds)
 {
-  std::vector<std::size_t> widths(rows.front().size(), 0);
-  for (const auto &row : rows)
-    for (unsigned int c = 0; c < row.size(); ++c)
-      widths[c] = std::max(widths[c], row[c].size());
-  std::vector<std::string> lines;
-  for (const auto &row : rows) {
-    std::string line;
-    for (unsigned int c = 0; c < row.size(); ++c)
-      line += "  " + row[c] + (c + 1 < row.size() ? std::string(widths[c] - row[c].size(), ' ') : "");
-    lines.push_back(line);
-  }
-  return lines;
+  const auto whole = static_cast<unsigned long>(std::min(1e9, std::max(0., seconds)) + 0.5);
+  if (whole < 100)
+    return to_text(seconds, seconds < 10 ? "%.2g s" : "%.0f s");
+  if (whole < 6000)
+    return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
+  return std::to_string(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
 }
 
 template <int dim>
@@ -102,8 +97,25 @@ std::vector<std::string> table_of_interfaces(const Model<dim> &model)
 
 } // namespace
 
-Log::Log(const MPI_Comm &communicator)
-    : is_speaking(dealii::Utilities::MPI::this_mpi_process(communicator) == 0),
+std::vector<std::string> align(const Table &rows)
+{
+  std::vector<std::size_t> widths(rows.front().size(), 0);
+  for (const auto &row : rows)
+    for (unsigned int c = 0; c < row.size(); ++c)
+      widths[c] = std::max(widths[c], row[c].size());
+  std::vector<std::string> lines;
+  for (const auto &row : rows) {
+    std::string line;
+    for (unsigned int c = 0; c < row.size(); ++c)
+      line += "  " + row[c] + (c + 1 < row.size() ? std::string(widths[c] - row[c].size(), ' ') : "");
+    lines.push_back(line);
+  }
+  return lines;
+}
+
+Log::Log(const MPI_Comm &communicator, const Detail detail)
+    : communicator(communicator), level(detail),
+      is_speaking(dealii::Utilities::MPI::this_mpi_process(communicator) == 0),
       has_terminal(is_speaking && stdout_is_terminal())
 {
 }
@@ -115,6 +127,12 @@ Log::~Log()
 
 void Log::line(const std::string &text)
 {
+  if (level != Detail::quiet)
+    tell(text);
+}
+
+void Log::tell(const std::string &text)
+{
   ++count_of_lines;
   if (!is_speaking)
     return;
@@ -124,11 +142,35 @@ void Log::line(const std::string &text)
   std::cout << std::flush;
 }
 
+void Log::detail(const std::string &text)
+{
+  if (is_brief)
+    kept_back.push_back(text);
+  else
+    line(text);
+}
+
+void Log::show_details()
+{
+  for (const std::string &text : kept_back)
+    line(text);
+  kept_back.clear();
+}
+
+std::string Log::time_left() const
+{
+  if (!(time_done > 0) || time_done >= end_time)
+    return {};
+  return "about " + in_seconds(since_steps_began.wall_time() * (end_time / time_done - 1)) + " left";
+}
+
 void Log::draw_bar() const
 {
-  if (has_bar)
-    std::cout << progress_bar(time_done / end_time) << "t = " << to_text(time_done) << " of "
-              << to_text(end_time) << std::flush;
+  if (!has_bar)
+    return;
+  const std::string left = time_left();
+  std::cout << progress_bar(time_done / end_time) << "t = " << to_text(time_done) << " of "
+            << to_text(end_time) << (left.empty() ? "" : ", ") << left << std::flush;
 }
 
 void Log::erase_bar() const
@@ -137,10 +179,17 @@ void Log::erase_bar() const
     std::cout << erase_line << std::flush;
 }
 
-void Log::title(const std::string &scene)
+void Log::table(const Table &rows)
 {
   line();
-  line("Dovetail " DOVETAIL_VERSION ": " + scene);
+  for (const std::string &row : align(rows))
+    line(row);
+}
+
+void Log::title(const std::string &scene)
+{
+  tell();
+  tell("Dovetail " DOVETAIL_VERSION ": " + scene);
 }
 
 template <int dim>
@@ -205,13 +254,22 @@ void Log::plan(const Plan &plan)
 void Log::step_begins(const unsigned int step, const unsigned int n_steps, const double time,
                       const double end_time)
 {
-  has_bar = has_terminal && n_steps != 1;
+  if (!(time_done > 0))
+    since_steps_began.restart();
+  has_bar = has_terminal && n_steps != 1 && level != Detail::quiet;
+  is_brief = level == Detail::usual && (n_steps == 0 || n_steps > most_steps_in_full);
   this->end_time = end_time;
   time_of_step = time;
-  line();
-  if (n_steps != 1)
-    line("Step " + std::to_string(step) + (step > n_steps ? "" : " of " + std::to_string(n_steps)) +
-         ", t = " + to_text(time, "%.6g"));
+  n_iterations = 0;
+  kept_back.clear();
+  name_of_step = "Step " + std::to_string(step) + (step > n_steps ? "" : " of " + std::to_string(n_steps)) +
+                 ", t = " + to_text(time, "%.6g");
+  if (!is_brief || step == 1)
+    line();
+  if (is_brief || n_steps == 1)
+    return;
+  const std::string left = time_left();
+  line(name_of_step + (left.empty() ? "" : ", " + left));
 }
 
 void Log::newton_iteration(const unsigned int iteration, const double residual,
@@ -220,23 +278,40 @@ void Log::newton_iteration(const unsigned int iteration, const double residual,
   char text[120];
   std::snprintf(text, sizeof(text), "  Newton %2u   residual %.3e   linear iterations %3u", iteration,
                 residual, linear_iterations);
-  line(text + (damping == 1 ? std::string() : "   damping " + to_text(damping)));
+  detail(text + (damping == 1 ? std::string() : "   damping " + to_text(damping)));
+  ++n_iterations;
+  last_residual = residual;
+}
+
+std::string Log::summary_of_step() const
+{
+  return name_of_step + ": " + std::to_string(n_iterations) +
+         (n_iterations == 1 ? " iteration" : " iterations") +
+         (n_iterations == 0 ? "" : ", residual " + to_text(last_residual, "%.1e"));
 }
 
 void Log::step_ends(const std::string &remark)
 {
-  if (!remark.empty())
-    line("  " + remark);
-  else if (is_speaking) {
-    erase_bar();
-    time_done = time_of_step;
-    draw_bar();
+  if (!remark.empty()) {
+    line(is_brief ? summary_of_step() + "; " + remark : "  " + remark);
+    return;
   }
+  if (is_speaking)
+    erase_bar();
+  time_done = time_of_step;
+  if (is_brief) {
+    const double memory = dealii::Utilities::MPI::sum(peak_memory_of_process(), communicator);
+    const std::string left = time_left();
+    line(summary_of_step() + "; " + in_seconds(since_steps_began.wall_time()) +
+         (left.empty() ? "" : ", " + left) + ", " + to_text(memory, "%.0f MiB"));
+  } else if (is_speaking)
+    draw_bar();
 }
 
 void Log::cycle(const unsigned int n_done, const unsigned int n_cycles, const unsigned long n_unknowns,
                 const double estimated_error)
 {
+  is_brief = false;
   line("Adaptive cycle " + std::to_string(n_done) + " of " + std::to_string(n_cycles) + ": " +
        std::to_string(n_unknowns) + " unknowns, estimated error " +
        to_text(100 * estimated_error, "%.3g %% of the energy norm"));
@@ -258,18 +333,18 @@ void Log::finish(const nlohmann::ordered_json &report, const std::string &direct
     if (numbers.contains("jump L2"))
       for (const auto &[field, jump] : numbers["jump L2"].items())
         rows.push_back({"jump of " + field + " at " + interface, "L2 " + to_text(jump)});
-  line();
+  tell();
   if (!rows.empty())
     for (const std::string &row : align(rows))
-      line(row);
+      tell(row);
 
   std::string seconds;
   for (const auto &[phase, value] : report["seconds"].items())
     seconds += (seconds.empty() ? "" : ", ") + phase + " " + to_text(value.template get<double>(), "%.3g");
-  line();
-  line("  seconds: " + (seconds.empty() ? "none" : seconds));
-  line("  memory:  " + to_text(report["peak memory MiB"].template get<double>(), "%.0f") + " MiB");
-  line("  results: " + directory);
+  tell();
+  tell("  seconds: " + (seconds.empty() ? "none" : seconds));
+  tell("  memory:  " + to_text(report["peak memory MiB"].template get<double>(), "%.0f") + " MiB");
+  tell("  results: " + directory);
 }
 
 template void Log::cost_of_pairing(const Model<2> &);

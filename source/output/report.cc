@@ -43,7 +43,7 @@ Report::Report(const std::string &directory, const MPI_Comm &communicator)
   content["peak memory MiB"] = 0;
   content["memory by phase MiB"] = nlohmann::ordered_json::object();
   content["counters"] = nlohmann::ordered_json::object();
-  for (const char *key : {"notes", "plan", "left out"})
+  for (const char *key : {"notes", "names of notes", "plan", "left out"})
     content[key] = nlohmann::ordered_json::array();
 }
 

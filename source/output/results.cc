@@ -8,6 +8,7 @@
 #include <dovetail/measure/measures.h>
 #include <dovetail/measure/resolution.h>
 #include <dovetail/measure/spectrum.h>
+#include <dovetail/output/preview.h>
 #include <dovetail/output/shared_file.h>
 
 #include <sstream>
@@ -15,6 +16,8 @@
 namespace dovetail {
 
 namespace {
+
+const NoteName of_output("output", "results cannot be written");
 
 std::string read_directory(const Section &output, const SceneText &text)
 {
@@ -42,6 +45,7 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
                                           std::to_string(largest_spectrum) + " unknowns [-]")),
       paraview(output, model, directory), reference(output, model)
 {
+  notes.read(output);
 }
 
 template <int dim>
@@ -57,6 +61,16 @@ void Results<dim>::add_to(Plan &plan) const
   if (checkpoint_steps > 0)
     plan.needed.push_back("checkpoint: every " +
                           (checkpoint_steps == 1 ? "step" : std::to_string(checkpoint_steps) + " steps"));
+}
+
+template <int dim>
+void Results<dim>::preview()
+{
+  if (!paraview.is_on())
+    return;
+  write_preview(model, directory);
+  log.line();
+  log.line("preview: " + directory + "/check.pvd");
 }
 
 template <int dim>
@@ -92,7 +106,7 @@ void Results<dim>::go_on(const Plan &plan, const nlohmann::ordered_json &saved)
 {
   prepare_directory(plan);
   report()["steps"] = saved["steps"];
-  notes.recall(saved["notes"]);
+  notes.recall(saved["names of notes"], saved["notes"]);
   mark_good_step();
   step_table.restore(saved["probes"]);
   report().write();
@@ -106,7 +120,7 @@ template <int dim>
 void Results<dim>::mark_good_step()
 {
   n_steps_so_far = report()["steps"].size();
-  n_notes_so_far = notes.all().size();
+  n_notes_so_far = notes.texts().size();
 }
 
 template <int dim>
@@ -114,10 +128,13 @@ void Results<dim>::write_checkpoint(SavedState &state)
 {
   const Phases::Scope scope(phases, "output");
   const auto &all_steps = report()["steps"];
-  const auto &all_notes = notes.all();
+  const auto so_far = [this](const std::vector<std::string> &all) {
+    return std::vector<std::string>(all.begin(), all.begin() + n_notes_so_far);
+  };
   state.numbers["results"] = {
       {"steps", nlohmann::ordered_json(all_steps.begin(), all_steps.begin() + n_steps_so_far)},
-      {"notes", std::vector<std::string>(all_notes.begin(), all_notes.begin() + n_notes_so_far)},
+      {"notes", so_far(notes.texts())},
+      {"names of notes", so_far(notes.names())},
       {"probes", step_table.save()},
       {"pictures", paraview.times_of_steps()}};
   try_to_write([&]() {
@@ -145,7 +162,7 @@ void Results<dim>::try_to_write(const Write &write)
 {
   const auto keep = [this](const std::exception &error) {
     problem_of_output = std::current_exception();
-    notes.add(error.what());
+    notes.add(of_output(error.what()));
   };
   try {
     write();
@@ -221,7 +238,7 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
   const Phases::Scope scope(phases, "output");
   const Vector ghosted = solution.system.ghosted(solution.x);
   const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
-  std::vector<std::string> sentences; // that of the last step is told by measure()
+  NoteList sentences; // that of the last step is told by measure()
   const Balance balance =
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), sentences);
   report()["steps"].back()["imbalance"] = balance.worst;
@@ -250,7 +267,7 @@ void Results<dim>::measure(const Solution<dim> &solution, const double tolerance
   const Phases::Scope scope(phases, "output");
   const Vector ghosted = solution.system.ghosted(solution.x);
   const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
-  std::vector<std::string> sentences;
+  NoteList sentences;
   report()["dofs"] = model.numbering->n_dofs();
   report()["domains"] = measure_domains(model, ghosted, solution.t);
   report()["interfaces"] = measure_interfaces(model, ghosted, reactions);
@@ -307,7 +324,10 @@ void Results<dim>::finish(const bool is_converged, const Plan &plan, const nlohm
   report()["counters"] = counters;
   report()["seconds"] = phases.largest_of_ranks(model.communicator);
   report()["memory by phase MiB"] = phases.memory(model.communicator);
-  report()["notes"] = notes.all();
+  report()["notes"] = notes.texts();
+  report()["names of notes"] = notes.names();
+  for (const std::string &name : notes.silenced())
+    report().leave_out("notes of the name " + name + ": silenced");
   try_to_write([&]() { report().write(); });
   if (!step_table.is_empty())
     write_step_table();

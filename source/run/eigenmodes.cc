@@ -23,6 +23,9 @@ namespace {
 const double mass_alone = 1e40;
 const unsigned int n_guides = 8;
 
+const NoteName of_modes("eigenmodes", "eigenmodes are missing or have not converged");
+const NoteName of_unstable_state("unstable state", "modes of a state grow");
+
 template <int dim>
 bool has_mass(const Domain<dim> &domain, const Field &field)
 {
@@ -374,7 +377,7 @@ bool Eigenmodes<dim>::run(const double t, const Vector &x)
   } catch (const UserError &) {
     throw;
   } catch (const std::runtime_error &error) {
-    notes.add("no eigenmodes: " + std::string(error.what()));
+    notes.add(of_modes("no eigenmodes: " + std::string(error.what())));
     return false;
   }
 }
@@ -422,13 +425,14 @@ void Eigenmodes<dim>::write(const EigenPairs &pairs)
   results.report().add("eigenfrequencies", frequencies);
   results.report().add("eigenmode residuals", residuals);
   if (number < n_modes)
-    notes.add("there are " + std::to_string(number) +
-              " modes only: the scene has no more unknowns that move");
+    notes.add(of_modes("there are " + std::to_string(number) +
+                       " modes only: the scene has no more unknowns that move"));
   if (n_unstable > 0)
-    notes.add("the state is not stable: " + std::to_string(n_unstable) +
-              " of the modes grow; what stands with a minus is their rate divided by 2 pi");
+    notes.add(
+        of_unstable_state("the state is not stable: " + std::to_string(n_unstable) +
+                          " of the modes grow; what stands with a minus is their rate divided by 2 pi"));
   if (!pairs.has_converged)
-    notes.add("not all eigenmodes have converged: their residuals tell which");
+    notes.add(of_modes("not all eigenmodes have converged: their residuals tell which"));
 }
 
 /// How many eigenvalues lie below the shift, by the pivots of K - shift M.
@@ -474,7 +478,7 @@ void Eigenmodes<dim>::count(const EigenPairs &pairs)
   why_not_counted = std::to_string(above - below) + " eigenfrequencies lie where " +
                     std::to_string(end - begin) + " were found (below " +
                     in_hertz(frequency((values[end] + values[end - 1]) / 2)) + " Hz)";
-  notes.add("eigenmodes are missing: " + why_not_counted);
+  notes.add(of_modes("eigenmodes are missing: " + why_not_counted));
 }
 
 template class Eigenmodes<2>;

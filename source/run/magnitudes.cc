@@ -4,15 +4,51 @@
 #include <dovetail/run/magnitudes.h>
 #include <dovetail/scene/units.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 
 namespace dovetail {
 
-template <int dim>
-std::vector<std::string> notes_on_magnitudes(const Model<dim> &model, const Section &scene)
+namespace {
+
+const NoteName of_units("units", "lengths and moduli look as if they were given in different units");
+const NoteName of_unused_density("unused density", "a Density of the scene takes part in nothing");
+
+/// Whether the scene itself gives a part of a material a Density; files of materials are for all purposes.
+bool has_density(const Section &scene, const std::string &material, const std::string &part)
 {
-  std::vector<std::string> notes;
+  return scene.peek("Materials file").empty() &&
+         std::strtod(scene.peek("Material " + material + "/" + part, "Density").c_str(), nullptr) > 0;
+}
+
+template <int dim>
+void add_notes_on_density(const Model<dim> &model, const Section &scene, NoteList &notes)
+{
+  const bool is_transient = scene.peek("Steps", "Kind") == "transient",
+             has_inertia = scene.peek("Steps", "Inertia") == "true";
+  for (const auto &material : model.materials) {
+    const bool has_force = std::any_of(model.domains.begin(), model.domains.end(), [&](const auto &domain) {
+      return &domain->material == material.get() && domain->body_force().is_given();
+    });
+    if (!has_force && !has_inertia && has_density(scene, material->name, "Solid"))
+      notes.push_back(of_unused_density(
+          "Material " + material->name +
+          "/Solid: nothing uses its Density. Weight needs Acceleration in the subsection of the Domain, "
+          "rotation an Angular velocity, and inertia the entry Inertia in the subsection Steps"));
+    if (!is_transient && has_density(scene, material->name, "Heat"))
+      notes.push_back(of_unused_density("Material " + material->name +
+                                        "/Heat: nothing uses its Density, because a static scene stores no "
+                                        "heat. Set Kind = transient in the subsection Steps if it should"));
+  }
+}
+
+} // namespace
+
+template <int dim>
+NoteList notes_on_magnitudes(const Model<dim> &model, const Section &scene)
+{
+  NoteList notes;
   const std::string units = scene.peek("Units");
   for (const auto &domain : model.domains) {
     const std::string modulus = scene.peek("Material " + domain->material.name + "/Solid", "Young modulus");
@@ -29,15 +65,16 @@ std::vector<std::string> notes_on_magnitudes(const Model<dim> &model, const Sect
            << "the Units " << units << "; in these, steel has "
            << 2.1e11 * Units(units).from_si("Pa").value_or(1.);
     if (!text.str().empty())
-      notes.push_back(text.str());
+      notes.push_back(of_units(text.str()));
     for (const auto &condition : domain->conditions())
-      if (const std::string doubt = condition->doubt(); !doubt.empty())
-        notes.push_back(condition->section.path() + ": " + doubt);
+      for (const Note &note : condition->notes())
+        notes.push_back(note.of(condition->section.path()));
   }
+  add_notes_on_density(model, scene, notes);
   return notes;
 }
 
-template std::vector<std::string> notes_on_magnitudes(const Model<2> &, const Section &);
-template std::vector<std::string> notes_on_magnitudes(const Model<3> &, const Section &);
+template NoteList notes_on_magnitudes(const Model<2> &, const Section &);
+template NoteList notes_on_magnitudes(const Model<3> &, const Section &);
 
 } // namespace dovetail

@@ -19,6 +19,10 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_snap_through("snap through", "the solution jumps within a step");
+const NoteName of_time_step("time step", "the error of a time step is above the Tolerance");
+const NoteName of_failure("failure", "a step does not converge");
+
 /// Of all conditions and interfaces, in order.
 template <int dim>
 std::vector<bool> active_toggles(const Model<dim> &model, const double t)
@@ -340,7 +344,7 @@ NewtonResult NonlinearStep<dim>::solve(Vector &x, const Newton::Start start)
   for (unsigned int pass = 1; pass < largest_number_of_passes && result.is_converged &&
                               present_system->update_penalties(problem->time(), x);
        ++pass) {
-    log.line("  penalties no longer fit the solution: solved again from here");
+    log.detail("  penalties no longer fit the solution: solved again from here");
     result.append(iterate(x));
   }
   return result;
@@ -356,7 +360,7 @@ std::optional<NewtonResult> NonlinearStep<dim>::solve_from_given_values(const do
   });
   if (!is_scalar)
     return {};
-  log.line("  did not converge from the first guess; the " + name + " begins at what is prescribed");
+  log.detail("  did not converge from the first guess; the " + name + " begins at what is prescribed");
   set_initial_values(model, t, x, name);
   begin(t, x);
   const bool is_guess = problem->spread_prescribed_values(x);
@@ -420,7 +424,7 @@ void NonlinearStep<dim>::explain_solution(const double t, const Vector &x)
           << " the solution jumps: the tangent became singular on the way, as where bodies or single cells "
              "snap "
              "through. What comes after depends on the path; compare with smaller steps and a finer mesh";
-    notes.add(words.str());
+    notes.add(of_snap_through(words.str()));
   }
   if (!scheme)
     notes.add(range_watch->explain(t, x));
@@ -482,7 +486,7 @@ void NonlinearStep<dim>::note_inexact_step(const double t, const double relative
         << " of the range of its field, more than the Tolerance, but "
         << (is_of_mesh ? "a smaller one has a larger error: cells are too large for what jumps there"
                        : "the Smallest step allows no smaller one");
-  notes.add(words.str());
+  notes.add(of_time_step(words.str()));
 }
 
 /// Before anything else is assembled.
@@ -514,12 +518,12 @@ void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
   words.precision(6); // the last good step may be next to it
   words << "the step to t = " << t << " did not converge: ";
   for (unsigned int i = 0; i < failure.size(); ++i)
-    notes.add((i == 0 ? words.str() : "") + failure[i]);
+    notes.add(of_failure((i == 0 ? words.str() : "") + failure[i]));
 
   if (!present_system->assemble(x, true))
     return;
   if (const auto motion = present_system->find_unrestrained_mode(true))
-    notes.add("nothing holds " + motion->in_words());
+    notes.add(of_failure("nothing holds " + motion->in_words()));
 }
 
 template class NonlinearStep<2>;

@@ -15,6 +15,8 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_range("range", "a result leaves the range that the given values allow");
+
 const double allowed_share = 0.01;   ///< of the width of a range, beyond it, without a note
 const double smallest_share = 1e-10; ///< that is no rounding
 
@@ -153,19 +155,19 @@ std::string RangeWatch<dim>::in_words(const Worst &worst) const
 }
 
 template <int dim>
-std::vector<std::string> RangeWatch<dim>::explain_history() const
+NoteList RangeWatch<dim>::explain_history() const
 {
-  std::vector<std::string> sentences;
+  NoteList notes;
   for (const auto &[field, history] : histories)
     if (history.worst.share > 0)
-      sentences.push_back(in_words(history.worst));
-  return sentences;
+      notes.push_back(of_range(in_words(history.worst)));
+  return notes;
 }
 
 template <int dim>
-std::vector<std::string> RangeWatch<dim>::explain(const double t, const Vector &x) const
+NoteList RangeWatch<dim>::explain(const double t, const Vector &x) const
 {
-  std::vector<std::string> sentences;
+  NoteList notes;
   std::map<std::string, std::optional<ValueRange>> range_of_field;
   for_each_scalar([&](const unsigned int b, const Block &block) {
     const auto [entry, is_new] = range_of_field.try_emplace(block.field);
@@ -183,9 +185,9 @@ std::vector<std::string> RangeWatch<dim>::explain(const double t, const Vector &
     words << "the " << block.field << " of " << block.name << " runs from " << smallest << " to " << largest
           << ", but what is prescribed allows only " << (*range)[0] << " to " << (*range)[1]
           << ": the result is not to be trusted. Refine the mesh where the field is steep";
-    sentences.push_back(words.str());
+    notes.push_back(of_range(words.str()));
   });
-  return sentences;
+  return notes;
 }
 
 template class RangeWatch<2>;

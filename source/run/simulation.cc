@@ -5,7 +5,10 @@
 #include <dovetail/run/simulation.h>
 
 #include <dovetail/domain/formulas.h>
+#include <dovetail/measure/meeting_bodies.h>
+#include <dovetail/output/rehearsal.h>
 #include <dovetail/run/counters.h>
+#include <dovetail/run/first_guess.h>
 #include <dovetail/run/initial_values.h>
 #include <dovetail/scene/plugins.h>
 #include <dovetail/scene/study_options.h>
@@ -55,8 +58,9 @@ void read_all_entries(const std::shared_ptr<SceneText> &text)
 }
 
 template <int dim>
-Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Comm &communicator)
-    : text(text), scene(SceneText::root(text)), log(communicator), notes(log),
+Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Comm &communicator,
+                            const Detail detail)
+    : text(text), scene(SceneText::root(text)), log(communicator, detail), notes(log),
       steps(scene.subsection("Steps")), model([&]() -> Model<dim> {
         begin_scene(scene);
         const Phases::Scope scope(phases, "mesh");
@@ -111,9 +115,13 @@ Plan Simulation<dim>::introduce()
   if (const std::string units = scene.peek("Units"); !units.empty())
     log.line("units: " + units);
   log.summary(model);
-  notes.add(notes_on_magnitudes(model, scene));
   const Plan planned = plan();
   log.plan(planned);
+  notes.add(notes_on_magnitudes(model, scene));
+  notes.add(notes_on_sides(model));
+  notes.add(notes_on_untied_bodies(model));
+  notes.add(notes_on_first_guess(model, steps));
+  notes.add(probes.notes());
   return planned;
 }
 
@@ -121,8 +129,11 @@ template <int dim>
 void Simulation<dim>::check()
 {
   introduce();
+  rehearse(model, *text, scene, log, notes);
+  results.preview();
   log.line();
   log.cost_of_pairing(model);
+  notes.repeat();
 }
 
 template <int dim>
@@ -135,7 +146,7 @@ void Simulation<dim>::measure(const Vector &x, const bool is_converged)
     results.compare({step.system(), x, t, is_converged});
   } else {
     results.report()["dofs"] = model.numbering->n_dofs();
-    log.line("  no results: the first step did not converge");
+    log.tell("  no results: the first step did not converge");
   }
 }
 

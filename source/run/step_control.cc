@@ -12,6 +12,8 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_signal("signal", "a signal asks the run to end");
+
 const double smallest_size = 1. / 1024; ///< of a step or of a share of the load, relative
 // of steps by their error
 const double smallest_of_run = 1e-9;                ///< of the end time
@@ -224,7 +226,7 @@ template <int dim>
 NewtonResult StepControl<dim>::continue_in_load(const double next, const Vector &x, Vector &trial)
 {
   step.begin(next, x);
-  log.line("  did not converge; nothing depends on t, so the load is increased bit by bit");
+  log.detail("  did not converge; nothing depends on t, so the load is increased bit by bit");
   step.system().hold_back_from(x);
   NewtonResult result;
   Vector last_good = x;
@@ -333,7 +335,7 @@ bool StepControl<dim>::is_asked_to_end()
   std::ostringstream words;
   words << "the run has ended at t = " << t << " of " << steps.end_time << ", after step " << n_good
         << ", since it was asked to by a signal (" << strsignal(signal) << ")";
-  notes.add(words.str());
+  notes.add(of_signal(words.str()));
   return true;
 }
 
@@ -359,6 +361,7 @@ bool StepControl<dim>::retry_smaller(const Outcome outcome, const double next)
 template <int dim>
 void StepControl<dim>::end_at_last_good(const double failed, const Vector &x)
 {
+  log.show_details();
   log.step_ends(problem_of_step ? "cannot be done" : "did not converge");
   if (!problem_of_step)
     step.explain_failure(failed, x);

@@ -15,6 +15,8 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_singular_matrix("singular matrix", "a linear system cannot be solved to its tolerance");
+
 /// Of a linear scene, relative to the forces at work. The balance of forces is asked for to 1e-10 of what is
 /// put in, which is less.
 const double exact_linear_residual = 1e-11;
@@ -337,7 +339,7 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
     words << "the linear system is solved to " << relative
           << " of the forces at work only, by the direct solver too: its matrix is close to singular. Check "
              "what holds the bodies, and how far their stiffnesses and penalties differ";
-    all_notes.push_back(words.str());
+    all_notes.push_back(of_singular_matrix(words.str()));
   }
   return relative;
 }

@@ -167,6 +167,12 @@ void SceneText::check_unchanged(const std::map<std::string, std::string> &before
       refuse(path, "had the value " + in_words(value) + " and is gone");
 }
 
+BoundaryNames SceneText::boundary_names(const std::string &domain) const
+{
+  const auto found = implementation->boundary_names.find("Domain " + domain);
+  return found == implementation->boundary_names.end() ? BoundaryNames() : found->second;
+}
+
 const std::string &SceneText::file_name() const
 {
   return implementation->tree.location_of("").file;

@@ -15,6 +15,8 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_solver("linear solver", "another solver takes over from the one that was chosen");
+
 const std::string automatic = "automatic", name_of_direct = "direct", name_of_multigrid = "multigrid",
                   name_of_matrix_free = "matrix-free";
 
@@ -221,7 +223,7 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
       return {};
     if (owner.type == name_of_direct && !iteration_failed)
       refuse(name_of_direct, shortage);
-    owner.all_notes.push_back(system.facts().name + " is not solved directly: " + shortage);
+    owner.all_notes.push_back(of_solver(system.facts().name + " is not solved directly: " + shortage));
     if (iteration_failed)
       return {};
     is_direct = false;
@@ -242,22 +244,22 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
   x = 0;
   if (system.plain().cells() != nullptr) {
     iteration_failed = is_direct = true;
-    owner.all_notes.push_back(words.str() + "; MUMPS takes over, for which the matrix is made");
+    owner.all_notes.push_back(of_solver(words.str() + "; MUMPS takes over, for which the matrix is made"));
     return {};
   }
   if (solve_directly(x, b)) {
     iteration_failed = is_direct = true;
-    owner.all_notes.push_back(words.str() + "; MUMPS solved the system and solves those after it");
+    owner.all_notes.push_back(of_solver(words.str() + "; MUMPS solved the system and solves those after it"));
     return 1;
   }
   const std::string shortage = direct.solver->shortage();
   words << ", and MUMPS failed" << (shortage.empty() ? "" : ": " + shortage);
   if (!n_iterations || ended_at > largest_usable) {
-    owner.all_notes.push_back(words.str());
+    owner.all_notes.push_back(of_solver(words.str()));
     return {};
   }
   x = iterated;
-  owner.all_notes.push_back(words.str() + "; the result of the iteration is used");
+  owner.all_notes.push_back(of_solver(words.str() + "; the result of the iteration is used"));
   return n_iterations;
 }
 

@@ -22,6 +22,10 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_mesh("mesh", "something is remarkable about a mesh");
+const NoteName of_dropped_constraints("dropped constraints",
+                                      "constraints of interfaces that meet lead back to themselves");
+
 /// As no field of a domain is called.
 std::string name_of_multipliers(const std::string &interface, const std::string &field)
 {
@@ -843,22 +847,24 @@ void BlockSystem<dim>::find_multipliers(const Vector &x, const NodalForces<dim> 
 }
 
 template <int dim>
-std::vector<std::string> BlockSystem<dim>::notes() const
+NoteList BlockSystem<dim>::notes() const
 {
-  std::vector<std::string> sentences;
-  for (const auto &domain : model.domains)
-    for (const std::string &note :
-         {note_on_mesh(domain->mesh()), note_on_locking(*domain, model.communicator)})
-      if (!note.empty())
-        sentences.push_back(domain->name + ": " + note);
+  NoteList all;
+  for (const auto &domain : model.domains) {
+    if (const std::string sentence = note_on_mesh(domain->mesh()); !sentence.empty())
+      all.push_back(of_mesh(sentence).of(domain->name));
+    for (const Note &note : notes_on_locking(*domain, model.communicator))
+      all.push_back(note.of(domain->name));
+  }
   for (const auto &interface : model.interfaces)
     if (interface->is_active(time))
-      for (const std::string &sentence : interface->notes())
-        sentences.push_back(interface->name + ": " + sentence);
+      for (const Note &note : interface->notes())
+        all.push_back(note.of(interface->name));
   if (const auto n = dealii::Utilities::MPI::sum(unconstrained.size(), model.communicator); n > 0)
-    sentences.push_back("constraints of interfaces that meet led back to themselves and were dropped at " +
-                        std::to_string(n) + (n == 1 ? " unknown" : " unknowns"));
-  return sentences;
+    all.push_back(of_dropped_constraints(
+        "constraints of interfaces that meet led back to themselves and were dropped at " +
+        std::to_string(n) + (n == 1 ? " unknown" : " unknowns")));
+  return all;
 }
 
 /// What one cell or group of points adds to the sizes. A force on an unknown that follows others acts on

@@ -41,6 +41,9 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_order("multiplier space", "multipliers are of a lower order than the displacements");
+const NoteName of_multipliers("multipliers", "some unknowns of a destination have no multipliers");
+
 template <int dim>
 class Mortar : public Tie<dim>, public Elimination<dim>, public Multipliers<dim>, public FluxRecovery<dim>
 {
@@ -81,7 +84,7 @@ public:
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
                       const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
                       const std::vector<double> &jump, std::vector<double> &result) const override;
-  std::vector<std::string> notes() const override;
+  NoteList notes() const override;
 
 private:
   /// A multiplier with its unknowns, or alone and zero.
@@ -417,27 +420,28 @@ void Mortar<dim>::numerical_flux(const Interface<dim> &interface, const TiedFiel
 }
 
 template <int dim>
-std::vector<std::string> Mortar<dim>::notes() const
+NoteList Mortar<dim>::notes() const
 {
-  std::vector<std::string> sentences;
+  NoteList all;
   // the source's trace has kinks inside the destination's faces only if it is the coarser one
   if (ratios.stiffness > largest_stiffness_ratio && ratios.face_size < 0.9)
-    sentences.push_back(note_on_stiff_destination(ratios.stiffness));
+    all.push_back(note_on_stiff_destination(ratios.stiffness));
   if (ratios.stiffness > largest_stiffness_ratio && ratios.face_size > 1.1)
-    sentences.push_back(words_for_fine_soft_source(ratios));
+    all.push_back(note_on_fine_soft_source(ratios));
   if (loses_order)
-    sentences.push_back("dual multipliers on triangles of degree 3 hold constants only, and the flux errs as "
-                        "with degree 1. Set Multiplier space = standard, or use Type = Nitsche");
+    all.push_back(
+        of_order("dual multipliers on triangles of degree 3 hold constants only, and the flux errs as with "
+                 "degree 1. Set Multiplier space = standard, or use Type = Nitsche"));
   if (space && space->n_taken > 0)
-    sentences.push_back("no multipliers at " + std::to_string(space->n_taken) +
-                        " unknowns that are prescribed or belong to another interface too");
+    all.push_back(of_multipliers("no multipliers at " + std::to_string(space->n_taken) +
+                                 " unknowns that are prescribed or belong to another interface too"));
   if (space && space->n_hardly_covered > 0)
-    sentences.push_back("no multipliers at " + std::to_string(space->n_hardly_covered) +
-                        " unknowns of faces that are hardly covered");
+    all.push_back(of_multipliers("no multipliers at " + std::to_string(space->n_hardly_covered) +
+                                 " unknowns of faces that are hardly covered"));
   if (space && space->n_on_axis > 0)
-    sentences.push_back("no dual multipliers at " + std::to_string(space->n_on_axis) +
-                        " unknowns on the axis: their neighbours stand in for them");
-  return sentences;
+    all.push_back(of_multipliers("no dual multipliers at " + std::to_string(space->n_on_axis) +
+                                 " unknowns on the axis: their neighbours stand in for them"));
+  return all;
 }
 
 const bool registered =

@@ -34,6 +34,8 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_centres("turned cells", "a law is not defined at points of an interface");
+
 /// A unit normal and, across it, other unit vectors: of no matter which direction, but always the same.
 template <int dim>
 std::array<dealii::Tensor<1, dim>, dim> axes_with(const dealii::Tensor<1, dim> &N)
@@ -114,9 +116,9 @@ std::vector<std::string> Nitsche<dim>::left_out(const Interface<dim> &interface)
 }
 
 template <int dim>
-std::vector<std::string> Nitsche<dim>::notes() const
+NoteList Nitsche<dim>::notes() const
 {
-  std::vector<std::string> all = note_on_centres;
+  NoteList all = note_on_centres;
   all.insert(all.end(), penalty_at_points.notes().begin(), penalty_at_points.notes().end());
   return all;
 }
@@ -130,10 +132,10 @@ void Nitsche<dim>::note_central_gradients(const MPI_Comm &communicator)
   if (n == 0)
     return;
   note_on_centres.push_back(
-      "at " + std::to_string(n) +
-      " of its points a law is not defined on the face or soon will not be, as beside corners "
-      "where cells turn over: the flux at the centre of the cell takes its place there, and "
-      "ten times the penalty. Refine the mesh there, and see what changes.");
+      of_centres("at " + std::to_string(n) +
+                 " of its points a law is not defined on the face or soon will not be, as beside corners "
+                 "where cells turn over: the flux at the centre of the cell takes its place there, and "
+                 "ten times the penalty. Refine the mesh there, and see what changes."));
 }
 
 template <int dim>

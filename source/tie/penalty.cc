@@ -21,6 +21,9 @@ double eigenvalue_penalty(const double one, const double other)
 
 namespace {
 
+const NoteName of_coercivity("coercivity", "a penalty is too small for its tie to be coercive");
+const NoteName of_large_penalty("large penalty", "a penalty locks the sides of a tie to each other");
+
 constexpr double not_defined = std::numeric_limits<double>::quiet_NaN();
 
 const char *const multiplier_help =
@@ -500,7 +503,7 @@ void Penalty<dim>::note_if_not_coercive(const Interface<dim> &interface, const M
       message << " instead of " << multiplier_of(interface, interface.fields[0]);
     message << ", or Theta = -1, which needs none.";
   }
-  sentences.push_back(message.str());
+  all_notes.push_back(of_coercivity(message.str()));
 }
 
 /// Measured (prm/benchmarks/stability): ten times the automatic penalty costs a digit of the flux, a hundred
@@ -510,14 +513,14 @@ void Penalty<dim>::note_if_large(const MPI_Comm &communicator)
 {
   const double largest_excess = 18;
   const double global_excess = dealii::Utilities::MPI::max(excess, communicator);
-  if (has_automatic_multiplier || !sentences.empty() || global_excess < largest_excess)
+  if (has_automatic_multiplier || !all_notes.empty() || global_excess < largest_excess)
     return;
   std::ostringstream message;
   message.precision(2);
   message << "the penalty is " << global_excess
           << " times the least one: it locks the sides to each other, and the flux between them oscillates. "
           << (rule == Rule::value ? "Remove Penalty and Value" : "Remove Multiplier");
-  sentences.push_back(message.str());
+  all_notes.push_back(of_large_penalty(message.str()));
 }
 
 template class Penalty<2>;

@@ -32,6 +32,10 @@ namespace dovetail {
 
 namespace {
 
+const NoteName of_kinks("kinks", "a pointwise tie of degree two or more errs as one of degree one");
+const NoteName of_coarse_destination("coarse destination",
+                                     "the destination of a pointwise tie is the coarser side");
+
 template <int dim>
 class Pointwise : public Tie<dim>, public Elimination<dim>, public FluxRecovery<dim>
 {
@@ -44,7 +48,7 @@ public:
   std::string description() const override { return "the destination's unknowns follow the source"; }
   void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,
                        const MPI_Comm &communicator) override;
-  std::vector<std::string> notes() const override;
+  NoteList notes() const override;
 
   void find_multipliers(const Interface<dim> &interface, const ValueAt &solution, const ValueAt &force,
                         const MPI_Comm &communicator) override;
@@ -106,16 +110,17 @@ private:
 };
 
 template <int dim>
-std::vector<std::string> Pointwise<dim>::notes() const
+NoteList Pointwise<dim>::notes() const
 {
   if (ratios.stiffness > largest_stiffness_ratio)
     return {note_on_stiff_destination(ratios.stiffness)};
   if (ratios.face_size < 1.1) {
     if (lost_degree < 2)
       return {};
-    return {"the destination's faces of degree " + std::to_string(lost_degree) +
-            " lie across edges of the source's, where its trace has kinks that they cannot follow: the tie "
-            "errs as with degree 1. Use Type = Nitsche or mortar"};
+    return {of_kinks(
+        "the destination's faces of degree " + std::to_string(lost_degree) +
+        " lie across edges of the source's, where its trace has kinks that they cannot follow: the tie "
+        "errs as with degree 1. Use Type = Nitsche or mortar")};
   }
   std::ostringstream sentence;
   sentence.precision(2);
@@ -123,7 +128,7 @@ std::vector<std::string> Pointwise<dim>::notes() const
       << "the destination's faces are " << ratios.face_size
       << " times as large as the source's: swap Source and Destination, the pointwise tie is better with the "
          "finer side as destination";
-  return {sentence.str()};
+  return {of_coarse_destination(sentence.str())};
 }
 
 /// The support points on the side whose unknowns this rank owns.

@@ -14,6 +14,12 @@
 
 using namespace dovetail;
 
+namespace {
+
+const NoteName of_first("one name", "at first"), of_second("other name", "after it");
+
+} // namespace
+
 int main(int argc, char **argv)
 {
   const dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
@@ -22,11 +28,11 @@ int main(int argc, char **argv)
     std::streambuf *before = std::cout.rdbuf(text.rdbuf());
     Log log(MPI_COMM_WORLD);
     Notes notes(log);
-    notes.add("first");
+    notes.add(of_first("first"));
     for (unsigned int i = 0; i < n_lines; ++i)
       log.line("  Newton");
-    notes.add("second");
-    notes.add("first");
+    notes.add(of_second("second"));
+    notes.add(of_first("first"));
     log.line("results");
     notes.repeat();
     std::cout.rdbuf(before);

@@ -30,8 +30,8 @@ void check(const std::string &name, const std::string &right, const std::string 
   std::string thrown = "nothing", notes;
   try {
     SceneModel<2> scene_model(prm);
-    for (const std::string &note : scene_model.model.interfaces[0]->notes())
-      notes += note;
+    for (const Note &note : scene_model.model.interfaces[0]->notes())
+      notes += note.text();
   } catch (const UserError &error) {
     thrown = error.what();
   }

@@ -7,6 +7,7 @@
 
 #include <dovetail/material/material.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/note.h>
 #include <dovetail/scene/toggle.h>
 
 #include <deal.II/base/types.h>
@@ -82,8 +83,8 @@ public:
   /// Where it acts, if not on a boundary: at the node there.
   virtual std::optional<dealii::Point<dim>> point() const { return {}; }
 
-  /// What a user hardly means, although it can be solved: a sentence, or nothing.
-  virtual std::string doubt() const { return {}; }
+  /// What a user hardly means, although it can be solved.
+  virtual NoteList notes() const { return {}; }
 
   virtual bool adds_flux() const { return false; }
   /// The influx and its derivatives at a state of the domain, all components of which are known, on a

@@ -6,16 +6,14 @@
 #pragma once
 
 #include <dovetail/domain/domain.h>
-
-#include <string>
+#include <dovetail/scene/note.h>
 
 namespace dovetail {
 
 /// What a user should know of a nearly incompressible solid of low degree: displacements of degree 1 cannot
 /// follow a motion without change of volume beyond a Poisson ratio of 0.45, those of degree 2 beyond 0.49,
-/// and the body locks. The ratio is that of the tangent at rest, D_1122 / (D_1111 + D_1122). Empty if there
-/// is nothing to say. Collective.
+/// and the body locks. The ratio is that of the tangent at rest, D_1122 / (D_1111 + D_1122). Collective.
 template <int dim>
-std::string note_on_locking(const Domain<dim> &domain, const MPI_Comm &communicator);
+NoteList notes_on_locking(const Domain<dim> &domain, const MPI_Comm &communicator);
 
 } // namespace dovetail

@@ -10,6 +10,8 @@
 
 namespace dovetail {
 
+inline const NoteName of_negative_coefficient("film coefficient", "a film coefficient is negative");
+
 /// A.N = c(T, X, t) (p(T_ambient) - p(T)) with a coefficient c, the value T_ambient(X, t) of the surroundings
 /// and a growing potential p, which a condition gives.
 template <int dim>
@@ -47,15 +49,15 @@ public:
                                                       "Coefficient", state.X, state.t);
   }
 
-  std::string doubt() const override
+  NoteList notes() const override
   {
     const bool varies = coefficient.depends_on_position() || coefficient.depends_on_time() ||
                         coefficient.depends_on_scalars();
     if (varies || coefficient.value(dealii::Point<dim>(), 0) >= 0)
       return {};
-    return "Coefficient is negative: what is warmer than its surroundings would be heated by them. Change "
-           "its "
-           "sign, if it was meant for a flux that points outwards";
+    return {of_negative_coefficient(
+        "Coefficient is negative: what is warmer than its surroundings would be heated by them. "
+        "Change its sign, if it was meant for a flux that points outwards")};
   }
 
   bool removes_constant(unsigned int /*component*/) const override { return true; }

@@ -7,6 +7,7 @@
 
 #include <dovetail/interface/interface_memory.h>
 #include <dovetail/interface/tie.h>
+#include <dovetail/scene/note.h>
 
 #include <memory>
 #include <string>
@@ -47,7 +48,7 @@ public:
 
   Tie<dim> &tie() const { return *method; }
   /// What a user should know of the geometry and of the tie.
-  std::vector<std::string> notes() const;
+  NoteList notes() const;
   bool has_toggle() const { return !toggle.empty(); }
   /// The tie, where its points lie, and what joins them: "Nitsche, Theta = 1, …, segments on the source".
   std::string description() const;
@@ -105,8 +106,8 @@ private:
   void check_coverage(const MPI_Comm &communicator);
 
   typename Pairing<dim>::Options options;
-  std::string uncovered;                             ///< error, warn or allow
-  std::vector<std::string> sentences;                ///< notes on the geometry
+  std::string uncovered; ///< error, warn or allow
+  NoteList geometry_notes;
   std::array<unsigned int, 2> n_unknowns = {{0, 0}}; ///< of a group, by side
   bool has_jump = false;
   Expression given_jump;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/scene/note.h>
 
 #include <string>
 
@@ -37,10 +38,10 @@ inline constexpr double largest_stiffness_ratio = 3;
 /// What a user should know if the destination follows the source and is much stiffer: a stiff body that must
 /// take another one's trace answers every deviation of that trace from its own with its stiffness. Its
 /// deformation stays right, but the flux through the interface errs by the ratio of the stiffnesses.
-std::string note_on_stiff_destination(double stiffness);
+Note note_on_stiff_destination(double stiffness);
 
 /// What a user should know if a destination's multipliers tie a source that is softer and finer: between two
 /// of them the source slips, the more the larger its strain.
-std::string words_for_fine_soft_source(const SideRatios &ratios);
+Note note_on_fine_soft_source(const SideRatios &ratios);
 
 } // namespace dovetail

@@ -9,6 +9,7 @@
 #include <dovetail/interface/transmission.h>
 #include <dovetail/pairing/pairing.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/note.h>
 
 #include <deal.II/lac/full_matrix.h>
 
@@ -227,7 +228,7 @@ public:
   virtual bool evaluate_memory(Interface<dim> &interface, double t, const ValuesOf &unknowns);
 
   /// What a user should know about this tie, if anything; after add_constraints, the same on all ranks.
-  virtual std::vector<std::string> notes() const { return {}; }
+  virtual NoteList notes() const { return {}; }
   /// For the plan: what distinguishes it from others of its Type, "Theta = 1, …", and "what: why" it can do
   /// without at this interface.
   virtual std::string description() const { return {}; }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/measure/reactions.h>
+#include <dovetail/scene/note.h>
 
 #include <nlohmann/json.hpp>
 
@@ -29,7 +30,7 @@ struct Balance
 /// @param notes gets a sentence for each field whose balance does not hold
 template <int dim>
 Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
-                        double tolerance, std::vector<std::string> &notes);
+                        double tolerance, NoteList &notes);
 
 /// Of the largest one of in, out and what some cells gain or others lose, over the components.
 inline constexpr double largest_imbalance = 1e-10;

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/scene/note.h>
 #include <dovetail/system/model.h>
 
 #include <nlohmann/json.hpp>
@@ -21,8 +22,7 @@ namespace dovetail {
 /// gap": the flux of the tie against that in the nearer of the two bodies, worth a sentence above 0.9; and
 /// the resultants of ties that do not balance, worth one above a hundredth.
 template <int dim>
-std::vector<std::string> explain_jumps(const Model<dim> &model, double t,
-                                       const nlohmann::ordered_json &domains,
-                                       nlohmann::ordered_json &interfaces);
+NoteList explain_jumps(const Model<dim> &model, double t, const nlohmann::ordered_json &domains,
+                       nlohmann::ordered_json &interfaces);
 
 } // namespace dovetail

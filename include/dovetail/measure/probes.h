@@ -7,6 +7,7 @@
 
 #include <dovetail/measure/point_in_domain.h>
 #include <dovetail/measure/reduction.h>
+#include <dovetail/scene/note.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
@@ -48,6 +49,9 @@ public:
 
   bool is_empty() const { return probes.empty(); }
 
+  /// About probes of fluxes at points where these are singular. Collective. @pre The model is paired.
+  NoteList notes() const;
+
   /// A number, or an array of components. Collective; @p solution is ghosted.
   nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
 
@@ -59,6 +63,7 @@ private:
     std::optional<Reduce> reduce; ///< over the region; of its flux the resultant if there is none
     std::optional<Field> field;   ///< this one, or else
     std::unique_ptr<Quantity<dim>> quantity;
+    const Field *field_of_law = nullptr; ///< whose law the quantity asks
     std::optional<dealii::Point<dim>> X;
     std::vector<PointInCell<dim>> places; ///< of X, on this rank
     std::optional<Section> section;       ///< for error messages

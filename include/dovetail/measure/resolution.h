@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/scene/note.h>
 #include <dovetail/system/model.h>
 
 #include <string>
@@ -19,6 +20,6 @@ inline constexpr double largest_variation = 100;
 /// points of one cell: on such a mesh the discrete equations may have several solutions, and the one that was
 /// found may be far from the true one. @p solution: ghosted. Collective.
 template <int dim>
-std::vector<std::string> explain_resolution(const Model<dim> &model, const Vector &solution, double t);
+NoteList explain_resolution(const Model<dim> &model, const Vector &solution, double t);
 
 } // namespace dovetail

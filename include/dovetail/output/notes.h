@@ -6,63 +6,45 @@
 #pragma once
 
 #include <dovetail/output/log.h>
-#include <dovetail/scene/shortened.h>
+#include <dovetail/scene/note.h>
+#include <dovetail/scene/section.h>
 
-#include <algorithm>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace dovetail {
 
-/// The only way of a warning: at once into the log, at the end into the report, and each sentence once.
+/// The only way of a warning: at once into the log, at the end into the report, and each sentence once. Not
+/// of a name that the scene silences.
 class Notes
 {
 public:
   explicit Notes(Log &log) : log(log) {}
 
-  void add(const std::string &text)
-  {
-    const std::string sentence = shortened(text);
-    if (std::find(sentences.begin(), sentences.end(), sentence) != sentences.end())
-      return;
-    sentences.push_back(sentence);
-    print(sentence);
-    lines.push_back(log.n_lines());
-  }
-  void add(const std::vector<std::string> &texts)
-  {
-    for (const std::string &text : texts)
-      add(text);
-  }
+  /// Reads `Silenced notes` of the section `Output`. @pre The plugins are loaded.
+  void read(const Section &output);
 
-  const std::vector<std::string> &all() const { return sentences; }
-  /// Those of a run that goes on have been printed.
-  void recall(const std::vector<std::string> &texts)
-  {
-    for (const std::string &text : texts)
-      if (std::find(sentences.begin(), sentences.end(), text) == sentences.end()) {
-        sentences.push_back(text);
-        lines.push_back(log.n_lines());
-      }
-  }
+  void add(const Note &note);
+  void add(const NoteList &notes);
+  /// Those of a run that goes on, which have been printed.
+  void recall(const std::vector<std::string> &names, const std::vector<std::string> &texts);
+
+  const std::vector<std::string> &texts() const { return sentences; }
+  const std::vector<std::string> &names() const { return names_of_sentences; }
+  /// The silenced names under which something would have been told.
+  std::vector<std::string> silenced() const { return {kept_back.begin(), kept_back.end()}; }
 
   /// Print those again that a screen does not show any more.
-  void repeat()
-  {
-    const unsigned int lines_of_screen = 24, n_lines = log.n_lines();
-    for (unsigned int i = 0; i < sentences.size() && n_lines - lines[i] > lines_of_screen; ++i) {
-      if (i == 0)
-        log.line();
-      print(sentences[i]);
-    }
-  }
+  void repeat();
 
 private:
-  void print(const std::string &sentence) { log.line("  note: " + sentence); }
+  void print(std::size_t i);
 
   Log &log;
-  std::vector<std::string> sentences;
+  std::vector<std::string> sentences, names_of_sentences;
   std::vector<unsigned int> lines; ///< of the log up to each of them
+  std::set<std::string> silent, kept_back;
 };
 
 } // namespace dovetail

@@ -47,6 +47,8 @@ public:
           Phases &phases, Notes &notes, Log &log);
 
   void add_to(Plan &plan) const;
+  /// A picture of the scene before it is solved, unless `Paraview = false`.
+  void preview();
   /// Makes the directory, locks it, and writes used.prm and a report that says that the run has not
   /// converged. Collective. @throw UserError or OutputError
   void begin(const Plan &plan);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/run/given_values.h>
+#include <dovetail/scene/note.h>
 #include <dovetail/system/vector.h>
 
 #include <nlohmann/json.hpp>
@@ -38,11 +39,11 @@ public:
   bool leaves(double t, const Vector &x) const;
   /// About fields that have left the history of their range by more than 1 % of its width: the worst step of
   /// each.
-  std::vector<std::string> explain_history() const;
+  NoteList explain_history() const;
 
   /// About a static solution that leaves its range by more than the width: a mesh that is too coarse may
   /// overshoot, but not so far.
-  std::vector<std::string> explain(double t, const Vector &x) const;
+  NoteList explain(double t, const Vector &x) const;
 
 private:
   struct Worst

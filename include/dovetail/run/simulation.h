@@ -20,7 +20,8 @@ class Simulation
 {
 public:
   /// Reads every entry of the scene and makes the meshes and pairings. Collective. @throw UserError
-  Simulation(const std::shared_ptr<SceneText> &text, const MPI_Comm &communicator);
+  Simulation(const std::shared_ptr<SceneText> &text, const MPI_Comm &communicator,
+             Detail detail = Detail::usual);
 
   /// Print the plan and the coverage, solve nothing.
   void check();

@@ -51,7 +51,7 @@ public:
   const std::array<double, 2> &loads() const { return loads_at_start; }
   const Convergence &convergence() const { return criterion; }
   double last_residual() const { return residual_of_last; } ///< of the last assembly, NaN if not defined
-  const std::vector<std::string> &notes() const { return all_notes; }
+  const NoteList &notes() const { return all_notes; }
 
   bool is_linear() const override { return model.is_linear(); }
   void first_stage() override { enter_stage(0); }
@@ -136,7 +136,7 @@ private:
   double residual_of_update = 0; ///< where the last update of this stage began; 0: none yet
   bool is_stabilised = false;    ///< the tangent
   bool is_at_start = false;      ///< the last assembly, with the tangent, was start_at()
-  std::vector<std::string> all_notes;
+  NoteList all_notes;
 };
 
 } // namespace dovetail

@@ -62,6 +62,9 @@ public:
   /// What the file and the overrides set, by path: "Interface seam/Theta" -> "-1".
   std::map<std::string, std::string> given() const;
 
+  /// The names that boundaries of a domain have, by files or by the scene. @pre The domain has been made.
+  BoundaryNames boundary_names(const std::string &domain) const;
+
 private:
   friend class Section;
   struct Implementation;

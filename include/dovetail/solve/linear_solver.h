@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/scene/note.h>
 #include <dovetail/scene/section.h>
 #include <dovetail/solve/block_matrix.h>
 #include <dovetail/solve/group_solver.h>
@@ -91,7 +92,7 @@ public:
   bool prefer_direct();
 
   /// What a user should know about how it went, the same on all ranks.
-  const std::vector<std::string> &notes() const { return all_notes; }
+  const NoteList &notes() const { return all_notes; }
 
   /// For tests: called where memory is taken or a library is entered, with the name of the place; it may
   /// throw.
@@ -119,7 +120,7 @@ private:
   double present_tolerance = 0; ///< of the present solve
   Agreement ranks;
   unsigned long n_solves = 0;
-  std::vector<std::string> all_notes;
+  NoteList all_notes;
 };
 
 } // namespace dovetail

@@ -145,7 +145,7 @@ public:
   /// Before output: the multipliers of the ties at a solution and what they transmit. Collective.
   void find_multipliers(const Vector &x, const NodalForces<dim> &forces);
   /// What the ties did that a user should know; after set_up, the same on all ranks.
-  std::vector<std::string> notes() const;
+  NoteList notes() const;
 
   Vector owned_vector() const;
   Vector ghosted_vector() const;

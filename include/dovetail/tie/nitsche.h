@@ -78,7 +78,7 @@ public:
                       const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
                       const std::vector<double> &jump, std::vector<double> &result) const override;
   PenaltyRange penalty() const override { return penalty_at_points.range(); }
-  std::vector<std::string> notes() const override;
+  NoteList notes() const override;
   FluxVariations flux_variations() const override { return variations; }
 
 protected:
@@ -178,7 +178,7 @@ private:
   std::array<std::vector<FrozenDerivatives>, 2> frozen;
   static constexpr double central_factor = 10; ///< of the penalty where the flux is that at a cell's centre
   bool has_begun = false;
-  std::vector<std::string> note_on_centres; ///< at most one
+  NoteList note_on_centres; ///< at most one
   FluxVariations variations;
 
   // at the current point: states and responses of the two sides, and of the current field what R needs

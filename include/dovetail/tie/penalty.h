@@ -73,7 +73,7 @@ public:
   const PenaltyRange &range() const { return present_range; }
   /// Note a penalty that locks the sides to each other. Collective.
   void note_if_large(const MPI_Comm &communicator);
-  const std::vector<std::string> &notes() const { return sentences; }
+  const NoteList &notes() const { return all_notes; }
 
 private:
   enum class Weights { eigenvalue, volume, equal, source, destination };
@@ -125,7 +125,7 @@ private:
   double least_multiplier = 0; ///< with which all points would be coercive
   double excess = 0;           ///< largest gamma in units of that which theta = 1 needs
   bool has_warned = false;
-  std::vector<std::string> sentences;
+  NoteList all_notes;
 };
 
 } // namespace dovetail

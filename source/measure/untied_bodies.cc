@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/measure/meeting_bodies.h>
+#include <dovetail/pairing/face_points.h>
+#include <dovetail/pairing/pairing.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+
+namespace dovetail {
+
+namespace {
+
+const NoteName of_untied_bodies("untied bodies", "bodies touch each other where nothing ties them");
+
+const double search_radius_of_touch = 0.2; ///< of the face size
+const double largest_angle_of_touch = dealii::numbers::PI / 12;
+const double least_touching_area = 0.5; ///< of a face of the usual size
+
+/// The extent of the faces of a boundary id over all ranks.
+template <int dim>
+struct Extent
+{
+  dealii::Point<dim> low, high;
+  double largest_face = 0;
+};
+
+template <int dim>
+using Extents = std::map<dealii::types::boundary_id, Extent<dim>>;
+
+/// Collective.
+template <int dim>
+Extents<dim> extents_of(const Domain<dim> &domain, const MPI_Comm &communicator)
+{
+  const double infinity = std::numeric_limits<double>::infinity();
+  Extents<dim> extents;
+  for (const auto id : domain.boundary_ids()) {
+    Extent<dim> &extent = extents[id];
+    for (unsigned int d = 0; d < dim; ++d) {
+      extent.low[d] = infinity;
+      extent.high[d] = -infinity;
+    }
+  }
+  for (const auto &face : domain.boundary_faces())
+    if (face.cell->is_locally_owned()) {
+      Extent<dim> &extent = extents.at(face.id);
+      const auto shape = face.cell->face(face.number);
+      extent.largest_face = std::max(extent.largest_face, shape->diameter());
+      for (const unsigned int v : shape->vertex_indices())
+        for (unsigned int d = 0; d < dim; ++d) {
+          extent.low[d] = std::min(extent.low[d], shape->vertex(v)[d]);
+          extent.high[d] = std::max(extent.high[d], shape->vertex(v)[d]);
+        }
+    }
+  for (auto &entry : extents) {
+    Extent<dim> &extent = entry.second;
+    extent.largest_face = dealii::Utilities::MPI::max(extent.largest_face, communicator);
+    for (unsigned int d = 0; d < dim; ++d) {
+      extent.low[d] = dealii::Utilities::MPI::min(extent.low[d], communicator);
+      extent.high[d] = dealii::Utilities::MPI::max(extent.high[d], communicator);
+    }
+  }
+  return extents;
+}
+
+/// Whether the boxes have a surface in common, not only an edge.
+template <int dim>
+bool may_touch(const Extent<dim> &one, const Extent<dim> &other)
+{
+  const double reach = search_radius_of_touch * std::min(one.largest_face, other.largest_face);
+  unsigned int n_long = 0;
+  for (unsigned int d = 0; d < dim; ++d) {
+    const double common = std::min(one.high[d], other.high[d]) - std::max(one.low[d], other.low[d]);
+    if (!(common > -reach))
+      return false;
+    n_long += common > reach ? 1 : 0;
+  }
+  return n_long + 1 >= dim;
+}
+
+template <int dim>
+bool is_tied(const Model<dim> &model, const std::array<const Domain<dim> *, 2> &bodies,
+             const std::array<dealii::types::boundary_id, 2> &ids)
+{
+  return std::any_of(model.interfaces.begin(), model.interfaces.end(), [&](const auto &interface) {
+    for (const unsigned int first : {source, destination}) {
+      const auto &one = interface->sides[first], &other = interface->sides[1 - first];
+      if (one.domain == bodies[0] && other.domain == bodies[1] && one.boundary_ids.count(ids[0]) > 0 &&
+          other.boundary_ids.count(ids[1]) > 0)
+        return true;
+    }
+    return false;
+  });
+}
+
+/// Whether somebody has thought of the boundary: a condition acts on a field that both bodies have.
+template <int dim>
+bool has_condition(const Domain<dim> &body, const dealii::types::boundary_id id, const Domain<dim> &other)
+{
+  return std::any_of(body.conditions().begin(), body.conditions().end(), [&](const auto &condition) {
+    return condition->boundary_ids.count(id) > 0 &&
+           other.material.find_field(condition->field.name) != nullptr;
+  });
+}
+
+/// Of the first body, not further from the second one than facets are. Collective.
+template <int dim>
+double touching_area(const std::array<const Domain<dim> *, 2> &bodies,
+                     const std::array<dealii::types::boundary_id, 2> &ids, const MPI_Comm &communicator)
+{
+  const auto own = faces_of<dim>({bodies[0], {ids[0]}});
+  const FaceLocator<dim> locator(faces_of<dim>({bodies[1], {ids[1]}}), search_radius_of_touch, 0.,
+                                 communicator);
+  const FacePoints<dim> points = segments(own, locator, 1, 1);
+  double area = 0, largest_angle = 0;
+  const auto is_facing = [&](const auto &match) {
+    return match.found && match.angle <= largest_angle_of_touch;
+  };
+  for (const auto &match : points.matches)
+    if (is_facing(match))
+      largest_angle = std::max(largest_angle, match.angle);
+  largest_angle = dealii::Utilities::MPI::max(largest_angle, communicator);
+  for (unsigned int q = 0; q < points.size(); ++q)
+    if (const auto &match = points.matches[q];
+        is_facing(match) &&
+        match.distance <=
+            distance_of_facets(std::min(match.face_size, points.queries[q].face_size), largest_angle))
+      area += points.JxW[q];
+  return dealii::Utilities::MPI::sum(area, communicator);
+}
+
+/// The note on two bodies with the boundaries that touch, if there are any.
+template <int dim>
+void add_notes_on_pair(const Model<dim> &model, const std::array<const Domain<dim> *, 2> &bodies,
+                       const std::array<const Extents<dim> *, 2> &extents, NoteList &notes)
+{
+  std::ostringstream words;
+  words.precision(3);
+  for (const auto &[id, extent] : *extents[0])
+    for (const auto &[other_id, other_extent] : *extents[1]) {
+      if (!may_touch(extent, other_extent) || is_tied(model, bodies, {{id, other_id}}) ||
+          (has_condition(*bodies[0], id, *bodies[1]) && has_condition(*bodies[1], other_id, *bodies[0])))
+        continue;
+      const double area = touching_area(bodies, {{id, other_id}}, model.communicator);
+      const double face = std::min(extent.largest_face, other_extent.largest_face);
+      if (area > least_touching_area * (dim == 2 ? face : face * face))
+        words << (words.str().empty() ? "" : ", ") << bodies[0]->name << " : " << id << " and "
+              << bodies[1]->name << " : " << other_id << " (area " << area << ')';
+    }
+  if (!words.str().empty())
+    notes.push_back(of_untied_bodies(
+        words.str() + " touch each other, but no interface ties them: nothing passes through. Add an "
+                      "Interface, or leave it so if they are meant to be apart"));
+}
+
+template <int dim>
+bool have_common_field(const Domain<dim> &one, const Domain<dim> &other)
+{
+  return std::any_of(one.fields().begin(), one.fields().end(),
+                     [&](const Field &field) { return other.material.find_field(field.name) != nullptr; });
+}
+
+} // namespace
+
+template <int dim>
+NoteList notes_on_untied_bodies(const Model<dim> &model)
+{
+  NoteList notes;
+  std::map<const Domain<dim> *, Extents<dim>> extents;
+  const auto of = [&](const Domain<dim> &body) -> const Extents<dim> & {
+    if (const auto found = extents.find(&body); found != extents.end())
+      return found->second;
+    return extents[&body] = extents_of(body, model.communicator);
+  };
+  for (unsigned int i = 0; i < model.domains.size(); ++i)
+    for (unsigned int j = i + 1; j < model.domains.size(); ++j) {
+      const Domain<dim> &one = *model.domains[i], &other = *model.domains[j];
+      if (have_common_field(one, other) &&
+          one.centre().distance(other.centre()) <= 0.6 * (one.typical_length() + other.typical_length())) {
+        const Extents<dim> &one_extents = of(one), &other_extents = of(other);
+        add_notes_on_pair<dim>(model, {{&one, &other}}, {{&one_extents, &other_extents}}, notes);
+      }
+    }
+  return notes;
+}
+
+template NoteList notes_on_untied_bodies(const Model<2> &);
+template NoteList notes_on_untied_bodies(const Model<3> &);
+
+} // namespace dovetail

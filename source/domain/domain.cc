@@ -54,6 +54,38 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
 }
 
 template <int dim>
+Domain<dim>::Domain(const Domain &other, const unsigned int new_degree, const Toggles &toggles,
+                    const MPI_Comm &communicator)
+    : name(other.name), section(other.section), material(other.material), measure(section.top()),
+      degree(new_degree), triangulation(other.triangulation.get()), cell_mapping(other.cell_mapping->clone()),
+      degree_of_mapping(other.degree_of_mapping), force(section, material), shares_mesh(true)
+{
+  try {
+    read_given(section);
+    read_conditions(section, toggles);
+    collect_boundary_faces(communicator);
+    check_unknowns<dim>(section, triangulation->n_global_active_cells(), degree, n_components(),
+                        communicator);
+    cell_layout = std::make_unique<CellLayout<dim>>(fields(), degree, other.has_simplices());
+    measure_box(communicator);
+    dofs.reinit(*triangulation);
+    distribute_dofs();
+    make_memory();
+    place_conditions(communicator);
+  } catch (...) {
+    triangulation.release();
+    throw;
+  }
+}
+
+template <int dim>
+Domain<dim>::~Domain()
+{
+  if (shares_mesh)
+    triangulation.release();
+}
+
+template <int dim>
 void Domain<dim>::choose_elements()
 {
   const bool simplices = dovetail::has_simplices(*triangulation);

@@ -32,6 +32,13 @@ void DomainPoint<dim>::move_to(const unsigned int q)
 }
 
 template <int dim>
+void DomainPoint<dim>::shift(const unsigned int component, const unsigned int direction, const double amount)
+{
+  (direction == dim ? point.state.value[component] : point.state.gradient[component][direction]) += amount;
+  has_fluxes = has_stress = false;
+}
+
+template <int dim>
 const Response<dim> &DomainPoint<dim>::response()
 {
   if (!has_fluxes && !point.evaluate(false))

@@ -218,7 +218,7 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
   }
 }
 
-/// Adds "maximum" and "minimum" of each field over the nodes.
+/// Adds "maximum" and "minimum" of each field over the nodes, and of a scalar its "range", their difference.
 template <int dim>
 void measure_extremes(const Domain<dim> &domain, const Vector &solution, ordered_json &result)
 {
@@ -253,6 +253,24 @@ void measure_extremes(const Domain<dim> &domain, const Vector &solution, ordered
     result["maximum"][domain.fields()[f].name] = largest[f];
   for (unsigned int f = 0; f < n_fields; ++f)
     result["minimum"][domain.fields()[f].name] = -minus_smallest[f];
+  for (unsigned int f = 0; f < n_fields; ++f)
+    if (domain.fields()[f].n_components == 1)
+      result["range"][domain.fields()[f].name] = largest[f] + minus_smallest[f];
+}
+
+template <int dim>
+double volume(const Domain<dim> &domain, const MPI_Comm &communicator)
+{
+  dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(), domain.cell_quadrature(),
+                               dealii::update_JxW_values | domain.measure.update_flags());
+  double sum = 0;
+  for (const auto &cell : domain.mesh().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      values.reinit(cell);
+      for (const unsigned int q : values.quadrature_point_indices())
+        sum += domain.measure(values, q);
+    }
+  return sum_over_ranks(sum, communicator);
 }
 
 /// Integrals over the points of an interface, of one field.
@@ -426,6 +444,7 @@ ordered_json measure_domains(const Model<dim> &model, const Vector &solution, co
     ordered_json result;
     result["cells"] = domain->mesh().n_global_active_cells();
     result["dofs"] = domain->dof_handler().n_dofs();
+    result["volume"] = volume(*domain, model.communicator);
     measure_errors(*domain, solution, t, result);
     measure_extremes(*domain, solution, result);
     all[domain->name] = result;

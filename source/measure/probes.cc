@@ -4,6 +4,8 @@
 #include <dovetail/measure/probes.h>
 #include <dovetail/measure/singular_points.h>
 
+#include <dovetail/compatibility.h>
+
 #include <algorithm>
 
 namespace dovetail {
@@ -66,27 +68,27 @@ private:
   const Field field;
 };
 
-/// @return nullptr while documenting.
+/// @return one without a creator while documenting.
 template <int dim>
-std::unique_ptr<Quantity<dim>> read_quantity(const Section &section, const Domain<dim> *domain,
-                                             const bool is_on_boundary)
+typename QuantityCatalogue<dim>::Creator read_quantity(const Section &section, const Domain<dim> *domain,
+                                                       const bool is_on_boundary)
 {
   const auto name = section.require<std::string>(
       "Quantity", "Instead of a Field: one of those that Output/Fields lists, for instance von Mises [-]");
   if (domain == nullptr)
-    return nullptr;
+    return {};
   const auto &member = QuantityCatalogue<dim>::find(name, section, "Quantity");
   section.check(member.field.empty() || domain->material.find_field(member.field) != nullptr, "Quantity",
                 "asks for " + name + " in the domain " + domain->name + ", but its material " +
                     domain->material.name + " has no " + law_of_field(member.field) +
                     ". Choose another quantity or domain.");
-  auto quantity = member.create(name, *domain);
+  const auto quantity = member.create(name, *domain);
   section.check(!quantity->is_of_nodes(), "Quantity",
                 "asks for " + name +
                     ", which only pictures show: they act on nodes. Give Boundary and Field for their sum.");
   section.check(is_on_boundary || !quantity->is_of_boundary(), "Quantity",
                 "asks for " + name + ", which only boundaries have: give Boundary and Reduce.");
-  return quantity;
+  return member.create;
 }
 
 std::optional<Reduce> read_reduce(const Section &section)
@@ -202,17 +204,102 @@ typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Sec
     probe.field = find_field(section.require<std::string>(
                                  "Field", "The field, for instance temperature; else give a Quantity [-]"),
                              section, probe.region.domain);
-    if (probe.region.domain != nullptr)
-      probe.quantity = std::make_unique<ValueOfField<dim>>(*probe.field, *probe.region.domain);
+    probe.make_quantity = [field = *probe.field](const Domain<dim> &domain) {
+      return std::make_unique<ValueOfField<dim>>(field, domain);
+    };
   }
   if (has_quantity || section.documenting())
-    probe.quantity = read_quantity(section, probe.region.domain, has_boundary);
+    probe.make_quantity = [create = read_quantity(section, probe.region.domain, has_boundary),
+                           quantity = section.peek("Quantity")](const Domain<dim> &domain) {
+      return create(quantity, domain);
+    };
   if (has_quantity && probe.X && !section.documenting())
     probe.field_of_law = probe.region.domain->material.find_field(
         QuantityCatalogue<dim>::find(section.peek("Quantity"), section, "Quantity").field);
+  if (probe.region.domain != nullptr)
+    probe.quantity = probe.make_quantity(*probe.region.domain);
+  read_tolerance(probe, section, model);
   if (probe.X && !section.documenting())
     probe.places = find_cells(*probe.region.domain, *probe.X, section, model.communicator);
   return probe;
+}
+
+namespace {
+
+/// Why the dual problem of a model cannot be solved; empty if it can.
+template <int dim>
+std::string why_no_dual_problem(const Model<dim> &model)
+{
+  if (model.order_in_time() > 0)
+    return "the scene is transient, and the dual problem would run backwards in time. Remove it, or solve "
+           "the "
+           "static scene";
+  for (const auto &domain : model.domains) {
+    if (domain->material.has_memory())
+      return "the law of " + domain->material.name +
+             " remembers the steps before. Remove it, or take a law without internal variables";
+    if (std::any_of(domain->fields().begin(), domain->fields().end(),
+                    [](const Field &field) { return field.is_multiplier; }))
+      return "the formulation of " + domain->material.name +
+             " is mixed. Remove it, or set Formulation = displacement";
+    if (domain->has_simplices() && domain->degree + 1 > largest_degree_of_simplices)
+      return "elements of one degree more are needed, and the triangles or tetrahedra of " + domain->name +
+             " have the largest degree already. Remove it, or set a lower Degree";
+  }
+  for (const Block &block : model.numbering->blocks())
+    if (block.is_of_multipliers && block.end > block.begin)
+      return "the multipliers of the interface " + block.name +
+             " are unknowns. Set Multiplier space = dual there";
+  return "";
+}
+
+/// Why a probe has no derivative, or none that is known; empty if it has one.
+template <int dim>
+std::string why_no_derivative(const typename Probes<dim>::Probe &probe, const Model<dim> &model)
+{
+  if (probe.reduce == Reduce::minimum || probe.reduce == Reduce::maximum)
+    return "a minimum or maximum has no derivative by the solution. Give the Point instead, or Reduce = mean "
+           "or integral";
+  if (probe.X || probe.reduce)
+    return "";
+  const Domain<dim> &domain = *probe.region.domain;
+  const auto meets = [&](const std::set<dealii::types::boundary_id> &ids) {
+    return std::any_of(ids.begin(), ids.end(),
+                       [&](const auto id) { return probe.region.boundary_ids.count(id) > 0; });
+  };
+  for (const auto &condition : domain.conditions())
+    if (condition->is_weak() && condition->field.name == probe.field->name && meets(condition->boundary_ids))
+      return "the condition " + condition->name + " prescribes values weakly there. Set its Method = strong";
+  for (const auto &interface : model.interfaces)
+    for (const auto &side : interface->sides)
+      if (side.domain == &domain && meets(side.boundary_ids))
+        return "the interface " + interface->name +
+               " is on this boundary. Take boundaries that conditions hold, or a Point, a mean or an "
+               "integral";
+  return "";
+}
+
+} // namespace
+
+template <int dim>
+void Probes<dim>::read_tolerance(Probe &probe, const Section &section, const Model<dim> &model)
+{
+  probe.tolerance =
+      section.read<double>("Tolerance", 0,
+                           "Of the estimated error, relative to the value (of a vector: to its length): the "
+                           "run refines the meshes "
+                           "until it is reached, and reports value and estimate; 0: no estimate [-]",
+                           Patterns::Double(0));
+  if (probe.tolerance == 0 || section.documenting())
+    return;
+  for (const std::string &reason : {why_no_dual_problem(model), why_no_derivative<dim>(probe, model)})
+    section.check(reason.empty(), "Tolerance", "cannot be kept: " + reason + ".");
+}
+
+template <int dim>
+bool Probes<dim>::has_tolerance() const
+{
+  return std::any_of(probes.begin(), probes.end(), [](const Probe &probe) { return probe.tolerance > 0; });
 }
 
 template <int dim>

@@ -18,6 +18,17 @@ namespace {
 
 using Ids = std::set<dealii::types::boundary_id>;
 
+/// Whether a condition prescribes a component of a field on one of these boundaries.
+template <int dim>
+bool is_any_prescribed(const Domain<dim> &domain, const Ids &ids, const Field &field)
+{
+  return std::any_of(domain.conditions().begin(), domain.conditions().end(), [&](const auto &condition) {
+    return condition->field.name == field.name && !condition->prescribed_components().empty() &&
+           std::any_of(ids.begin(), ids.end(),
+                       [&](const auto id) { return condition->boundary_ids.count(id) > 0; });
+  });
+}
+
 /// Whether a condition prescribes a component of a field at a node of a face.
 template <int dim>
 bool is_prescribed(const Domain<dim> &domain, const Field &field,
@@ -137,27 +148,62 @@ template <int dim>
 void Reactions<dim>::add_prescribed(const Domain<dim> &domain, const Ids &ids, const Field &field,
                                     std::vector<double> &sum) const
 {
-  const bool is_any_prescribed =
-      std::any_of(domain.conditions().begin(), domain.conditions().end(), [&](const auto &condition) {
-        return condition->field.name == field.name && !condition->prescribed_components().empty() &&
-               std::any_of(ids.begin(), ids.end(),
-                           [&](const auto id) { return condition->boundary_ids.count(id) > 0; });
-      });
-  if (!is_any_prescribed)
+  if (!is_any_prescribed(domain, ids, field))
     return;
-  const TraceShares<dim> shares(domain, field, solution, nodal.t,
-                                [&](const auto &face, const unsigned int node, const unsigned int c) {
-                                  if (!is_prescribed(domain, field, face, node, c, nodal.t))
-                                    return -1;
-                                  return ids.count(face.id) > 0 ? 0 : 1;
-                                });
+  const TraceShares<dim> shares = shares_of(domain, ids, field);
   for (const auto &[dof, at_node] : at_nodes(domain, field))
     sum[at_node.component] += shares.first_share(dof, at_node.force);
 }
 
+/// Of prescribed nodes: what faces with these ids have, and what others have.
 template <int dim>
-std::map<dealii::types::global_dof_index, typename Reactions<dim>::ForceAtNode>
-Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
+TraceShares<dim> Reactions<dim>::shares_of(const Domain<dim> &domain, const Ids &ids,
+                                           const Field &field) const
+{
+  return TraceShares<dim>(domain, field, solution, nodal.t,
+                          [&](const auto &face, const unsigned int node, const unsigned int c) {
+                            if (!is_prescribed(domain, field, face, node, c, nodal.t))
+                              return -1;
+                            return ids.count(face.id) > 0 ? 0 : 1;
+                          });
+}
+
+template <int dim>
+typename Reactions<dim>::Lift Reactions<dim>::lift(const Domain<dim> &domain, const Ids &ids,
+                                                   const Field &field, const unsigned int component) const
+{
+  const Vector zero(model.numbering->split(model.numbering->owned), model.communicator);
+  Lift result = {zero, {{zero, zero}}};
+  if (!is_any_prescribed(domain, ids, field))
+    return result;
+  const TraceShares<dim> shares = shares_of(domain, ids, field);
+  const auto component_of = components_at_nodes(domain, field);
+  const auto share = [&](const dealii::types::global_dof_index dof) {
+    return component_of.at(dof) == component ? shares.first_area(dof) : 0.;
+  };
+  for (const auto &[dof, dof_component] : component_of)
+    if (const ConstraintLine *line = nodal.line_of_condition(dof)) {
+      result.w(dof) += share(dof);
+      for (const auto &[other, weight] : line->entries) // as at_nodes() has it
+        result.w(dof) -= weight * share(other);
+      if (dof_component == component && shares.is_common(dof)) {
+        result.g[0](dof) = 1 - share(dof);
+        result.g[1](dof) = -share(dof);
+      }
+    }
+  result.w.compress(dealii::VectorOperation::add);
+  result.w = nodal.extended(result.w);
+  for (Vector &g : result.g) {
+    g.compress(dealii::VectorOperation::insert);
+    g = nodal.extended(g);
+  }
+  return result;
+}
+
+/// The component of the field of each unknown that conditions may constrain.
+template <int dim>
+std::map<dealii::types::global_dof_index, unsigned int>
+Reactions<dim>::components_at_nodes(const Domain<dim> &domain, const Field &field) const
 {
   const auto &element = domain.layout().element(field.first_component);
   std::set<dealii::types::boundary_id> with_conditions;
@@ -180,7 +226,14 @@ Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
   for (const auto &[condition, node] : domain.nodes_of_points())
     if (condition->field.name == field.name)
       add_node(node.cell, node.node);
+  return component_of;
+}
 
+template <int dim>
+std::map<dealii::types::global_dof_index, typename Reactions<dim>::ForceAtNode>
+Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
+{
+  const auto component_of = components_at_nodes(domain, field);
   std::map<dealii::types::global_dof_index, ForceAtNode> result;
   for (const auto &[dof, component] : component_of)
     if (const ConstraintLine *line = nodal.line_of_condition(dof)) {

@@ -15,10 +15,6 @@ namespace dovetail {
 
 namespace {
 
-/// With the share of the volume or area that belongs to the point.
-template <int dim>
-using Visitor = std::function<void(DomainPoint<dim> &point, double JxW)>;
-
 /// Gauss points per direction. On cells of degree m the element of degree p times the determinant of the
 /// Jacobian has degree p + dim m - 1 per direction, on simplices p + dim (m - 1) in total; degree + 2 points
 /// for what is no polynomial.
@@ -30,9 +26,11 @@ unsigned int n_gauss_points(const Domain<dim> &domain)
   return std::max(degree_of_integrand / 2 + 1, p + 2);
 }
 
+} // namespace
+
 template <int dim>
-void for_each_point(const Region<dim> &region, const Vector &solution, const double t,
-                    const Visitor<dim> &visit)
+void visit_points(const Region<dim> &region, const Vector &solution, const double t,
+                  const std::function<void(DomainPoint<dim> &point, double JxW)> &visit)
 {
   const Domain<dim> &domain = *region.domain;
   DomainPoint<dim> point(domain, solution, t);
@@ -64,6 +62,8 @@ void for_each_point(const Region<dim> &region, const Vector &solution, const dou
       visit_all(values);
     }
 }
+
+namespace {
 
 /// Of several numbers at once, each by itself.
 class Extremes
@@ -102,7 +102,7 @@ std::vector<double> integrate(const Region<dim> &region, const unsigned int n_nu
                               const Vector &solution, const double t, const Evaluate &evaluate)
 {
   std::vector<double> sums(n_numbers + 1, 0.), numbers; // the last one: volume or area
-  for_each_point<dim>(region, solution, t, [&](DomainPoint<dim> &point, const double JxW) {
+  visit_points<dim>(region, solution, t, [&](DomainPoint<dim> &point, const double JxW) {
     numbers.clear();
     evaluate(point, numbers);
     AssertDimension(numbers.size(), n_numbers);
@@ -185,7 +185,7 @@ std::vector<double> reduce(const Region<dim> &region, const Quantity<dim> &quant
         [&](DomainPoint<dim> &point, std::vector<double> &numbers) { quantity.evaluate(point, numbers); });
   Extremes extremes(n_numbers, how);
   std::vector<double> numbers;
-  for_each_point<dim>(region, solution, t, [&](DomainPoint<dim> &point, const double) {
+  visit_points<dim>(region, solution, t, [&](DomainPoint<dim> &point, const double) {
     numbers.clear();
     quantity.evaluate(point, numbers);
     for (unsigned int i = 0; i < n_numbers; ++i)
@@ -194,6 +194,10 @@ std::vector<double> reduce(const Region<dim> &region, const Quantity<dim> &quant
   return extremes.over_ranks(solution.block(0).get_mpi_communicator());
 }
 
+template void visit_points(const Region<2> &, const Vector &, double,
+                           const std::function<void(DomainPoint<2> &, double)> &);
+template void visit_points(const Region<3> &, const Vector &, double,
+                           const std::function<void(DomainPoint<3> &, double)> &);
 template std::vector<double> reduce(const Region<2> &, const Field &, Reduce, const Vector &);
 template std::vector<double> reduce(const Region<3> &, const Field &, Reduce, const Vector &);
 template std::vector<double> reduce(const Region<2> &, const Quantity<2> &, Reduce, const Vector &, double);

@@ -52,6 +52,20 @@ double TraceShares<dim>::first_share(const dealii::types::global_dof_index dof, 
 }
 
 template <int dim>
+double TraceShares<dim>::first_area(const dealii::types::global_dof_index dof) const
+{
+  const auto i = dof - domain.first_dof();
+  const double sum = area[0](i) + area[1](i);
+  return sum > 0 ? area[0](i) / sum : 0.;
+}
+
+template <int dim>
+bool TraceShares<dim>::is_common(const dealii::types::global_dof_index dof) const
+{
+  return area[0](dof - domain.first_dof()) > 0 && area[1](dof - domain.first_dof()) > 0;
+}
+
+template <int dim>
 void TraceShares<dim>::add_areas(const Part &part)
 {
   const auto &element = domain.layout().element(field.first_component);

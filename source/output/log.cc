@@ -6,6 +6,7 @@
 #include <dovetail/output/phases.h>
 #include <dovetail/output/progress_bar.h>
 
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <sstream>
@@ -43,6 +44,28 @@ std::string in_seconds(const double seconds)
   if (whole < 6000)
     return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
   return std::to_string(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
+}
+
+nlohmann::ordered_json absolute(const nlohmann::ordered_json &value)
+{
+  if (value.is_null())
+    return value;
+  if (value.is_number())
+    return std::abs(value.template get<double>());
+  auto result = nlohmann::ordered_json::array();
+  for (const auto &component : value)
+    result.push_back(absolute(component));
+  return result;
+}
+
+/// Of a probe; the error is an estimate, if there is one.
+std::string value_and_error(const nlohmann::ordered_json &report, const std::string &probe)
+{
+  const std::string value = to_text(report["probes"][probe]);
+  const auto errors = report.find("probe errors");
+  if (errors == report.end() || !errors->contains(probe))
+    return value;
+  return value + " +- " + to_text(absolute((*errors)[probe]));
 }
 
 template <int dim>
@@ -317,13 +340,28 @@ void Log::cycle(const unsigned int n_done, const unsigned int n_cycles, const un
        to_text(100 * estimated_error, "%.3g %% of the energy norm"));
 }
 
+void Log::cycle(const unsigned int n_done, const unsigned int n_cycles, const unsigned long n_unknowns,
+                const nlohmann::ordered_json &report)
+{
+  line("Adaptive cycle " + std::to_string(n_done) + " of at most " + std::to_string(n_cycles) + ": " +
+       std::to_string(n_unknowns) + " unknowns");
+  std::vector<std::vector<std::string>> rows;
+  for (const auto &[name, estimate] : report["probe estimates"].items())
+    rows.push_back({name, value_and_error(report, name),
+                    to_text(100 * estimate["relative error"].template get<double>(), "%.3g %%") +
+                        " of tolerated " +
+                        to_text(100 * estimate["tolerance"].template get<double>(), "%.3g %%")});
+  for (const std::string &row : align(rows))
+    line("  " + row);
+}
+
 void Log::finish(const nlohmann::ordered_json &report, const std::string &directory)
 {
   erase_bar();
   has_bar = false;
   std::vector<std::vector<std::string>> rows;
   for (const auto &[name, value] : report["probes"].items())
-    rows.push_back({name, to_text(value)});
+    rows.push_back({name, value_and_error(report, name)});
   for (const auto &[domain, numbers] : report["domains"].items())
     if (numbers.contains("errors"))
       for (const auto &[field, errors] : numbers["errors"].items())

@@ -69,7 +69,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
       probes(scene, model), step(scene, model, phases, notes, log),
       results(*text, scene.subsection("Output"), model, probes, phases, notes, log),
       step_control(steps, step, results, notes, log, communicator),
-      adaptive_cycles(scene, model, step, results, phases, log),
+      adaptive_cycles(scene, model, probes, step, results, phases, notes, log),
       eigenmodes(scene, model, step, results, phases, notes, log)
 {
   StudyOptions(scene.subsection("Study")); // must be right in every run

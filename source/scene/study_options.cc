@@ -133,16 +133,29 @@ StudyOptions::StudyOptions(const Section &section)
     : levels(section.read<std::vector<unsigned int>>(
           "Levels", {0, 1, 2}, "--study: refinements of every domain beyond those of the scene [-]",
           Patterns::List(Patterns::Integer(0, 20), 1))),
-      n_repeats(section.read<unsigned int>(
-          "Repeat", 1, "--study: number of repetitions of each run; times are the median [-]",
-          Patterns::Integer(1))),
+      refinement(section.read<std::string>(
+          "Refinement", "as given",
+          "--study: what the levels are: refinements of all cells, with the Adaptive cycles and Tolerances "
+          "of "
+          "the scene as they are (as given) or without (uniform); Adaptive cycles, with the Tolerances of "
+          "probes as their aim (adaptive); or two variants, uniform and adaptive (both) [-]",
+          Patterns::Selection("as given|uniform|adaptive|both"))),
+      cycles_per_level(section.read<unsigned int>(
+          "Cycles per level", 2, "--study: adaptive cycles that make a level [-]", Patterns::Integer(1, 50))),
+      n_repeats(section.read<unsigned int>("Repeat", 1,
+                                           "--study: number of repetitions of each run; times are the "
+                                           "median. What decides who is first is done "
+                                           "three times in any case [-]",
+                                           Patterns::Integer(1))),
       ranks(section.read<std::vector<unsigned int>>("Ranks", {},
                                                     "--study: numbers of ranks, each with its own curve; if "
                                                     "empty, the number of ranks of the launch [-]",
                                                     Patterns::List(Patterns::Integer(1), 0))),
-      measure(section.read<std::string>("Error", "",
-                                        "--study: the error that is shown, for instance temperature H1; if "
-                                        "empty, L2 of the first field [-]")),
+      measure(
+          section.read<std::string>("Error", "",
+                                    "--study: the error that is shown, for instance temperature H1, or probe "
+                                    "NAME for the error against its extrapolated value; if empty, L2 of "
+                                    "the first field [-]")),
       reference(section.read<std::string>(
           "Reference", "",
           "--study: the Samples of a run against which errors are measured; if empty, Exact, or if no domain "
@@ -160,6 +173,8 @@ StudyOptions::StudyOptions(const Section &section)
   } catch (const UserError &error) {
     section.fail("Vary", error.what());
   }
+  if (refinement == "both")
+    vary.push_back({{path_of_refinement}, {"uniform", "adaptive"}});
 }
 
 } // namespace dovetail

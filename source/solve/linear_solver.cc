@@ -270,7 +270,7 @@ std::string LinearSolver::Group::description() const
          (takes_direct && iteration_failed ? ", after the iteration failed" : "");
 }
 
-LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups)
+LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups, const Choice choice)
     : section(section), types(all_types()),
       type(types[section.choose("Type", types, 0,
                                 "automatic: direct, multigrid or matrix-free, by size and degree [-]")]),
@@ -279,6 +279,8 @@ LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given
           "Tolerance of the residual of the linear system, relative to its right-hand side [-]",
           Patterns::Double(0, 1)))
 {
+  if (choice == Choice::by_entries && type == name_of_matrix_free)
+    type = automatic;
   if (section.documenting())
     SolverCatalogue::document(section, GroupFacts());
   for (SolveGroup &group : given_groups) {

@@ -4,6 +4,7 @@
 #include <dovetail/study/numbers.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -60,6 +61,30 @@ void add_domain_errors(const ordered_json &domains, std::vector<std::string> &na
         }
 }
 
+/// The L2 error of a scalar has no natural zero to be measured from (273 K is none): it is relative to the
+/// range of its values in all domains, times the root of the volume.
+void measure_by_range(const ordered_json &domains, Ratios &ratios)
+{
+  struct Range
+  {
+    double smallest = std::numeric_limits<double>::infinity(), largest = -smallest, volume = 0;
+  };
+  std::map<std::string, Range> ranges;
+  for (const auto &domain : domains)
+    if (domain.contains("range") && domain.contains("errors"))
+      for (const auto &[field, range] : domain["range"].items())
+        if (domain["errors"].contains(field)) {
+          Range &all = ranges[field];
+          all.smallest = std::min(all.smallest, number_at(domain["minimum"], field.c_str()));
+          all.largest = std::max(all.largest, number_at(domain["maximum"], field.c_str()));
+          all.volume += number_at(domain, "volume");
+        }
+  for (const auto &[field, all] : ranges)
+    if (const auto ratio = ratios.find("error " + field + " L2");
+        ratio != ratios.end() && all.largest > all.smallest)
+      ratio->second.norm = std::pow(all.largest - all.smallest, 2) * all.volume;
+}
+
 void add_interface_errors(const ordered_json &interfaces, std::vector<std::string> &names, Ratios &ratios)
 {
   for (const auto &interface : interfaces)
@@ -73,16 +98,28 @@ void add_interface_errors(const ordered_json &interfaces, std::vector<std::strin
       }
 }
 
-/// Jumps against the largest value of the field times the root of the area.
+/// Jumps against the largest value of the field, of a scalar its range, times the root of the area.
 void add_jumps(const ordered_json &report, std::vector<std::string> &names, Ratios &ratios)
 {
   std::map<std::string, double> largest, areas;
+  std::map<std::string, std::array<double, 2>> extremes; // of scalars
+  for (const auto &domain : report["domains"])
+    if (domain.contains("range"))
+      for (const auto &[field, range] : domain["range"].items()) {
+        const double smallest = number_at(domain["minimum"], field.c_str()),
+                     greatest = number_at(domain["maximum"], field.c_str());
+        auto &both = extremes.try_emplace(field, std::array<double, 2>{{smallest, greatest}}).first->second;
+        both = {{std::min(both[0], smallest), std::max(both[1], greatest)}};
+      }
   for (const auto &domain : report["domains"])
     for (const char *extreme : {"maximum", "minimum"})
       if (domain.contains(extreme))
         for (const auto &[field, value] : domain[extreme].items())
           if (value.is_number())
             largest[field] = std::max(largest[field], std::abs(value.get<double>()));
+  for (const auto &[field, both] : extremes)
+    if (both[1] > both[0])
+      largest[field] = both[1] - both[0];
   for (const auto &interface : report["interfaces"])
     if (interface.contains("jump L2"))
       for (const auto &[field, jump] : interface["jump L2"].items())
@@ -101,6 +138,7 @@ void add_combined_errors(const ordered_json &report, Numbers &numbers)
   std::vector<std::string> names;
   Ratios ratios;
   add_domain_errors(report["domains"], names, ratios);
+  measure_by_range(report["domains"], ratios);
   add_interface_errors(report["interfaces"], names, ratios);
   add_jumps(report, names, ratios);
   for (const std::string &name : names)
@@ -192,14 +230,24 @@ double rate(const double coarse_error, const double fine_error, const unsigned i
   return std::log2(coarse_error / fine_error) / levels_between;
 }
 
+double start_up_of(const StudyRun &run)
+{
+  if (!run.report.is_object() || !run.report.contains("seconds"))
+    return undefined;
+  const auto &seconds = run.report["seconds"];
+  return run.seconds - (number_at(seconds, "total") - seconds.value("comparison", 0.));
+}
+
 StudyPoint make_point(const std::vector<const StudyRun *> &repeats, const std::string &measure)
 {
   StudyPoint point;
   point.level = repeats.front()->level;
   point.status = "converged";
-  std::vector<double> seconds, shares;
+  std::vector<double> seconds, shares, start_ups;
   for (const StudyRun *run : repeats) {
-    seconds.push_back(run->seconds);
+    if (!std::isnan(run->seconds))
+      seconds.push_back(run->seconds);
+    point.n_runs += run->is_done();
     if (!run->is_converged() && point.is_converged()) {
       point.status = run->is_done() ? run->status : "not done";
       point.message = run->message;
@@ -207,13 +255,17 @@ StudyPoint make_point(const std::vector<const StudyRun *> &repeats, const std::s
     if (run->report.is_object()) {
       const Numbers numbers = numbers_of(run->report);
       shares.push_back(find_number(numbers, "seconds tie") / find_number(numbers, "seconds total"));
+      start_ups.push_back(start_up_of(*run));
       if (point.numbers.empty())
         point.numbers = numbers;
     }
   }
   point.seconds = median(seconds);
-  point.fastest = *std::min_element(seconds.begin(), seconds.end());
-  point.slowest = *std::max_element(seconds.begin(), seconds.end());
+  if (!seconds.empty()) {
+    point.fastest = *std::min_element(seconds.begin(), seconds.end());
+    point.slowest = *std::max_element(seconds.begin(), seconds.end());
+  }
+  point.start_up = median(start_ups);
   point.tie_share = median(shares);
   point.error = find_number(point.numbers, "error " + measure);
   return point;
@@ -234,47 +286,199 @@ std::vector<unsigned int> pareto_front(const std::vector<std::pair<double, doubl
   return front;
 }
 
+namespace {
+
+constexpr double percents[] = {1., 0.1, 0.01};
+
+/// Those that reach an error, the fastest first: curve, and place of the point.
+std::vector<std::pair<unsigned int, unsigned int>> reaching(const std::vector<StudyCurve> &curves,
+                                                            const double error)
+{
+  std::vector<std::pair<unsigned int, unsigned int>> result;
+  for (unsigned int c = 0; c < curves.size(); ++c)
+    if (const StudyPoint *point = first_below(curves[c], error))
+      result.emplace_back(c, point - curves[c].points.data());
+  std::stable_sort(result.begin(), result.end(), [&](const auto &a, const auto &b) {
+    return curves[a.first].points[a.second].seconds < curves[b.first].points[b.second].seconds;
+  });
+  return result;
+}
+
+std::string interval_text(const StudyPoint &point)
+{
+  if (point.n_runs < 2)
+    return "one run";
+  return to_text(point.fastest) + " to " + seconds_text(point.slowest) + ", " + std::to_string(point.n_runs) +
+         " runs";
+}
+
+/// Of the fastest and the next one.
+std::string compare(const StudyPoint &first, const StudyCurve &next_curve, const StudyPoint &next)
+{
+  const std::string name =
+      next_curve.name + " (" + seconds_text(next.seconds) + ", " + interval_text(next) + ")";
+  if (next.fastest <= first.slowest)
+    return "; not distinguishable on this machine from " + name + ".";
+  const double ratio = next.seconds / first.seconds;
+  return ", " + to_text(ratio, ratio < 9.95 ? "%.2g" : "%.0f") + " times faster than the next, " + name + ".";
+}
+
+/// Of a vector the components.
+std::vector<double> values_of_probe(const StudyPoint &point, const std::string &probe)
+{
+  const std::string path = "probes/" + probe;
+  std::vector<double> values;
+  for (const auto &[name, value] : point.numbers)
+    if (name == path || name.rfind(path + "/", 0) == 0)
+      values.push_back(value);
+  return values;
+}
+
+double distance(const std::vector<double> &a, const std::vector<double> &b)
+{
+  double sum = 0;
+  for (unsigned int i = 0; i < a.size(); ++i)
+    sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum);
+}
+
+double n_unknowns_of(const StudyCurve &curve)
+{
+  double largest = 0;
+  for (const StudyPoint &point : curve.points)
+    if (point.is_converged())
+      largest = std::max(largest, find_number(point.numbers, "dofs"));
+  return largest;
+}
+
+std::string list_text(const std::vector<double> &values)
+{
+  std::string text;
+  for (const double value : values)
+    text += (text.empty() ? "" : "; ") + to_text(value, "%.8g");
+  return text;
+}
+
+} // namespace
+
 std::vector<std::string> who_is_first(const std::vector<StudyCurve> &curves)
 {
   std::vector<std::string> sentences;
-  for (const double percent : {1., 0.1, 0.01}) {
-    std::vector<std::pair<const StudyCurve *, const StudyPoint *>> reaching;
-    const StudyCurve *most_exact = nullptr;
-    const StudyPoint *least = nullptr;
-    for (const StudyCurve &curve : curves) {
-      if (const StudyPoint *point = first_below(curve, percent / 100))
-        reaching.emplace_back(&curve, point);
-      for (const StudyPoint &point : curve.points)
-        if (point.is_on_curve() && (least == nullptr || point.error < least->error)) {
-          least = &point;
-          most_exact = &curve;
-        }
-    }
-    if (least == nullptr)
-      return {};
-    std::sort(reaching.begin(), reaching.end(),
-              [](const auto &a, const auto &b) { return a.second->seconds < b.second->seconds; });
+  const StudyCurve *most_exact = nullptr;
+  const StudyPoint *least = nullptr;
+  for (const StudyCurve &curve : curves)
+    for (const StudyPoint &point : curve.points)
+      if (point.is_on_curve() && (least == nullptr || point.error < least->error)) {
+        least = &point;
+        most_exact = &curve;
+      }
+  if (least == nullptr)
+    return {};
+  for (const double percent : percents) {
+    const auto fastest = reaching(curves, percent / 100);
     std::string sentence = to_text(percent, "%g %%") + " is reached ";
-    if (reaching.empty()) {
+    if (fastest.empty()) {
       sentences.push_back(sentence + "by none; nearest is " + most_exact->name + " at level " +
                           std::to_string(least->level) + " with " + to_text(100 * least->error) + " % in " +
                           seconds_text(least->seconds) + ".");
       break; // even less so what comes after it
     }
-    const auto &[curve, point] = reaching.front();
-    sentence += "first by " + curve->name + " at level " + std::to_string(point->level) + ": " +
-                seconds_text(point->seconds);
-    if (reaching.size() > 1) {
-      const double ratio = reaching[1].second->seconds / point->seconds;
+    const StudyCurve &curve = curves[fastest[0].first];
+    const StudyPoint &point = curve.points[fastest[0].second];
+    sentence += "first by " + curve.name + " at level " + std::to_string(point.level) + ": " +
+                seconds_text(point.seconds) + " (" + interval_text(point) + ")";
+    if (fastest.size() > 1)
       sentence +=
-          (ratio < 1.05 ? ", about as fast as"
-                        : ", " + to_text(ratio, ratio < 9.95 ? "%.2g" : "%.0f") + " times faster than") +
-          " the next, " + reaching[1].first->name + ".";
-    } else
+          compare(point, curves[fastest[1].first], curves[fastest[1].first].points[fastest[1].second]);
+    else
       sentence += curves.size() > 1 ? "; no other reaches it." : ".";
     sentences.push_back(sentence);
   }
   return sentences;
+}
+
+std::set<std::pair<unsigned int, unsigned int>> deciding_points(const std::vector<StudyCurve> &curves)
+{
+  std::set<std::pair<unsigned int, unsigned int>> result;
+  for (const double percent : percents) {
+    const auto fastest = reaching(curves, percent / 100);
+    for (unsigned int i = 0; fastest.size() > 1 && i < 2; ++i)
+      result.insert(fastest[i]);
+  }
+  return result;
+}
+
+std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::string &probe)
+{
+  std::vector<const StudyPoint *> points;
+  for (const StudyPoint &point : curve.points)
+    if (point.is_converged() && !values_of_probe(point, probe).empty())
+      points.push_back(&point);
+  if (points.size() < 3)
+    return {};
+  points.erase(points.begin(), points.end() - 3);
+  std::vector<double> coarse = values_of_probe(*points[0], probe),
+                      middle = values_of_probe(*points[1], probe), fine = values_of_probe(*points[2], probe);
+  Extrapolation result = {fine, undefined};
+  const unsigned int spacing = points[2]->level - points[1]->level;
+  if (points[1]->level - points[0]->level != spacing)
+    return result;
+  const double order = rate(distance(coarse, middle), distance(middle, fine), spacing);
+  if (!(order > 0.2)) // rounding, or not in the range of the asymptotic rate
+    return result;
+  result.order = order;
+  for (unsigned int i = 0; i < fine.size(); ++i)
+    result.value[i] += (fine[i] - middle[i]) / (std::pow(2., order * spacing) - 1);
+  return result;
+}
+
+std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string &probe)
+{
+  std::vector<StudyCurve *> by_size;
+  for (StudyCurve &curve : curves)
+    by_size.push_back(&curve);
+  std::stable_sort(by_size.begin(), by_size.end(), [](const StudyCurve *a, const StudyCurve *b) {
+    return n_unknowns_of(*a) > n_unknowns_of(*b);
+  });
+  std::string words;
+  std::vector<double> exact;
+  for (const StudyCurve *curve : by_size)
+    if (const auto extrapolated = extrapolate(*curve, probe); extrapolated && extrapolated->order > 0) {
+      exact = extrapolated->value;
+      words = list_text(exact) + " of probe " + probe + ", extrapolated from the last three levels of " +
+              curve->name + " with the observed order " + to_text(extrapolated->order, "%.2f");
+      break;
+    }
+  for (auto curve = by_size.begin(); exact.empty() && curve != by_size.end(); ++curve)
+    for (const StudyPoint &point : (*curve)->points)
+      if (auto values = values_of_probe(point, probe); point.is_converged() && !values.empty()) {
+        exact = std::move(values); // the last one stays
+        words = list_text(exact) + " of probe " + probe + " at level " + std::to_string(point.level) +
+                " of " + (*curve)->name + ": no three levels converge, so no order is observed";
+      }
+  const double size = distance(exact, std::vector<double>(exact.size(), 0.));
+  for (StudyCurve &curve : curves)
+    for (StudyPoint &point : curve.points)
+      if (const auto values = values_of_probe(point, probe); values.size() == exact.size() && !exact.empty())
+        point.error = distance(values, exact) / (size > 0 ? size : 1.);
+  return words;
+}
+
+void extrapolate_errors(std::vector<StudyCurve> &curves)
+{
+  for (StudyCurve &curve : curves)
+    for (unsigned int i = 2; i < curve.points.size(); ++i) {
+      const StudyPoint &coarse = curve.points[i - 2], &middle = curve.points[i - 1];
+      StudyPoint &point = curve.points[i];
+      if (!point.is_converged() || !std::isnan(point.error) || middle.is_extrapolated ||
+          !coarse.is_on_curve() || !middle.is_on_curve())
+        continue;
+      const double observed = rate(coarse.error, middle.error, middle.level - coarse.level);
+      if (!(observed > 0))
+        continue;
+      point.error = middle.error / std::pow(2., observed * (point.level - middle.level));
+      point.is_extrapolated = true;
+    }
 }
 
 } // namespace dovetail

@@ -40,6 +40,8 @@ double growth_per_level(const std::vector<StudyRun> &runs, const unsigned int di
   return growth;
 }
 
+} // namespace
+
 std::string duration(const double seconds)
 {
   const unsigned long whole = std::lround(std::max(seconds, 0.));
@@ -49,8 +51,6 @@ std::string duration(const double seconds)
     return std::to_string((whole + 30) / 60) + " min";
   return std::to_string(whole / 3600) + " h " + std::to_string(whole % 3600 / 60) + " min";
 }
-
-} // namespace
 
 double expected_seconds(const StudyRun &run, const std::vector<StudyRun> &runs, const unsigned int dim)
 {

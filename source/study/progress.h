@@ -17,6 +17,8 @@ namespace dovetail {
 /// growth seen from level to level (2^@p dim before anything is seen). @p runs may contain it.
 double expected_seconds(const StudyRun &run, const std::vector<StudyRun> &runs, unsigned int dim);
 
+std::string duration(double seconds); ///< "40 s", "12 min", "3 h 5 min"
+
 class StudyProgress
 {
 public:

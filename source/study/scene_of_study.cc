@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <dlfcn.h>
 #include <filesystem>
 #include <fstream>
@@ -73,19 +74,40 @@ std::vector<std::string> SceneOfStudy::overrides_of(const Variant &variant, cons
   for (const auto &[path, value] : variant.entries)
     result.push_back(path + "=" + value);
   const Given with_variant = SceneText::from_file(file, result)->given();
-  if (level > 0)
-    for (const std::string &domain :
-         dealii::Utilities::split_string_list(find_given(with_variant, "Domains"), ',')) {
-      const std::string path = "Domain " + domain + "/Mesh/Refinements";
-      const std::string own = find_given(with_variant, path, "0");
-      if (own.find_first_not_of("0123456789") == std::string::npos && own.size() < 4)
-        result.push_back(path + "=" + std::to_string(std::stoul(own) + level));
-    } // else the reader complains about it
+  add_level(variant, level, with_variant, result);
   if (find_given(with_variant, "Output/Paraview").empty())
     result.push_back("Output/Paraview=false");
   if (!options.reference.empty())
     result.push_back("Output/Reference=" + options.reference);
   return result;
+}
+
+/// Refinements of all cells, or adaptive cycles: then tolerances of probes choose what the cycles look at,
+/// and are too small to end them. @p all: what is given, the variant included.
+void SceneOfStudy::add_level(const Variant &variant, const unsigned int level,
+                             const std::map<std::string, std::string> &all,
+                             std::vector<std::string> &result) const
+{
+  std::string refinement = options.refinement;
+  for (const auto &[path, value] : variant.entries)
+    if (path == path_of_refinement)
+      refinement = value;
+  const bool is_adaptive = refinement == "adaptive" && level > 0;
+  if (refinement != "as given") {
+    result.push_back("Adaptive cycles=" + std::to_string(is_adaptive ? options.cycles_per_level * level : 0));
+    for (const std::string &probe : dealii::Utilities::split_string_list(find_given(all, "Probes"), ','))
+      if (const std::string path = "Probe " + probe + "/Tolerance";
+          std::strtod(find_given(all, path).c_str(), nullptr) > 0)
+        result.push_back(path + (is_adaptive ? "=1e-12" : "=0"));
+  }
+  if (level == 0 || is_adaptive)
+    return;
+  for (const std::string &domain : dealii::Utilities::split_string_list(find_given(all, "Domains"), ',')) {
+    const std::string path = "Domain " + domain + "/Mesh/Refinements";
+    const std::string own = find_given(all, path, "0");
+    if (own.find_first_not_of("0123456789") == std::string::npos && own.size() < 4)
+      result.push_back(path + "=" + std::to_string(std::stoul(own) + level));
+  } // else the reader complains about it
 }
 
 std::string SceneOfStudy::fingerprint(const std::vector<std::string> &overrides,
@@ -100,6 +122,11 @@ std::string SceneOfStudy::fingerprint(const std::vector<std::string> &overrides,
         result += "  content " + content_hash(value) + "\n";
     }
   return result;
+}
+
+std::vector<std::string> SceneOfStudy::names(const std::string &plural) const
+{
+  return dealii::Utilities::split_string_list(find_given(given, plural), ',');
 }
 
 bool SceneOfStudy::has_exact() const

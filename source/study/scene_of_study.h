@@ -26,11 +26,15 @@ public:
   /// A text that holds all that the numbers of a run depend on: what is set, the content of the files named
   /// there, the ranks and the program.
   std::string fingerprint(const std::vector<std::string> &overrides, unsigned int ranks) const;
-  bool has_exact() const; ///< an exact solution somewhere
+  bool has_exact() const;                                          ///< an exact solution somewhere
+  std::vector<std::string> names(const std::string &plural) const; ///< that an entry of the scene announces
 
   const std::string file;
 
 private:
+  void add_level(const Variant &variant, unsigned int level, const std::map<std::string, std::string> &all,
+                 std::vector<std::string> &result) const;
+
   const std::vector<std::string> given_overrides;
   const std::shared_ptr<SceneText> text;
 

@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <set>
@@ -51,13 +53,19 @@ public:
 
 private:
   void plan_runs();
+  StudyRun make_run(unsigned int variant, unsigned int level, unsigned int n_ranks, unsigned int repeat);
   void do_run(StudyRun &run, StudyProgress &progress);
   void make_reference(StudyProgress &progress);
   void perform_runs();
+  void announce_time(StudyProgress &progress) const;
+  bool add_runs_of_verdicts();
+  void repeat_deciding_runs(StudyProgress &progress);
   std::string describe(const StudyRun &run) const;
   unsigned int family_of(unsigned int variant) const;
-  std::vector<StudyCurve> curves() const;
+  std::vector<StudyCurve> curves(std::string &against) const;
   std::string measure() const;
+  std::string probe() const;
+  std::string words_on_time() const;
   void write_table_of_runs() const;
   void keep(const std::string &name, const std::string &beginning, const std::string &text) const;
   void conclude() const;
@@ -69,7 +77,9 @@ private:
   std::vector<unsigned int> ranks;
   std::vector<Variant> variants;
   std::vector<StudyRun> runs;
+  std::set<std::string> names_of_runs;
   std::string errors_against; ///< in words, or empty
+  const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 };
 
 Study::Study(const std::string &file, const std::vector<std::string> &overrides)
@@ -80,34 +90,38 @@ Study::Study(const std::string &file, const std::vector<std::string> &overrides)
     ranks = {launched_ranks()};
 }
 
+StudyRun Study::make_run(const unsigned int v, const unsigned int level, const unsigned int n_ranks,
+                         const unsigned int repeat)
+{
+  StudyRun run;
+  run.variant = v;
+  run.level = level;
+  run.ranks = n_ranks;
+  run.repeat = repeat;
+  run.overrides = scene.overrides_of(variants[v], level);
+  std::string name = plain(variants[v].name) + "_level_" + std::to_string(level);
+  if (n_ranks > 1)
+    name += "_ranks_" + std::to_string(n_ranks);
+  if (repeat > 1)
+    name += "_repeat_" + std::to_string(repeat);
+  while (!names_of_runs.insert(name).second)
+    name += "_";
+  run.directory = directory + "/runs/" + name;
+  if (!variants[v].complaint.empty()) {
+    run.status = "wrong input";
+    run.message = variants[v].complaint;
+  }
+  return run;
+}
+
 /// Small levels first; what is compared runs side by side in time.
 void Study::plan_runs()
 {
-  std::set<std::string> names;
   for (const unsigned int level : options.levels)
     for (unsigned int repeat = 1; repeat <= options.n_repeats; ++repeat)
       for (unsigned int v = 0; v < variants.size(); ++v)
-        for (const unsigned int n_ranks : ranks) {
-          StudyRun run;
-          run.variant = v;
-          run.level = level;
-          run.ranks = n_ranks;
-          run.repeat = repeat;
-          run.overrides = scene.overrides_of(variants[v], level);
-          std::string name = plain(variants[v].name) + "_level_" + std::to_string(level);
-          if (n_ranks > 1)
-            name += "_ranks_" + std::to_string(n_ranks);
-          if (repeat > 1)
-            name += "_repeat_" + std::to_string(repeat);
-          while (!names.insert(name).second)
-            name += "_";
-          run.directory = directory + "/runs/" + name;
-          if (!variants[v].complaint.empty()) {
-            run.status = "wrong input";
-            run.message = variants[v].complaint;
-          }
-          runs.push_back(run);
-        }
+        for (const unsigned int n_ranks : ranks)
+          runs.push_back(make_run(v, level, n_ranks, repeat));
 }
 
 std::string Study::describe(const StudyRun &run) const
@@ -117,7 +131,7 @@ std::string Study::describe(const StudyRun &run) const
   words << variants[run.variant].name << ", level " << run.level;
   if (ranks.size() > 1)
     words << ", " << count_of(run.ranks, "rank");
-  if (options.n_repeats > 1)
+  if (options.n_repeats > 1 || run.repeat > 1)
     words << ", repeat " << run.repeat;
   words << ": " << run.seconds << " s";
   if (run.report.is_object())
@@ -175,6 +189,8 @@ void Study::perform_runs()
   StudyProgress progress(runs, dim);
   if (!options.reference.empty())
     errors_against = options.reference;
+  else if (!probe().empty())
+    errors_against = "probe " + probe(); // its extrapolated value, once there are all runs
   else if (scene.has_exact())
     errors_against = "Exact";
   else if (options.levels.size() > 1)
@@ -193,12 +209,78 @@ void Study::perform_runs()
   unsigned int level = options.levels.front();
   for (StudyRun &run : runs)
     if (!run.is_done()) {
-      if (run.level > level)
+      if (run.level > level) {
         measure(); // an error before the finer runs, which take longer; one variant alone may not know it
+        announce_time(progress);
+      }
       level = run.level;
       do_run(run, progress);
     }
+  repeat_deciding_runs(progress);
   write_table_of_runs();
+}
+
+void Study::announce_time(StudyProgress &progress) const
+{
+  double seconds = 0;
+  unsigned int n_left = 0;
+  for (const StudyRun &run : runs)
+    if (!run.is_done()) {
+      seconds += expected_seconds(run, runs, dim);
+      ++n_left;
+    }
+  progress.line("about " + duration(seconds) + " for the other " + count_of(n_left, "run"));
+}
+
+/// Of points that a verdict rests on, until each has enough. @return whether there are any.
+bool Study::add_runs_of_verdicts()
+{
+  std::string against;
+  const auto all = curves(against);
+  const std::size_t n_before = runs.size();
+  for (const auto &[c, p] : deciding_points(all)) {
+    const unsigned int variant = c / ranks.size(), n_ranks = ranks[c % ranks.size()];
+    for (unsigned int n = all[c].points[p].n_runs; n < n_runs_of_verdict; ++n)
+      runs.push_back(make_run(variant, all[c].points[p].level, n_ranks, n + 1));
+  }
+  for (std::size_t i = n_before; i < runs.size(); ++i) {
+    const auto first = std::find_if(runs.begin(), runs.end(), [&](const StudyRun &run) {
+      return run.variant == runs[i].variant && run.level == runs[i].level && run.ranks == runs[i].ranks;
+    });
+    for (const std::string &assignment : first->overrides) // those that compare
+      if (assignment.rfind("Output/Reference=", 0) == 0 &&
+          std::count(runs[i].overrides.begin(), runs[i].overrides.end(), assignment) == 0)
+        runs[i].overrides.push_back(assignment);
+  }
+  return runs.size() > n_before;
+}
+
+/// Medians move while runs are repeated, and then others may decide.
+void Study::repeat_deciding_runs(StudyProgress &progress)
+{
+  const unsigned int largest_number_of_rounds = 5;
+  for (unsigned int round = 0; round < largest_number_of_rounds && add_runs_of_verdicts(); ++round) {
+    progress.line("runs that decide who is first are repeated");
+    std::vector<std::size_t> open;
+    for (std::size_t i = 0; i < runs.size(); ++i)
+      if (!runs[i].is_done()) {
+        runs[i].fingerprint = scene.fingerprint(runs[i].overrides, runs[i].ranks);
+        recall(runs[i]);
+        if (!runs[i].is_done())
+          open.push_back(i);
+      }
+    std::stable_sort(open.begin(), open.end(),
+                     [this](const auto a, const auto b) { return runs[a].repeat < runs[b].repeat; });
+    for (const std::size_t i : open) // side by side in time
+      do_run(runs[i], progress);
+  }
+}
+
+/// The name of the one whose error is shown, or empty.
+std::string Study::probe() const
+{
+  const std::string prefix = "probe ";
+  return options.measure.rfind(prefix, 0) == 0 ? options.measure.substr(prefix.size()) : "";
 }
 
 /// "temperature L2"
@@ -210,6 +292,14 @@ std::string Study::measure() const
       for (const auto &number : numbers_of(run.report))
         if (number.first.rfind("error ", 0) == 0)
           known.push_back(number.first.substr(6));
+  if (!probe().empty()) {
+    const auto names = scene.names("Probes");
+    scene.section.check(std::count(names.begin(), names.end(), probe()) > 0, "Error",
+                        "is '" + options.measure + "', but Probes names " +
+                            (names.empty() ? "none" : comma_separated(names)) + ". " +
+                            did_you_mean(probe(), names));
+    return options.measure;
+  }
   if (options.measure.empty())
     for (const std::string &name : known)
       if (name.size() > 3 && name.substr(name.size() - 3) == " L2")
@@ -236,7 +326,8 @@ unsigned int Study::family_of(const unsigned int variant) const
   return 0;
 }
 
-std::vector<StudyCurve> Study::curves() const
+/// @p against: what their errors are measured against, in words.
+std::vector<StudyCurve> Study::curves(std::string &against) const
 {
   const std::string name_of_error = measure();
   std::vector<StudyCurve> result;
@@ -254,7 +345,29 @@ std::vector<StudyCurve> Study::curves() const
       }
       result.push_back(curve);
     }
+  against = probe().empty() ? errors_against : measure_by_probe(result, probe());
   return result;
+}
+
+/// How long runs and study took, and what of a run is the start of the program.
+std::string Study::words_on_time() const
+{
+  std::vector<double> start_ups;
+  double of_runs = 0;
+  for (const StudyRun &run : runs) {
+    of_runs += run.seconds > 0 ? run.seconds : 0;
+    if (const double start_up = start_up_of(run); !std::isnan(start_up))
+      start_ups.push_back(start_up);
+  }
+  std::ostringstream words;
+  words.precision(2);
+  if (!start_ups.empty())
+    words << "  " << median(start_ups) << " s of the seconds of each run are the start of the program ("
+          << *std::min_element(start_ups.begin(), start_ups.end()) << " to "
+          << *std::max_element(start_ups.begin(), start_ups.end()) << ")\n";
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  words << "  all runs together took " << duration(of_runs) << ", this study " << duration(elapsed) << "\n";
+  return words.str();
 }
 
 void Study::write_table_of_runs() const
@@ -272,14 +385,22 @@ void Study::keep(const std::string &name, const std::string &beginning, const st
 
 void Study::conclude() const
 {
-  const auto all = curves();
+  std::string against;
+  auto all = curves(against);
   const std::string measure_name = measure();
-  std::string words = table_of(all, measure_name);
-  words += errors_against.empty() ? "\n  no errors: there is no Exact, no Reference and no finer level\n"
-                                  : "\n  errors against " + errors_against + "\n";
   const auto sentences = who_is_first(all);
+  extrapolate_errors(all);
+  std::string words = table_of(all, measure_name);
+  words += against.empty() ? "\n  no errors: there is no Exact, no Reference and no finer level\n"
+                           : "\n  errors against " + against + "\n";
+  if (std::any_of(all.begin(), all.end(), [](const StudyCurve &curve) {
+        return std::any_of(curve.points.begin(), curve.points.end(),
+                           [](const StudyPoint &point) { return point.is_extrapolated; });
+      }))
+    words += "  ~: continued at the rate of the levels before\n";
   for (const std::string &sentence : sentences)
     words += "  " + sentence + "\n";
+  words += words_on_time();
   keep("study.txt", "  variant", words);
   std::cout << '\n' << words << '\n';
   const std::string obstacle = draw_study(directory, scene.name, all, measure_name, dim);

@@ -50,10 +50,14 @@ std::vector<std::string> number_columns(const std::vector<Numbers> &all)
 Numbers all_numbers(const StudyRun &run)
 {
   Numbers numbers = run.report.is_object() ? numbers_of(run.report) : Numbers();
+  const auto first_seconds = [&numbers]() {
+    return std::find_if(numbers.begin(), numbers.end(),
+                        [](const auto &number) { return number.first.rfind("seconds ", 0) == 0; });
+  };
+  if (run.report.is_object())
+    numbers.emplace(first_seconds(), "seconds start-up", start_up_of(run));
   if (run.seconds > 0)
-    numbers.emplace(std::find_if(numbers.begin(), numbers.end(),
-                                 [](const auto &number) { return number.first.rfind("seconds ", 0) == 0; }),
-                    "seconds wall", run.seconds);
+    numbers.emplace(first_seconds(), "seconds wall", run.seconds);
   return numbers;
 }
 
@@ -148,7 +152,8 @@ std::string table_of(const std::vector<StudyCurve> &curves, const std::string &m
                  number("peak memory MiB", "%.0f"),
                  number("newton iterations", "%.0f"),
                  number("linear iterations", "%.0f"),
-                 point.is_converged() ? number_text(point.error, "%.3e") : "",
+                 point.is_converged() ? number_text(point.error, point.is_extrapolated ? "~%.3e" : "%.3e")
+                                      : "",
                  "",
                  ""};
       if (!point.is_converged())

@@ -57,7 +57,7 @@ std::vector<unsigned int> merge_repeated(const Interface<dim> &interface,
 } // namespace
 
 template <int dim>
-BlockSystem<dim>::BlockSystem(Model<dim> &model) : model(model)
+BlockSystem<dim>::BlockSystem(Model<dim> &model, const Form form) : model(model), form(form)
 {
   for (const auto &group : model.field_groups())
     fields.insert(fields.end(), group.begin(), group.end());
@@ -214,7 +214,9 @@ void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms, dealii::DynamicS
   for (unsigned int f = 0; f < fields.size(); ++f)
     for (unsigned int g = 0; g < fields.size(); ++g) {
       const bool is_without_entries = f == g && !has_entries(fields[f].name);
-      const bool depends = domain.material.depends(f, g) && !is_without_entries;
+      const bool depends =
+          (form == Form::direct ? domain.material.depends(f, g) : domain.material.depends(g, f)) &&
+          !is_without_entries;
       all_couple = all_couple && depends;
       any_couples = any_couples || depends;
       has_all_entries = has_all_entries && !is_without_entries;
@@ -259,7 +261,8 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
   dealii::Table<2, bool> depends(n, n);
   for (unsigned int i = 0; i < n; ++i)
     for (unsigned int j = 0; j < n; ++j)
-      depends(i, j) = interface.couples(component[i], component[j]);
+      depends(i, j) = form == Form::direct ? interface.couples(component[i], component[j])
+                                           : interface.couples(component[j], component[i]);
   const bool by_flux = interface.tie().parts().point_terms->couples_fluxes();
   const bool by_inside = interface.tie().parts().point_terms->couples_insides(interface);
   const auto is_of_source = [&](const unsigned int i) { return i < interface.n_local(source); };
@@ -525,7 +528,7 @@ void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
       target += weight * ghosted(other);
     if (share < 1)
       target -= (1 - share) * held_moves.at(line.index);
-    const double distance = target - ghosted(line.index);
+    const double distance = form == Form::transposed ? 0 : target - ghosted(line.index);
     const unsigned int block = model.numbering->block_of(line.index);
     largest_move[block] = std::max(largest_move[block], std::abs(distance));
     largest_value[block] = std::max(largest_value[block], std::abs(target));
@@ -708,7 +711,11 @@ void BlockSystem<dim>::scatter(const std::vector<double> &residual,
   local_rhs.reinit(residual.size(), true);
   for (unsigned int i = 0; i < residual.size(); ++i)
     local_rhs[i] = -residual[i];
-  if (with_tangent)
+  if (with_tangent && form == Form::transposed) {
+    local_transpose.reinit(residual.size(), residual.size(), true);
+    local_transpose.copy_transposed(local_matrix);
+    distribute_local_to_global(update_constraints, local_transpose, local_rhs, dofs, matrix, right_hand_side);
+  } else if (with_tangent)
     distribute_local_to_global(update_constraints, local_matrix, local_rhs, dofs, matrix, right_hand_side);
   else
     update_constraints.distribute_local_to_global(local_rhs, dofs, right_hand_side);

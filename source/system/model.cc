@@ -71,6 +71,23 @@ Model<dim>::Model(const Section &scene, const MPI_Comm &communicator)
 }
 
 template <int dim>
+Model<dim>::Model(const Model &other, const unsigned int more_degrees)
+    : communicator(other.communicator), toggles(other.toggles)
+{
+  for (const auto &domain : other.domains)
+    domains.push_back(
+        std::make_unique<Domain<dim>>(*domain, domain->degree + more_degrees, toggles, communicator));
+  for (const auto &interface : other.interfaces) {
+    interfaces.push_back(
+        std::make_unique<Interface<dim>>(interface->name, interface->section, domains, toggles));
+    interfaces.back()->follow(*interface);
+  }
+  tell_other_interfaces();
+  number();
+  pair();
+}
+
+template <int dim>
 void Model<dim>::number()
 {
   numbering = std::make_unique<Numbering>(domains, communicator);

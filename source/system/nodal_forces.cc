@@ -161,6 +161,33 @@ Vector NodalForces<dim>::passed_on(const Vector &residual) const
 }
 
 template <int dim>
+Vector NodalForces<dim>::extended(const Vector &w) const
+{
+  dealii::IndexSet needed = model.numbering->owned;
+  for (const auto &entry : lines)
+    for (const auto &[other, weight] : entry.second.entries)
+      needed.add_index(other);
+  needed.compress();
+  Vector total = w, change = w,
+         seen(model.numbering->split(model.numbering->owned), model.numbering->split(needed),
+              model.communicator);
+  const unsigned int longest_chain = 100;
+  for (unsigned int link = 0; link < longest_chain; ++link) {
+    seen = total;
+    change = total;
+    total = w;
+    for (const auto &[dof, line] : lines)
+      for (const auto &[other, weight] : line.entries)
+        total(dof) += weight * seen(other);
+    total.compress(dealii::VectorOperation::add);
+    change -= total;
+    if (!(change.linfty_norm() > 1e-15 * total.linfty_norm()))
+      break;
+  }
+  return total;
+}
+
+template <int dim>
 void NodalForces<dim>::add(const std::vector<std::pair<Index, double>> &pushes)
 {
   Vector pushed(model.numbering->split(model.numbering->owned), model.communicator);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// What a study makes of numbers: medians, rates, the Pareto front, combined errors, who is first.
+// What a study makes of numbers: medians, rates, the Pareto front, combined errors, who is first and by how
+// much, errors of probes against an extrapolated value: 2 + h^2 has the values 3, 2.25, 2.0625, so J = 2 with
+// the order 2.
 
 #include <dovetail/study/numbers.h>
 
@@ -17,6 +19,9 @@ StudyPoint point(const unsigned int level, const double seconds, const double er
   StudyPoint result;
   result.level = level;
   result.seconds = seconds;
+  result.fastest = 0.95 * seconds; // three runs with 5 % of noise
+  result.slowest = 1.05 * seconds;
+  result.n_runs = 3;
   result.error = error;
   result.status = status;
   return result;
@@ -44,6 +49,32 @@ StudyRun run(const double seconds, const std::string &status = "converged")
       {"interfaces", {{"seam", {{"covered source", 4}, {"jump L2", {{"T", 2}}}}}}},
       {"probes", {{"tip", {1, 2}}, {"gone", nullptr}}}};
   return result;
+}
+
+StudyPoint point_of_probe(const unsigned int level, const double dofs, const double x, const double y)
+{
+  StudyPoint result = point(level, 1, std::numeric_limits<double>::quiet_NaN());
+  result.numbers = {{"dofs", dofs}, {"probes/tip/0", x}, {"probes/tip/1", y}, {"probes/tipple", 7}};
+  return result;
+}
+
+void compare_probes()
+{
+  std::vector<StudyCurve> curves = {
+      {"fine",
+       0,
+       {point_of_probe(0, 8, 3, 0), point_of_probe(1, 32, 2.25, 0), point_of_probe(2, 128, 2.0625, 0)}},
+      {"rough", 1, {point_of_probe(0, 4, 4, 0), point_of_probe(1, 16, 3, 0)}}};
+  std::cout << measure_by_probe(curves, "tip") << '\n';
+  for (const StudyCurve &curve : curves)
+    for (const StudyPoint &p : curve.points)
+      std::cout << curve.name << ' ' << p.level << ' ' << p.error << '\n';
+  curves[0].points.pop_back();
+  std::cout << measure_by_probe(curves, "tip") << '\n' << measure_by_probe(curves, "top").size() << '\n';
+
+  curves = {{"fine", 0, {point(0, 1, 0.4), point(1, 1, 0.1), point_of_probe(2, 1, 1, 1)}}};
+  extrapolate_errors(curves);
+  std::cout << curves[0].points[2].error << ' ' << curves[0].points[2].is_extrapolated << '\n';
 }
 
 } // namespace
@@ -75,5 +106,10 @@ int main()
       {"pointwise", 2, {point(0, 0.5, 0.08), point(1, 3, 0.01)}}};
   for (const std::string &sentence : who_is_first(curves))
     std::cout << sentence << '\n';
-  std::cout << who_is_first({}).size() << std::endl;
+  std::cout << who_is_first({}).size() << '\n';
+  for (const auto &[curve, place] : deciding_points(curves))
+    std::cout << curves[curve].name << ' ' << place << '\n';
+  std::cout << '\n';
+  compare_probes();
+  std::cout << std::flush;
 }

@@ -42,6 +42,10 @@ public:
   /// Reads `subsection Domain NAME`; collective.
   Domain(const std::string &name, const Section &section, const Material<dim> &material,
          const Toggles &toggles, const MPI_Comm &communicator);
+  /// The same body on the same mesh, which it shares, with elements of another degree; the mapping stays.
+  /// Its conditions are read again. Collective. @pre It lives no longer than @p other keeps its mesh.
+  Domain(const Domain &other, unsigned int degree, const Toggles &toggles, const MPI_Comm &communicator);
+  ~Domain();
 
   using cell_iterator = typename dealii::DoFHandler<dim>::active_cell_iterator;
 
@@ -191,6 +195,7 @@ private:
   const BodyForce<dim> force;
   double length = 0, smallest_x = 0;
   dealii::Point<dim> middle;
+  bool shares_mesh = false; ///< which belongs to the domain of another degree
 };
 
 } // namespace dovetail

@@ -34,6 +34,9 @@ public:
   /// which must stay as they are.
   void enter(const dealii::FEValuesBase<dim> &values, const BoundaryFace *face = nullptr);
   void move_to(unsigned int q); ///< one of them
+  /// From now on at this point: the value of a component (@p direction = dim) or its derivative in a
+  /// direction is larger by that. For differences.
+  void shift(unsigned int component, unsigned int direction, double amount);
 
   const Domain<dim> &domain;
 
@@ -52,6 +55,7 @@ public:
   /// Of the cell, in the order component, node (Domain::cell_dofs).
   const std::vector<dealii::types::global_dof_index> &dofs() const { return cell_dofs; }
   const std::vector<double> &shape_values() const { return point.shape_values(); } ///< of all spaces
+  const std::vector<dealii::Tensor<1, dim>> &shape_gradients() const { return point.shape_gradients(); }
 
 private:
   const Vector &solution;

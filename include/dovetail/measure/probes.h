@@ -13,6 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <functional>
 #include <optional>
 
 namespace dovetail {
@@ -30,6 +31,7 @@ namespace dovetail {
 ///     subsection Probe heat out
 ///       set Boundary = disk : 3, 4
 ///       set Field    = temperature
+///       set Tolerance = 0.01
 ///     end
 ///     subsection Probe worst
 ///       set Domain   = blade
@@ -55,7 +57,6 @@ public:
   /// A number, or an array of components. Collective; @p solution is ghosted.
   nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
 
-private:
   struct Probe
   {
     std::string name;
@@ -67,12 +68,19 @@ private:
     std::optional<dealii::Point<dim>> X;
     std::vector<PointInCell<dim>> places; ///< of X, on this rank
     std::optional<Section> section;       ///< for error messages
+    /// The quantity in another body with the same fields.
+    std::function<std::unique_ptr<Quantity<dim>>(const Domain<dim> &domain)> make_quantity;
+    double tolerance = 0; ///< of the estimated error, relative; 0: none is asked for
   };
-
-  static Probe read(const std::string &name, const Section &section, const Model<dim> &model);
-  static void read_place(Probe &probe, const Section &section, const Model<dim> &model);
+  const std::vector<Probe> &all() const { return probes; }
+  bool has_tolerance() const; ///< some probe
   static std::vector<double> evaluate(const Probe &probe, const Vector &solution,
                                       const Reactions<dim> &reactions);
+
+private:
+  static Probe read(const std::string &name, const Section &section, const Model<dim> &model);
+  static void read_place(Probe &probe, const Section &section, const Model<dim> &model);
+  static void read_tolerance(Probe &probe, const Section &section, const Model<dim> &model);
 
   const Model<dim> &model;
   std::vector<Probe> probes;

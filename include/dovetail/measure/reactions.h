@@ -26,6 +26,19 @@ public:
   /// are kept by reference.
   Reactions(const Model<dim> &model, const NodalForces<dim> &forces, const Vector &solution);
 
+  /// A component of the part of a resultant that prescribed unknowns have, as a function of the solution B:
+  /// R(B)(w) with the residual before constraints, and where other prescribed faces meet the boundary, with
+  /// the shares s of the nodes there, int A.N g_0 dA over the prescribed faces with these ids and int A.N g_1
+  /// dA over the others; g_0 = 1 - s and g_1 = -s at these nodes, and zero at all others (TraceShares).
+  struct Lift
+  {
+    Vector w; ///< owned, as the others
+    std::array<Vector, 2> g;
+  };
+  /// Collective.
+  Lift lift(const Domain<dim> &domain, const std::set<dealii::types::boundary_id> &ids, const Field &field,
+            unsigned int component) const;
+
   /// The resultant over all faces of a domain with these ids, by component: influxes given there, reactions
   /// of prescribed unknowns and what interfaces transmit there. Collective.
   std::vector<double> resultant(const Domain<dim> &domain, const std::set<dealii::types::boundary_id> &ids,
@@ -63,6 +76,10 @@ private:
                       const Field &field, std::vector<double> &sum) const;
   void add_given(const Domain<dim> &domain, const std::set<dealii::types::boundary_id> &ids,
                  const Field &field, std::vector<double> &sum) const;
+  TraceShares<dim> shares_of(const Domain<dim> &domain, const std::set<dealii::types::boundary_id> &ids,
+                             const Field &field) const;
+  std::map<dealii::types::global_dof_index, unsigned int> components_at_nodes(const Domain<dim> &domain,
+                                                                              const Field &field) const;
   std::vector<double> part_resultant(const Interface<dim> &interface, unsigned int field, unsigned int side,
                                      const std::set<dealii::types::boundary_id> &ids) const;
 

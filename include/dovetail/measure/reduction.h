@@ -7,6 +7,7 @@
 
 #include <dovetail/measure/quantity.h>
 
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -23,6 +24,12 @@ struct Region
 
 enum class Reduce { minimum, maximum, mean, integral };
 const std::vector<std::string> &names_of_reduce(); ///< in this order, as in the scene
+
+/// Visit the points of the quadrature of a region, each with its share of the volume or area. @p solution is
+/// ghosted.
+template <int dim>
+void visit_points(const Region<dim> &region, const Vector &solution, double t,
+                  const std::function<void(DomainPoint<dim> &point, double JxW)> &visit);
 
 /// Of each component of a field by itself. Minimum and maximum are those of the nodes; the mean is the
 /// integral over the volume or area of the undeformed region. Integrals are exact but for rounding, on curved

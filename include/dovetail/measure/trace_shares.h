@@ -51,6 +51,9 @@ public:
 
   /// The share that part 0 has of a force on an owned unknown.
   double first_share(dealii::types::global_dof_index dof, double force) const;
+  /// m_i^0 / (m_i^0 + m_i^1) of an owned unknown; zero if neither part has it.
+  double first_area(dealii::types::global_dof_index dof) const;
+  bool is_common(dealii::types::global_dof_index dof) const; ///< both parts have it
 
 private:
   using Weights = dealii::TrilinosWrappers::MPI::Vector;

@@ -56,6 +56,9 @@ public:
 
   /// The meshes after so many adaptive cycles.
   void cycle(unsigned int n_done, unsigned int n_cycles, unsigned long n_unknowns, double estimated_error);
+  /// Likewise, with the parts "probes", "probe errors" and "probe estimates" of a report.
+  void cycle(unsigned int n_done, unsigned int n_cycles, unsigned long n_unknowns,
+             const nlohmann::ordered_json &report);
 
   /// Probes, errors, jumps and seconds of the report, and where the files are.
   void finish(const nlohmann::ordered_json &report, const std::string &directory);

@@ -52,8 +52,9 @@ public:
       const auto found = seconds.find(name);
       result[name] = dealii::Utilities::MPI::max(found == seconds.end() ? 0. : found->second, communicator);
     }
-    if (const auto found = seconds.find("comparison"); found != seconds.end()) // on all ranks or none
-      result["comparison"] = dealii::Utilities::MPI::max(found->second, communicator);
+    for (const std::string name : {"estimate", "comparison"}) // on all ranks or none
+      if (const auto found = seconds.find(name); found != seconds.end())
+        result[name] = dealii::Utilities::MPI::max(found->second, communicator);
     result["total"] = dealii::Utilities::MPI::max(total.wall_time(), communicator);
     return result;
   }

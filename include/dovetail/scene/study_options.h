@@ -44,6 +44,9 @@ std::vector<Variant> product(const std::vector<VariedEntries> &vary);
 void name_variants(const std::vector<VariedEntries> &vary, const std::string &name_of_scene,
                    std::vector<Variant> &variants);
 
+/// The entry of variants that refine adaptively or not.
+constexpr const char *path_of_refinement = "Study/Refinement";
+
 struct StudyOptions
 {
   /// Reads the section `Study`.
@@ -51,6 +54,8 @@ struct StudyOptions
 
   std::vector<unsigned int> levels; ///< ascending
   std::vector<VariedEntries> vary;
+  std::string refinement; ///< what a level is: as given, uniform or adaptive; of a variant that says nothing
+  unsigned int cycles_per_level; ///< adaptive
   unsigned int n_repeats;
   std::vector<unsigned int> ranks; ///< empty: those of the launch
   std::string measure;             ///< "temperature L2"; empty: L2 of the first field

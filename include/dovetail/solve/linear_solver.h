@@ -55,8 +55,10 @@ public:
   using Matrix = BlockMatrix;
   using Vector = dealii::TrilinosWrappers::MPI::BlockVector;
 
+  /// The scene's; or that by size where the scene's does without entries, for a matrix that has them.
+  enum class Choice { of_scene, by_entries };
   /// @throw UserError if the solver that the scene names does not fit a group.
-  LinearSolver(const Section &section, std::vector<SolveGroup> groups);
+  LinearSolver(const Section &section, std::vector<SolveGroup> groups, Choice choice = Choice::of_scene);
   ~LinearSolver();
 
   /// Of each group: whether its matrix must have all entries. If not, the tangent of cells may be products.

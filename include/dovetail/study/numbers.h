@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,7 +25,8 @@ using Numbers = std::vector<std::pair<std::string, double>>;
 ///
 /// The combined error of a field in L2, H1 or energy is (sum of errors^2 / sum of norms^2)^1/2 over all
 /// domains that have one; "flux" likewise over the interfaces; "jump" is
-/// (sum of jumps^2)^1/2 / (max |B| (sum of areas)^1/2).
+/// (sum of jumps^2)^1/2 / (max |B| (sum of areas)^1/2). A scalar has (max B - min B) (sum of volumes)^1/2 in
+/// place of its L2 norm, and its range in place of max |B|.
 Numbers numbers_of(const nlohmann::ordered_json &report);
 
 /// NaN if it is not there.
@@ -44,9 +46,12 @@ struct StudyPoint
   std::string message; ///< of that run
   double seconds = std::numeric_limits<double>::quiet_NaN(); ///< median
   double fastest = std::numeric_limits<double>::quiet_NaN(), slowest = fastest;
-  double tie_share = fastest; ///< of the program's own time, median
-  double error = fastest;     ///< NaN if it is not known
-  Numbers numbers;            ///< of the first run that has a report
+  unsigned int n_runs = 0;      ///< that are done
+  double start_up = fastest;    ///< what the process took beyond the program's own time, median
+  double tie_share = fastest;   ///< of the program's own time, median
+  double error = fastest;       ///< NaN if it is not known
+  bool is_extrapolated = false; ///< the error, from those of coarser levels
+  Numbers numbers;              ///< of the first run that has a report
 
   bool is_converged() const { return status == "converged"; }
   bool is_on_curve() const { return is_converged() && error > 0; } ///< something to plot
@@ -60,6 +65,9 @@ struct StudyCurve
   std::vector<StudyPoint> points;
 };
 
+/// Seconds that the process took beyond the program's own: launch, libraries, MPI; NaN without a report.
+double start_up_of(const StudyRun &run);
+
 /// @p measure: "temperature L2".
 StudyPoint make_point(const std::vector<const StudyRun *> &repeats, const std::string &measure);
 
@@ -67,8 +75,30 @@ StudyPoint make_point(const std::vector<const StudyRun *> &repeats, const std::s
 /// the other way round. In the order of the first.
 std::vector<unsigned int> pareto_front(const std::vector<std::pair<double, double>> &points);
 
-/// "1 % is reached first by mortar at level 2: 0.31 s, 1.4 times faster than the next, Nitsche." for 1, 0.1
-/// and 0.01 %.
+/// "1 % is reached first by mortar at level 2: 0.31 s (0.30 to 0.33), 1.4 times faster than the next, Nitsche
+/// (0.43 to 0.45 s)." for 1, 0.1 and 0.01 %. Two whose intervals overlap are not distinguishable.
 std::vector<std::string> who_is_first(const std::vector<StudyCurve> &curves);
+
+/// What these verdicts rest on: curve, and place among its points, of the first and the next at each error.
+std::set<std::pair<unsigned int, unsigned int>> deciding_points(const std::vector<StudyCurve> &curves);
+/// A verdict rests on so many runs of a point, at least.
+constexpr unsigned int n_runs_of_verdict = 3;
+
+/// The value of a probe on meshes of no size, from the last three levels of a curve (Richardson 1911).
+struct Extrapolation
+{
+  std::vector<double> value;
+  double order = std::numeric_limits<double>::quiet_NaN(); ///< observed; NaN: the values do not converge yet
+};
+/// Nothing if fewer than three levels have converged.
+std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::string &probe);
+
+/// Set the errors of all points to those of a probe, |J - J_h| / |J|. J is extrapolated from the curve with
+/// the most unknowns of those that converge, or else its finest value. @return against what, in words; empty
+/// if there is no such probe.
+std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string &probe);
+
+/// Give points without an error what the rate of the two levels before lets expect.
+void extrapolate_errors(std::vector<StudyCurve> &curves);
 
 } // namespace dovetail

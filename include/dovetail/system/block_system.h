@@ -25,6 +25,9 @@
 
 namespace dovetail {
 
+/// Of a tangent: K, or its transpose.
+enum class Form { direct, transposed };
+
 /// The nonlinear system R(x) = 0 on the constraints of hanging nodes, prescribed values and ties. Newton's
 /// update dx solves K dx = -R with the constraints that make x + dx satisfy those of the current time, so
 /// prescribed values enter through the tangent and not by a jump at the boundary nodes. In a linear scene
@@ -34,7 +37,7 @@ template <int dim>
 class BlockSystem
 {
 public:
-  explicit BlockSystem(Model<dim> &model);
+  explicit BlockSystem(Model<dim> &model, Form form = Form::direct);
 
   /// From the next set_up() on: of each group of fields (Model::field_groups), whether its matrix has all
   /// entries. If not, the tangent of the cells is products; that of ties and conditions has entries.
@@ -230,6 +233,8 @@ private:
   Vector held_back;                                             ///< the negative residual
   std::map<dealii::types::global_dof_index, double> held_moves; ///< of relevant constrained unknowns
   double tie_seconds = 0;
+  const Form form; ///< a transposed one has no moves of constraints
+  dealii::FullMatrix<double> local_transpose;
 };
 
 } // namespace dovetail

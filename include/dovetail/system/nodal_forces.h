@@ -61,6 +61,10 @@ public:
   /// Push r_i at some unknowns, owned or not, and what these pass on. Collective.
   void add(const std::vector<std::pair<dealii::types::global_dof_index, double>> &pushes);
 
+  /// The test function w + C w + C^2 w + ... of the entries @p w at constrained unknowns, owned: with it a
+  /// sum w.r of these forces is w.R of the residual before constraints. Collective.
+  Vector extended(const Vector &w) const;
+
   /// What the terms of an interface give to its sides, by pairs of cells of this rank.
   const std::vector<Transmission> &group_transmissions(const Interface<dim> &interface) const
   {

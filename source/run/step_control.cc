@@ -184,7 +184,7 @@ typename StepControl<dim>::Outcome StepControl<dim>::try_step(const double next,
   step.begin(next, x);
   step.add_notes();
   const bool is_predicted = step.predict(next, x, trial);
-  NewtonResult result = step.solve(trial);
+  NewtonResult result = step.solve(trial, is_predicted ? Newton::Start::predicted : Newton::Start::nearby);
   if (!result.is_converged && is_predicted) {
     log.line("  did not converge from the prediction; the step begins at the last state");
     step.begin(next, x);

@@ -167,7 +167,7 @@ double Newton::Iteration::search_line(const double norm, const bool with_tangent
   damping.update = update;
   const bool is_first = before == 0;
   bool is_trusted = !settings.line_search || problem.has_linear_stage() ||
-                    (damping.factor == 1 && (is_first ? start == Start::nearby : update <= before));
+                    (damping.factor == 1 && (is_first ? start != Start::guess : update <= before));
   const double largest_norm =
       problem.moves_constraints() ? std::numeric_limits<double>::max() : largest_growth * norm;
   const auto reduce = [&](const double proposed) {
@@ -306,7 +306,8 @@ void Newton::Iteration::solve_stage()
     result.residuals.push_back(norm);
   if (!std::isfinite(norm))
     return;
-  const double sufficient = problem.is_remembered() ? 0 : settings.relative_tolerance;
+  const bool was_solution = start != Start::predicted && !problem.is_remembered();
+  const double sufficient = was_solution ? settings.relative_tolerance : 0;
   if (norm <= sufficient && !problem.moves_constraints()) // nothing has changed
     result.is_converged = true;
   else if (problem.is_linear())

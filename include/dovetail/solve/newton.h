@@ -29,8 +29,9 @@ class Newton
 public:
   explicit Newton(const Section &section);
 
-  /// Whether the first full update is tried without being confirmed by its tangent; not from a guess.
-  enum class Start { nearby, guess };
+  /// The first full update is tried without being confirmed by its tangent, but not from a guess. A predicted
+  /// state may be the solution, but only a small update shows it.
+  enum class Start { nearby, predicted, guess };
   /// Newton's method from @p x, which becomes the last iterate that was accepted.
   NewtonResult solve(NonlinearProblem &problem, NonlinearProblem::Vector &x,
                      Start start = Start::nearby) const;

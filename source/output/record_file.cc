@@ -109,7 +109,8 @@ RecordReader::RecordReader(const std::string &name, const MPI_Comm &communicator
   FirstLine found;
   std::string word;
   std::istringstream(line) >> word >> word >> found.format >> word >> found.n_bytes >> found.sum;
-  const std::string text = size < line.size() + found.n_bytes ? "" : read(line.size(), found.n_bytes);
+  const std::string text =
+      size < line.size() + found.n_bytes ? "" : received(read_here(line.size(), found.n_bytes), communicator);
   if (text.empty() || checksum(text) != found.sum)
     refuse("is damaged: its header is not what was written.");
   content = ordered_json::parse(text);
@@ -120,6 +121,7 @@ RecordReader::RecordReader(const std::string &name, const MPI_Comm &communicator
       end += part[0].get<std::uint64_t>();
   if (size != end)
     refuse("is damaged: it has " + std::to_string(size) + " bytes instead of " + std::to_string(end) + ".");
+  check_records();
 }
 
 void RecordReader::refuse(const std::string &why) const
@@ -142,7 +144,8 @@ void RecordReader::check_first_line(const std::string &line) const
     refuse("was written by a machine that orders bytes in another way.");
 }
 
-std::string RecordReader::read(const std::uint64_t begin, const std::uint64_t n_bytes) const
+/// On the first rank; nothing on others.
+std::string RecordReader::read_here(const std::uint64_t begin, const std::uint64_t n_bytes) const
 {
   std::string bytes;
   if (is_first(communicator)) {
@@ -152,7 +155,25 @@ std::string RecordReader::read(const std::uint64_t begin, const std::uint64_t n_
     file.read(&bytes[0], n_bytes);
     bytes.resize(file.gcount());
   }
-  return received(bytes, communicator);
+  return bytes;
+}
+
+/// Before anybody takes anything from them.
+void RecordReader::check_records() const
+{
+  std::uint64_t begin = begin_of_records;
+  std::string damaged;
+  if (is_first(communicator))
+    for (const auto &[record, parts] : content["records"].items())
+      for (const auto &part : parts) {
+        const auto n_bytes = part[0].get<std::uint64_t>();
+        if (checksum(read_here(begin, n_bytes)) != part[1].get<std::uint64_t>())
+          damaged = record;
+        begin += n_bytes;
+      }
+  damaged = received(damaged, communicator);
+  if (!damaged.empty())
+    refuse("is damaged: its record '" + damaged + "' is not what was written.");
 }
 
 void RecordReader::for_each_part(const std::string &wanted,
@@ -162,12 +183,8 @@ void RecordReader::for_each_part(const std::string &wanted,
   for (const auto &[record, parts] : content["records"].items())
     for (const auto &part : parts) {
       const auto n_bytes = part[0].get<std::uint64_t>();
-      if (record == wanted) {
-        const std::string bytes = read(begin, n_bytes);
-        if (bytes.size() != n_bytes || checksum(bytes) != part[1].get<std::uint64_t>())
-          refuse("is damaged: its record '" + record + "' is not what was written.");
-        visit(bytes);
-      }
+      if (record == wanted)
+        visit(received(read_here(begin, n_bytes), communicator));
       begin += n_bytes;
     }
 }

@@ -48,7 +48,8 @@ public:
                      const std::function<void(const std::string &part)> &visit) const;
 
 private:
-  std::string read(std::uint64_t begin, std::uint64_t n_bytes) const;
+  std::string read_here(std::uint64_t begin, std::uint64_t n_bytes) const;
+  void check_records() const;
   void check_first_line(const std::string &line) const;
   [[noreturn]] void refuse(const std::string &why) const;
 

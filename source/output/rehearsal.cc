@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 
 namespace dovetail {
 
@@ -109,24 +110,39 @@ void tell_conditions(const Model<dim> &model, Log &log)
 }
 
 template <int dim>
-void add_notes_on_motions(const Model<dim> &model, Notes &notes)
+bool has_toggles_at_all(const Model<dim> &model)
 {
-  std::vector<std::string> always;
-  for (const FreeMotion &motion : find_free_motions(model, true)) {
-    always.push_back(motion.in_words());
-    notes.add(of_free_motion("nothing holds " + always.back() +
-                             ". Prescribe a part of it, or add a symmetry, a spring or a point support"));
-  }
-  for (const FreeMotion &motion : find_free_motions(model, false))
-    if (std::find(always.begin(), always.end(), motion.in_words()) == always.end())
-      notes.add(of_free_motion("while all toggles are off, nothing holds " + motion.in_words() +
-                               ": see that a toggle is active in each step, or hold it otherwise"));
+  return std::any_of(model.interfaces.begin(), model.interfaces.end(),
+                     [](const auto &interface) { return interface->has_toggle(); }) ||
+         std::any_of(model.domains.begin(), model.domains.end(), [](const auto &body) {
+           return std::any_of(body->conditions().begin(), body->conditions().end(),
+                              [](const auto &condition) { return !condition->toggle_name().empty(); });
+         });
+}
+
+/// Each motion once, with the first time at which nothing holds it.
+template <int dim>
+void add_notes_on_motions(const Model<dim> &model, const std::vector<double> &times, Notes &notes)
+{
+  std::set<std::string> told;
+  for (const FreeMotion &motion : find_free_motions(model, {}))
+    if (told.insert(motion.in_words()).second)
+      notes.add(of_free_motion("nothing holds " + motion.in_words() +
+                               ". Prescribe a part of it, or add a symmetry, a spring or a point support"));
+  if (!has_toggles_at_all(model))
+    return;
+  for (const double t : times)
+    for (const FreeMotion &motion : find_free_motions(model, t))
+      if (told.insert(motion.in_words()).second)
+        notes.add(of_free_motion("at t = " + five_digits(t) + ", where a toggle is off, nothing holds " +
+                                 motion.in_words() + ": let a toggle be active then, or hold it otherwise"));
 }
 
 } // namespace
 
 template <int dim>
-void rehearse(const Model<dim> &model, const SceneText &text, const Section &scene, Log &log, Notes &notes)
+void rehearse(const Model<dim> &model, const SceneText &text, const Section &scene,
+              const std::vector<double> &times, Log &log, Notes &notes)
 {
   std::vector<BodySize<dim>> sizes;
   for (const auto &body : model.domains)
@@ -134,10 +150,12 @@ void rehearse(const Model<dim> &model, const SceneText &text, const Section &sce
   tell_bodies(model, sizes, scene, log);
   tell_boundaries(model, sizes, text, log);
   tell_conditions(model, log);
-  add_notes_on_motions(model, notes);
+  add_notes_on_motions(model, times, notes);
 }
 
-template void rehearse(const Model<2> &, const SceneText &, const Section &, Log &, Notes &);
-template void rehearse(const Model<3> &, const SceneText &, const Section &, Log &, Notes &);
+template void rehearse(const Model<2> &, const SceneText &, const Section &, const std::vector<double> &,
+                       Log &, Notes &);
+template void rehearse(const Model<3> &, const SceneText &, const Section &, const std::vector<double> &,
+                       Log &, Notes &);
 
 } // namespace dovetail

@@ -129,7 +129,11 @@ template <int dim>
 void Simulation<dim>::check()
 {
   introduce();
-  rehearse(model, *text, scene, log, notes);
+  std::vector<double> times; // of the ends of steps, as far as toggles may differ in them
+  const unsigned int n_times = std::min(50u, steps.n_steps);
+  for (unsigned int i = 1; i <= n_times; ++i)
+    times.push_back(steps.end_time * i / n_times);
+  rehearse(model, *text, scene, times, log, notes);
   results.preview();
   log.line();
   log.cost_of_pairing(model);

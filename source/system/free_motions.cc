@@ -143,10 +143,10 @@ std::string unseen(const JoinedBodies<dim> &group, const dealii::FullMatrix<doub
 /// The bodies of a field that ties hold together, by the first of them.
 template <int dim>
 std::vector<JoinedBodies<dim>> joined_bodies(const Model<dim> &model, const std::string &field,
-                                             const bool with_toggles)
+                                             const std::optional<double> t)
 {
   const auto first = joined_domains<dim>(model, field, [&](const auto &interface, const TiedField &tied) {
-    return (with_toggles || !interface.has_toggle()) && interface.tie().holds(tied);
+    return (!t || interface.is_active(*t)) && interface.tie().holds(tied);
   });
   std::map<unsigned int, JoinedBodies<dim>> groups;
   for (unsigned int d = 0; d < model.domains.size(); ++d)
@@ -174,12 +174,12 @@ std::string FreeMotion::in_words() const
 }
 
 template <int dim>
-std::vector<FreeMotion> find_free_motions(const Model<dim> &model, const bool with_toggles)
+std::vector<FreeMotion> find_free_motions(const Model<dim> &model, const std::optional<double> t)
 {
   std::vector<FreeMotion> motions;
   for (const auto &fields : model.field_groups())
     for (const std::string &field : fields)
-      for (const JoinedBodies<dim> &group : joined_bodies(model, field, with_toggles)) {
+      for (const JoinedBodies<dim> &group : joined_bodies(model, field, t)) {
         const auto is_held_otherwise = [&](const Domain<dim> *body) {
           const Field &own = *body->material.find_field(field);
           return !own.is_continuous || own.is_multiplier ||
@@ -190,7 +190,7 @@ std::vector<FreeMotion> find_free_motions(const Model<dim> &model, const bool wi
         SeenMotions<dim> seen(group);
         for (const Domain<dim> *body : group.bodies)
           for (const auto &condition : body->conditions())
-            if (condition->field.name == field && (with_toggles || condition->toggle_name().empty()))
+            if (condition->field.name == field && (!t || condition->is_active(*t)))
               add_condition_to(seen, *body, *condition);
         const std::string kind = unseen(group, seen.sum_of_ranks(model.communicator));
         if (kind.empty())
@@ -202,7 +202,7 @@ std::vector<FreeMotion> find_free_motions(const Model<dim> &model, const bool wi
   return motions;
 }
 
-template std::vector<FreeMotion> find_free_motions(const Model<2> &, bool);
-template std::vector<FreeMotion> find_free_motions(const Model<3> &, bool);
+template std::vector<FreeMotion> find_free_motions(const Model<2> &, std::optional<double>);
+template std::vector<FreeMotion> find_free_motions(const Model<3> &, std::optional<double>);
 
 } // namespace dovetail

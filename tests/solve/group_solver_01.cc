@@ -104,8 +104,8 @@ void check(const std::string &name, const std::string &tie, const std::vector<st
     difference -= reference;
     report(solver.description()[0], n_iterations ? difference.l2_norm() / reference.l2_norm() : 1, 1e-8);
     if (is_rank_0())
-      for (const std::string &note : solver.notes())
-        std::cout << "  " << note << std::endl;
+      for (const Note &note : solver.notes())
+        std::cout << "  " << note.text() << std::endl;
   };
   for (const std::string &entries : settings)
     try {

@@ -12,9 +12,10 @@
 namespace dovetail {
 
 /// Prints the extents, volumes and masses of all bodies, the areas of their boundaries with the names that
-/// files give them, what each condition acts on, and notes the motions that nothing holds, always or while
-/// toggles are off. Collective. @pre The model is paired.
+/// files give them, what each condition acts on, and notes the motions that nothing holds, always or, with
+/// toggles, at one of the @p times. Collective. @pre The model is paired.
 template <int dim>
-void rehearse(const Model<dim> &model, const SceneText &text, const Section &scene, Log &log, Notes &notes);
+void rehearse(const Model<dim> &model, const SceneText &text, const Section &scene,
+              const std::vector<double> &times, Log &log, Notes &notes);
 
 } // namespace dovetail

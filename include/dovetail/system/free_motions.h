@@ -7,6 +7,7 @@
 
 #include <dovetail/system/model.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,8 +27,8 @@ struct FreeMotion
 /// at the vertices of their faces, P_kl = sum_i z_k,i z_l,i: its null space. Values, springs and exchange
 /// with a fluid resist a component, symmetry resists the normal one. Bodies that store a field are held by
 /// its rate.
-/// @param with_toggles whether what a toggle switches counts as active. Collective. @pre The model is paired.
+/// @param t with what is active then; nothing: with all of it. Collective. @pre The model is paired.
 template <int dim>
-std::vector<FreeMotion> find_free_motions(const Model<dim> &model, bool with_toggles);
+std::vector<FreeMotion> find_free_motions(const Model<dim> &model, std::optional<double> t);
 
 } // namespace dovetail

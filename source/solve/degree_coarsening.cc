@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include "degree_coarsening.h"
+#include "semicoarsening.h"
 
 #include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_Import.h>
@@ -33,29 +34,39 @@ bool on_any_rank(const Epetra_Comm &communicator, const bool here)
 
 } // namespace
 
-DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, const unsigned int degree, const Sums &sums,
-                                   const Epetra_MultiVector &modes)
-    : A(A)
+DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes,
+                                   const std::vector<GroupFacts::Place> &places,
+                                   std::unique_ptr<ChebyshevSmoother> given_smoother)
+    : A(A), smoother(std::move(given_smoother))
 {
   make_prolongation(sums);
-  // what functions of degree one leave reaches the further down the higher the degree is
-  smoother = ChebyshevSmoother::with_diagonal(A, {degree + 1, 12.5 * degree - 10});
   if (prolongation->NumGlobalCols() == 0) // all vertices are prescribed
     return;
   coarse_matrix = A.restricted(*prolongation);
 
   const Epetra_Map &coarse_rows = coarse_matrix->OperatorDomainMap();
   coarse_modes = std::make_unique<Epetra_MultiVector>(coarse_rows, modes.NumVectors());
+  std::vector<GroupFacts::Place> coarse_places;
   unsigned int next = 0;
   for (unsigned int row = 0; row < sums.size(); ++row)
     if (sums[row].size() == 1 && sums[row][0].first == A.rows().GID(row)) {
       for (int mode = 0; mode < modes.NumVectors(); ++mode)
         (*coarse_modes)[mode][next] = modes[mode][row];
+      if (!places.empty())
+        coarse_places.push_back(places[row]);
       ++next;
     }
-  coarse = std::make_unique<SmoothedAggregation>(*coarse_matrix, *coarse_modes, [](const auto &level) {
-    return ChebyshevSmoother::with_factorisation(level, {6, 80}); // costs little beside the rows of A
-  });
+  coarse =
+      make_cycle(*coarse_matrix, *coarse_modes, coarse_places, Semicoarsen::if_cheap, [](const auto &level) {
+        return ChebyshevSmoother::with_factorisation(level, {6, 80}); // costs little beside the rows of A
+      });
+}
+
+/// What functions of degree one leave reaches the further down the higher the degree is.
+std::unique_ptr<ChebyshevSmoother> DegreeCoarsening::usual_smoother(const LevelOperator &A,
+                                                                    const unsigned int degree)
+{
+  return ChebyshevSmoother::with_diagonal(A, {degree + 1, 12.5 * degree - 10});
 }
 
 /// The sums of @p sums, sums of sums, … until only unknowns of the coarse matrix are left.

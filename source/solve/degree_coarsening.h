@@ -9,6 +9,8 @@
 #include "level_operator.h"
 #include "smoothed_aggregation.h"
 
+#include <dovetail/solve/group_solver.h>
+
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
 #include <Epetra_Vector.h>
@@ -38,8 +40,13 @@ public:
 
   /// @param degree of the functions of A
   /// @param modes near-null space of A; the part on the unknowns of A_1 is that of A_1
-  DegreeCoarsening(const LevelOperator &A, unsigned int degree, const Sums &sums,
-                   const Epetra_MultiVector &modes);
+  /// @param places of the rows of A; empty if they are not known
+  /// @param smoother of A
+  DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes,
+                   const std::vector<GroupFacts::Place> &places, std::unique_ptr<ChebyshevSmoother> smoother);
+
+  /// Around diag(A), for functions of this degree.
+  static std::unique_ptr<ChebyshevSmoother> usual_smoother(const LevelOperator &A, unsigned int degree);
 
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
 
@@ -51,7 +58,7 @@ private:
   const LevelOperator &A;
   std::unique_ptr<Epetra_CrsMatrix> prolongation, coarse_matrix;
   std::unique_ptr<Epetra_MultiVector> coarse_modes;
-  std::unique_ptr<SmoothedAggregation> coarse;
+  std::unique_ptr<Cycle> coarse;
   std::unique_ptr<ChebyshevSmoother> smoother;
 };
 

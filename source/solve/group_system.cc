@@ -21,6 +21,8 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
   all_facts.field_of_row = [this]() { return field_of_row(); };
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
+  if (group.positions)
+    all_facts.places = [this]() { return places(); };
 }
 
 void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
@@ -164,6 +166,15 @@ std::vector<int> GroupSystem::field_of_row() const
   std::vector<int> result;
   for (unsigned int i = 0; i < field.size(); ++i)
     result.insert(result.end(), matrix->owned_unknowns()[group.blocks[i]].n_elements(), field[i]);
+  return result;
+}
+
+std::vector<GroupFacts::Place> GroupSystem::places() const
+{
+  std::vector<GroupFacts::Place> result;
+  for (const unsigned int block : group.blocks)
+    for (const auto &position : group.positions(block))
+      result.push_back({block, position});
   return result;
 }
 

@@ -43,6 +43,7 @@ private:
   std::vector<GroupFacts::Sum> linear_part() const;
   std::vector<int> field_of_block() const;
   std::vector<int> field_of_row() const;
+  std::vector<GroupFacts::Place> places() const;
   unsigned int largest_number_of_modes() const;
   double contrast() const;
   std::vector<unsigned int> color_blocks() const;

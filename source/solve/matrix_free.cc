@@ -118,7 +118,8 @@ void MatrixFree::make(const GroupOperator &K)
   if (!modes)
     ranks.run("modes", [&]() { modes = make_modes(facts, level->rows()); });
   ranks.run("multigrid", [&]() {
-    cycle = std::make_unique<DegreeCoarsening>(*level, facts.degree, facts.linear_part(), *modes);
+    cycle = std::make_unique<DegreeCoarsening>(*level, facts.linear_part(), *modes, facts.known_places(),
+                                               DegreeCoarsening::usual_smoother(*level, facts.degree));
   });
   was_symmetric = facts.is_symmetric;
   upkeep.made();

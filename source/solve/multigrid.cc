@@ -4,18 +4,22 @@
 // CG or GMRES with smoothed aggregation, for a degree above one after a first coarsening to the functions of
 // degree one. A group that is not symmetric is preconditioned by the symmetric part of its matrix.
 //
-// At degree one the smoothers are made of the diagonal, until an iteration is slow: then, and from then on,
-// of incomplete factorisations, which cost more and smooth what stretched cells and the like leave. The
-// levels of one matrix are kept for the next ones while that pays.
+// The smoothers are made of the diagonal, until an iteration is slow: then, and from then on, of incomplete
+// factorisations, which cost more and smooth what stretched cells and the like leave. If that is slow too,
+// levels are made along short couplings only. The levels of one matrix are kept for the next ones while that
+// pays.
 //
 //     subsection Linear solver
 //       set Type = multigrid
 //     end
 
 #include "degree_coarsening.h"
+#include "semicoarsening.h"
 #include "upkeep.h"
 
 #include <dovetail/solve/krylov.h>
+
+#include <deal.II/lac/solver_control.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
@@ -23,6 +27,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 
 namespace dovetail {
@@ -41,16 +46,22 @@ public:
     forget_values();
     upkeep.forget();
     modes.reset();
-    is_slow = false;
+    means = Means::usual;
   }
 
 private:
+  enum class Means {
+    usual,         ///< smoothers made of the diagonal
+    factorisation, ///< of incomplete factorisations, and coarsening along short couplings where that is cheap
+    semicoarsening ///< and wherever some couplings are long
+  };
+
   using GivesUp = std::function<bool(unsigned int n, double r)>;
 
   void forget_values();
   void make(const GroupOperator &K);
-  void make_aggregation();
   void make_levels();
+  Means means_for(double n_expected) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
                        const GivesUp &gives_up);
@@ -62,15 +73,15 @@ private:
   std::unique_ptr<Epetra_MultiVector> modes;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< of a matrix that is not symmetric
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
-  bool is_slow = false;                             ///< with smoothers made of the diagonal
-  std::unique_ptr<SmoothedAggregation> aggregation;
+  Means means = Means::usual;                       ///< until an iteration is slow with them
+  std::unique_ptr<Cycle> cycle;
   std::unique_ptr<MatrixLevel> finest;         ///< of by_degree
   std::unique_ptr<DegreeCoarsening> by_degree; ///< instead, for a degree above one
 };
 
 void Multigrid::forget_values()
 {
-  aggregation.reset();
+  cycle.reset();
   by_degree.reset();
   finest.reset();
   symmetric_part.reset();
@@ -106,20 +117,38 @@ void Multigrid::make(const GroupOperator &K)
 
 void Multigrid::make_levels()
 {
+  cycle.reset();
+  by_degree.reset();
   if (facts.degree > 1 && facts.linear_part) {
     finest = std::make_unique<MatrixLevel>(*matrix);
-    by_degree = std::make_unique<DegreeCoarsening>(*finest, facts.degree, facts.linear_part(), *modes);
-  } else
-    make_aggregation();
+    by_degree = std::make_unique<DegreeCoarsening>(
+        *finest, facts.linear_part(), *modes, facts.known_places(),
+        means == Means::usual ? DegreeCoarsening::usual_smoother(*finest, facts.degree)
+                              : ChebyshevSmoother::with_factorisation(*matrix, {4, 40}));
+    return;
+  }
+  const auto make_smoother = [this](const Epetra_CrsMatrix &level) {
+    return means == Means::usual ? ChebyshevSmoother::with_diagonal(level, {2, 10})
+                                 : ChebyshevSmoother::with_factorisation(level, {4, 40});
+  };
+  if (means == Means::usual)
+    cycle = std::make_unique<SmoothedAggregation>(*matrix, *modes, make_smoother);
+  else
+    cycle = make_cycle(*matrix, *modes, facts.known_places(),
+                       means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap,
+                       make_smoother);
 }
 
-void Multigrid::make_aggregation()
+/// What to go on with where so many iterations are expected with the present means. A set-up costs some
+/// iterations.
+Multigrid::Means Multigrid::means_for(const double n_expected) const
 {
-  aggregation.reset();
-  aggregation = std::make_unique<SmoothedAggregation>(*matrix, *modes, [this](const auto &level) {
-    return is_slow ? ChebyshevSmoother::with_factorisation(level, {4, 40})
-                   : ChebyshevSmoother::with_diagonal(level, {2, 10});
-  });
+  const double slow = 30, slow_by_degree = 60, very_slow = 100;
+  if (by_degree)
+    return n_expected > slow_by_degree ? Means::factorisation : means;
+  if (n_expected > (means == Means::usual ? very_slow : slow))
+    return Means::semicoarsening;
+  return n_expected > slow ? Means::factorisation : means;
 }
 
 unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, const double goal)
@@ -137,39 +166,43 @@ unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const Grou
       });
 }
 
-/// With levels of the present matrix.
+/// With levels of the present matrix. From time to time the iterations of ten decades are extrapolated, which
+/// are those of the usual tolerance.
 unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                        const double goal)
 {
-  if (is_slow || by_degree || facts.has_multipliers) // whose Schur complement may be what is slow
-    return iterate(K, x, b, goal, {});
-
   const unsigned int n_between_checks = 8;
-  const double most_per_decade = 3; // of the residual: 30 iterations for the usual tolerance
+  const double usual_decades = 10;
   const double norm = b.l2_norm();
-  const auto will_take_too_many = [&](const unsigned int n, const double residual) {
-    return n > 0 && n % n_between_checks == 0 && n > most_per_decade * std::log10(norm / residual);
+  Means next = means;
+  const auto gives_up = [&](const unsigned int n, const double residual) {
+    if (n == 0 || n % n_between_checks != 0 || facts.has_multipliers) // whose Schur complement may be slow
+      return false;
+    const double decades = std::log10(norm / residual);
+    next = means_for(decades > 0 ? n * usual_decades / decades : std::numeric_limits<double>::infinity());
+    return next > means;
   };
   return solve_in_two_attempts(
-      K, x, b,
-      [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, will_take_too_many); },
+      K, x, b, [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, gives_up); },
       [&](GroupVector &z, const GroupVector &r) {
-        is_slow = true;
-        ranks.run("multigrid", [this]() { make_aggregation(); });
+        if (next <= means)
+          throw dealii::SolverControl::NoConvergence(0, r.l2_norm());
+        means = next;
+        ranks.run("multigrid", [this]() { make_levels(); });
         upkeep.made();
-        return iterate(K, z, r, goal, {});
+        return solve_with_new(K, z, r, goal);
       });
 }
 
 unsigned int Multigrid::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                 const double goal, const GivesUp &gives_up)
 {
-  const auto cycle = [this](GroupVector &solution, const GroupVector &right_hand_side) {
+  const auto apply = [this](GroupVector &solution, const GroupVector &right_hand_side) {
     Epetra_Vector z(View, solution.trilinos_vector(), 0);
     const Epetra_Vector r(View, right_hand_side.trilinos_vector(), 0);
-    by_degree ? by_degree->vmult(z, r) : aggregation->vmult(z, r);
+    by_degree ? by_degree->vmult(z, r) : cycle->vmult(z, r);
   };
-  const unsigned int n_iterations = solve_by_iteration(K, facts, cycle, x, b, goal, gives_up);
+  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up);
   upkeep.solved(n_iterations, std::log10(b.l2_norm() / goal));
   return n_iterations;
 }

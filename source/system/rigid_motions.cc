@@ -31,52 +31,67 @@ std::vector<double> constant(const Domain<dim> &domain, const Block &block, cons
 } // namespace
 
 template <int dim>
-std::vector<std::vector<double>> rigid_motions(const Domain<dim> &domain, const Block &block,
-                                               const dealii::Point<dim> &centre, const double length)
+std::vector<Place<dim>> places_of_unknowns(const Domain<dim> &domain, const Block &block)
 {
   const Field &field = domain.fields()[block.field_index];
-  const unsigned int n_local = block.owned.n_elements();
-  if (field.n_components == 1)
-    return {constant(domain, block, field.first_component)};
-
-  const unsigned int n_modes = dim == 2 ? 3 : 6;
-  std::vector<std::vector<double>> modes(n_modes, std::vector<double>(n_local, 0.));
-  const auto &element = domain.layout().element(field.first_component);
-  dealii::FEValues<dim> at_nodes(domain.mapping(), element, element.get_unit_support_points(),
-                                 dealii::update_quadrature_points);
+  const CellLayout<dim> &layout = domain.layout();
+  const bool has_nodes = layout.is_continuous(field.first_component);
+  const auto &element = layout.element(field.first_component);
+  const std::vector<dealii::Point<dim>> centre = {domain.cell_shape().template barycenter<dim>()};
+  const auto &nodes = has_nodes ? element.get_unit_support_points() : centre;
+  dealii::FEValues<dim> at_nodes(domain.mapping(), element, nodes, dealii::update_quadrature_points);
   std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<bool> is_done(n_local, false);
+  std::vector<Place<dim>> places(block.owned.n_elements());
+  std::vector<bool> is_done(places.size(), false);
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       bool is_mapped = false;
-      for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
-        for (unsigned int c = 0; c < dim; ++c) {
-          const auto dof = dofs[domain.layout().index(field.first_component + c, a)] - block.begin;
-          if (!block.owned.is_element(dof))
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a) {
+          const auto dof = dofs[layout.index(field.first_component + c, a)] - block.begin;
+          if (!block.owned.is_element(dof) || is_done[block.owned.index_within_set(dof)])
             continue;
-          const auto i = block.owned.index_within_set(dof);
-          if (is_done[i])
-            continue;
-          is_done[i] = true;
           if (!is_mapped)
             at_nodes.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
           is_mapped = true;
-          const dealii::Tensor<1, dim> r = (at_nodes.quadrature_point(a) - centre) * (2. / length);
-          modes[c][i] = 1;
-          if constexpr (dim == 2)
-            modes[2][i] = c == 0 ? -r[1] : r[0];
-          else
-            for (unsigned int axis = 0; axis < 3; ++axis) {
-              dealii::Tensor<1, dim> e;
-              e[axis] = 1;
-              modes[3 + axis][i] = dealii::cross_product_3d(e, r)[c];
-            }
+          const auto i = block.owned.index_within_set(dof);
+          is_done[i] = true;
+          places[i] = {at_nodes.quadrature_point(has_nodes ? a : 0), c};
         }
     }
+  return places;
+}
+
+template <int dim>
+std::vector<std::vector<double>> rigid_motions(const Domain<dim> &domain, const Block &block,
+                                               const dealii::Point<dim> &centre, const double length)
+{
+  const Field &field = domain.fields()[block.field_index];
+  if (field.n_components == 1)
+    return {constant(domain, block, field.first_component)};
+
+  const std::vector<Place<dim>> places = places_of_unknowns(domain, block);
+  const unsigned int n_modes = dim == 2 ? 3 : 6;
+  std::vector<std::vector<double>> modes(n_modes, std::vector<double>(places.size(), 0.));
+  for (unsigned int i = 0; i < places.size(); ++i) {
+    const dealii::Tensor<1, dim> r = (places[i].position - centre) * (2. / length);
+    const unsigned int c = places[i].component;
+    modes[c][i] = 1;
+    if constexpr (dim == 2)
+      modes[2][i] = c == 0 ? -r[1] : r[0];
+    else
+      for (unsigned int axis = 0; axis < 3; ++axis) {
+        dealii::Tensor<1, dim> e;
+        e[axis] = 1;
+        modes[3 + axis][i] = dealii::cross_product_3d(e, r)[c];
+      }
+  }
   return modes;
 }
 
+template std::vector<Place<2>> places_of_unknowns(const Domain<2> &, const Block &);
+template std::vector<Place<3>> places_of_unknowns(const Domain<3> &, const Block &);
 template std::vector<std::vector<double>> rigid_motions(const Domain<2> &, const Block &,
                                                         const dealii::Point<2> &, double);
 template std::vector<std::vector<double>> rigid_motions(const Domain<3> &, const Block &,

@@ -3,9 +3,11 @@
 
 #include <dovetail/domain/cell_operator.h>
 #include <dovetail/system/linear_part.h>
+#include <dovetail/system/rigid_motions.h>
 #include <dovetail/system/solve_groups.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 namespace dovetail {
@@ -65,6 +67,15 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
                                      [&model](const auto &field) { return model.allows_jumps(field); });
     group.near_null_space = [&model](const unsigned int block, const bool about_one_point) {
       return model.near_null_space(model.numbering->blocks()[block], about_one_point);
+    };
+    group.positions = [&model](const unsigned int number) {
+      const Block &block = model.numbering->blocks()[number];
+      std::vector<std::array<double, 3>> positions;
+      for (const Place<dim> &place : places_of_unknowns(*model.domains[block.domain_index], block)) {
+        positions.emplace_back();
+        std::copy(place.position.begin_raw(), place.position.end_raw(), positions.back().begin());
+      }
+      return positions;
     };
     group.linear_part = [&model, system](const unsigned int block) {
       return constrained_linear_part(model, system(), block);

@@ -11,6 +11,7 @@
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/trilinos_vector.h>
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -77,6 +78,14 @@ struct GroupFacts : GroupTraits
   std::function<std::vector<Sum>()> linear_part;
   /// Of each own row of the bodies: the number of its field, from 0.
   std::function<std::vector<int>()> field_of_row;
+  /// Of each own row of the bodies: the number of its block, and where its node is. May be missing.
+  struct Place
+  {
+    unsigned int block = 0;
+    std::array<double, 3> position{};
+  };
+  std::function<std::vector<Place>()> places;
+  std::vector<Place> known_places() const { return places ? places() : std::vector<Place>(); }
 };
 
 /// Lets all ranks go the same way where an exception (of a library, no memory) may meet one of them alone.

@@ -10,6 +10,7 @@
 #include <dovetail/solve/block_matrix.h>
 #include <dovetail/solve/group_solver.h>
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -34,6 +35,8 @@ struct SolveGroup : GroupTraits
   /// may be missing, which costs time only.
   using Sum = std::vector<std::pair<dealii::types::global_dof_index, double>>;
   std::function<std::vector<Sum>(unsigned int block)> linear_part;
+  /// Where the nodes of this rank's unknowns of a block are. Asked for only if a solver does; may be missing.
+  std::function<std::vector<std::array<double, 3>>(unsigned int block)> positions;
   /// If is_symmetric: whether the matrix still is, as far as this rank knows. If missing, it is.
   std::function<bool()> is_still_symmetric;
   /// The name of the field of a block of the bodies. If missing, all have the same.

@@ -11,6 +11,18 @@
 
 namespace dovetail {
 
+/// Where an unknown is: at its node, or at the centre of its cell if it is of a discontinuous function.
+template <int dim>
+struct Place
+{
+  dealii::Point<dim> position;
+  unsigned int component = 0; ///< of its field
+};
+
+/// Of this rank's unknowns of a block, in their order.
+template <int dim>
+std::vector<Place<dim>> places_of_unknowns(const Domain<dim> &domain, const Block &block);
+
 /// At this rank's unknowns of a block, in their order: the constant for scalars; for vectors translations and
 /// then rotations about @p centre, with positions in units of @p length / 2.
 template <int dim>

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Algebraic multigrid for cells that are longer in some directions than in others.
+
+#pragma once
+
+#include "chebyshev_smoother.h"
+#include "smoothed_aggregation.h"
+
+#include <dovetail/solve/group_solver.h>
+
+#include <Epetra_CrsMatrix.h>
+#include <Epetra_MultiVector.h>
+#include <Epetra_Vector.h>
+
+#include <array>
+#include <memory>
+#include <vector>
+
+class Amesos_BaseSolver;
+class Epetra_LinearProblem;
+
+namespace dovetail {
+
+/// The nodes of a level on this rank: rows that follow each other and are at the same place of the same body.
+struct LevelNodes
+{
+  std::vector<int> first_row; ///< by node, and the number of rows at the end
+  std::vector<unsigned int> body;
+  std::vector<std::array<double, 3>> position;
+
+  unsigned int size() const { return body.size(); }
+};
+LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places);
+
+/// By node the nodes of this rank that a matrix couples with it.
+using NodeGraph = std::vector<std::vector<unsigned int>>;
+
+/// The couplings of A, and those of them that are short: at most three times as long as the shortest coupling
+/// of one of their nodes within its body.
+struct Couplings
+{
+  Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes);
+
+  NodeGraph all, near;
+  double share_of_far = 0;  ///< of the nodes of all ranks: with a coupling that is not short
+  double rows_together = 0; ///< mean of all ranks: of a node and those that short couplings connect with it
+};
+
+/// A V-cycle for a symmetric positive definite matrix A by smoothed aggregation whose aggregates follow short
+/// couplings only. The distances of nodes across stretched cells grow from level to level until they are as
+/// long as those along them. What varies along long cells, and hardly in the other directions, has small
+/// eigenvalues that no smoother reaches; it stays on the coarse level.
+///
+/// The prolongation is P = (I - w D^-1 A_near) T: T spans the near-null space on each aggregate, and A_near
+/// is A with its far couplings added to the diagonal blocks, such that A_near B = A B for the near-null space
+/// B (on the finest level, for the translations in B).
+///
+/// P. Vanek, J. Mandel, M. Brezina: Algebraic multigrid by smoothed aggregation for second and fourth order
+/// elliptic problems, 1996.
+class Semicoarsening : public Cycle
+{
+public:
+  /// @param modes near-null space of A, which is referred to.
+  Semicoarsening(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes, LevelNodes nodes,
+                 const MakeSmoother &make_smoother);
+  ~Semicoarsening() override;
+
+  void vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const override;
+
+private:
+  struct Level
+  {
+    const Epetra_CrsMatrix *A = nullptr;
+    std::unique_ptr<Epetra_CrsMatrix> owned; ///< nullptr on the finest level
+    std::unique_ptr<Epetra_CrsMatrix> P;     ///< from the next coarser level
+    std::unique_ptr<ChebyshevSmoother> smoother;
+  };
+
+  void factorise(const Epetra_CrsMatrix &A);
+  void cycle(unsigned int level, Epetra_Vector &x, const Epetra_Vector &b) const;
+
+  std::vector<Level> levels; ///< all but the coarsest
+  std::unique_ptr<Epetra_CrsMatrix> coarsest;
+  std::unique_ptr<Epetra_LinearProblem> problem;
+  std::unique_ptr<Amesos_BaseSolver> factors;
+};
+
+/// When to take Semicoarsening in place of SmoothedAggregation.
+enum class Semicoarsen {
+  if_cheap,    ///< if that reduces the number of unknowns by about two or more
+  if_stretched ///< if more than a tenth of the nodes have couplings that are not short
+};
+
+/// @param places of the rows of A; empty if they are not known: SmoothedAggregation
+std::unique_ptr<Cycle> make_cycle(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
+                                  const std::vector<GroupFacts::Place> &places, Semicoarsen when,
+                                  const Cycle::MakeSmoother &make_smoother);
+
+} // namespace dovetail

@@ -6,6 +6,7 @@
 #include <dovetail/scene/undefined.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/utilities.h>
 
 #include <algorithm>
 #include <cmath>
@@ -88,6 +89,28 @@ unsigned int read_points_per_face(const Section &section)
   return std::stoi(text);
 }
 
+/// "carbon : carbon monoxide, a : b": a field of the source and that of the destination to which it is tied.
+std::vector<std::array<std::string, 2>> read_co_fields(const Section &section)
+{
+  std::vector<std::array<std::string, 2>> pairs;
+  for (const std::string &text :
+       section.read<std::vector<std::string>>("Co-fields", {},
+                                              "Fields of different names that are tied, source's field : "
+                                              "destination's field, for instance carbon "
+                                              ": carbon monoxide [-]")) {
+    const auto parts = dealii::Utilities::split_string_list(text, ':');
+    const bool is_good = parts.size() == 2 && !parts[0].empty() && !parts[1].empty();
+    section.check(
+        is_good, "Co-fields",
+        "has '" + text +
+            "', but must be a list of 'field of the source : field of the destination', for instance "
+            "carbon : carbon monoxide.");
+    if (is_good)
+      pairs.push_back({{parts[0], parts[1]}});
+  }
+  return pairs;
+}
+
 } // namespace
 
 template <int dim>
@@ -116,6 +139,12 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       "Gap extension", {"symmetric", "trial", "none"}, 0,
       "Extend the partner's field affinely over the gap: solution and test functions, only the "
       "solution, or not at all [-]"));
+  if (!section.documenting() && !method->bridges_gaps()) {
+    section.check(!section.is_set("Gap extension"), "Gap extension",
+                  "does not belong to Type = " + section.peek("Type") +
+                      ", which takes the fields at the faces. Remove it.");
+    options.gap_extension = GapExtension::none;
+  }
   const std::vector<std::string> answers = {"error", "warn", "allow"};
   uncovered = answers[section.choose("Uncovered", answers, 0,
                                      "Reaction if both sides have parts without a partner [-]")];
@@ -132,12 +161,15 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       read_material_ids(section, entry);
     section.read<std::vector<std::string>>(
         "Fields", {}, "The fields that are tied; if empty, all fields that both domains have [-]");
+    read_co_fields(section);
+    read_partition();
     return;
   }
   check_not_to_itself();
   options.integrate_on = method->integrates_on();
   read_fields();
   read_jump();
+  read_partition();
   method->set_fields(section, fields);
   find_components();
 }
@@ -170,7 +202,9 @@ void Interface<dim>::check_against(const Interface &other, const std::string &wh
         difference(*this) == (first == source ? 1. : -1.) * difference(other))
       for (const TiedField &field : fields)
         for (const TiedField &other_field : other.fields)
-          section.check(field.name != other_field.name, "Fields",
+          section.check(field.names[source] != other_field.names[first] &&
+                            field.names[destination] != other_field.names[1 - first],
+                        "Fields",
                         "include " + field.name + ", which the interface " + other.name +
                             " ties on the same boundaries, too, and " + when +
                             ". Give the two different Fields or boundary ids, or toggles that alternate.");
@@ -179,6 +213,7 @@ void Interface<dim>::check_against(const Interface &other, const std::string &wh
 template <int dim>
 void Interface<dim>::read_fields()
 {
+  const auto pairs = read_co_fields(section);
   std::vector<std::string> common;
   for (const Field &field : sides[source].domain->fields())
     if (const Field *other = sides[destination].domain->material.find_field(field.name);
@@ -186,9 +221,10 @@ void Interface<dim>::read_fields()
       common.push_back(field.name);
   const auto asked = section.read<std::vector<std::string>>(
       "Fields", {}, "The fields that are tied; all that both domains have if empty [-]");
-  section.check(!common.empty(), "Source",
+  section.check(!common.empty() || !pairs.empty(), "Source",
                 "and Destination have no field in common: " + sides[source].domain->name + " and " +
-                    sides[destination].domain->name + " share no field.");
+                    sides[destination].domain->name +
+                    " share no field. Fields of different names can be tied by Co-fields.");
   for (const std::string &field : asked.empty() ? common : asked) {
     for (const InterfaceSide<dim> &side : sides)
       if (const Field *side_field = side.domain->material.find_field(field); side_field != nullptr)
@@ -196,26 +232,91 @@ void Interface<dim>::read_fields()
                       "names '" + field +
                           "', which is discontinuous: it has no trace that a tie could hold. "
                           "Remove it from the list.");
-    if (!section.documenting() && std::find(common.begin(), common.end(), field) == common.end())
+    if (std::find(common.begin(), common.end(), field) == common.end())
       section.fail("Fields", "names '" + field + "', but the fields that both domains have are " +
                                  comma_separated(common) + ". " + did_you_mean(field, common));
     section.check(std::count(asked.begin(), asked.end(), field) <= 1, "Fields", "has '" + field + "' twice.");
-    TiedField tied;
-    tied.name = field;
-    tied.index = fields.size();
-    for (const unsigned int side : {source, destination})
-      for (unsigned int f = 0; f < sides[side].domain->fields().size(); ++f)
-        if (const Field &side_field = sides[side].domain->fields()[f]; side_field.name == field) {
-          tied.symbol = side_field.symbol;
-          tied.n_components = side_field.n_components;
-          tied.first_component[side] = side_field.first_component;
-          tied.field[side] = f;
-          tied.n_nodes[side] = sides[side].domain->layout().n_nodes(side_field.first_component);
-          tied.first_shape[side] = sides[side].domain->layout().first_shape(side_field.first_component);
-          tied.has_curvature = tied.has_curvature && sides[side].domain->material.has_curvature(f);
-        }
-    fields.push_back(tied);
+    const bool has_other = std::any_of(pairs.begin(), pairs.end(), [&field](const auto &pair) {
+      return pair[source] == field || pair[destination] == field;
+    });
+    section.check(!has_other || asked.empty(), "Fields",
+                  "names '" + field +
+                      "', which Co-fields ties to another field. Remove it from one of them.");
+    if (!has_other)
+      add_field({{field, field}});
   }
+  for (const auto &pair : pairs) {
+    check_co_fields(pair);
+    add_field(pair);
+  }
+}
+
+/// An error if one side does not have its field, if the two differ in kind, or if one is tied twice.
+template <int dim>
+void Interface<dim>::check_co_fields(const std::array<std::string, 2> &names) const
+{
+  std::array<const Field *, 2> found;
+  for (const unsigned int side : {source, destination}) {
+    std::vector<std::string> known;
+    for (const Field &field : sides[side].domain->fields())
+      if (field.is_continuous)
+        known.push_back(field.name);
+    found[side] = sides[side].domain->material.find_field(names[side]);
+    section.check(found[side] != nullptr && found[side]->is_continuous, "Co-fields",
+                  std::string("names '") + names[side] + "' for the " +
+                      (side == source ? "source" : "destination") + ", but the fields of " +
+                      sides[side].domain->name + " are " + comma_separated(known) + ". " +
+                      did_you_mean(names[side], known));
+    for (const TiedField &tied : fields)
+      section.check(tied.names[side] != names[side], "Co-fields",
+                    "tie '" + names[side] + "' of the domain " + sides[side].domain->name + " twice.");
+  }
+  if (found[source] != nullptr && found[destination] != nullptr)
+    section.check(found[source]->n_components == 1 && found[destination]->n_components == 1, "Co-fields",
+                  "tie '" + names[source] + "' and '" + names[destination] +
+                      "', but only scalars can have different names.");
+}
+
+template <int dim>
+void Interface<dim>::add_field(const std::array<std::string, 2> &names)
+{
+  TiedField tied;
+  tied.name = names[source];
+  tied.names = names;
+  tied.index = fields.size();
+  for (const unsigned int side : {source, destination})
+    for (unsigned int f = 0; f < sides[side].domain->fields().size(); ++f)
+      if (const Field &side_field = sides[side].domain->fields()[f]; side_field.name == names[side]) {
+        if (side == source)
+          tied.symbol = side_field.symbol;
+        tied.n_components = side_field.n_components;
+        tied.first_component[side] = side_field.first_component;
+        tied.field[side] = f;
+        tied.n_nodes[side] = sides[side].domain->layout().n_nodes(side_field.first_component);
+        tied.first_shape[side] = sides[side].domain->layout().first_shape(side_field.first_component);
+        tied.has_curvature = tied.has_curvature && sides[side].domain->material.has_curvature(f);
+      }
+  fields.push_back(tied);
+}
+
+template <int dim>
+void Interface<dim>::read_partition()
+{
+  const double K = section.read<double>(
+      "Partition coefficient", 1,
+      "K of a species that two materials dissolve differently: B_source = K B_destination on the interface, "
+      "with the same flux on both sides; a Jump is then B_source - K B_destination; not with constraints [-]",
+      Patterns::Double(1e-300));
+  if (K == 1 || section.documenting())
+    return;
+  section.check(fields.size() == 1 && fields[0].n_components == 1, "Partition coefficient",
+                "belongs to one scalar field, but the interface ties " +
+                    std::string(fields.size() > 1 ? "several" : "a vector") +
+                    ". Set Fields to one scalar, and tie the others by interfaces of their own.");
+  section.check(method->allows_partition(), "Partition coefficient",
+                "is not 1, which Type = " + section.peek("Type") +
+                    " cannot give. Use Type = Nitsche or contact resistance.");
+  fields[0].partition = K;
 }
 
 template <int dim>
@@ -329,7 +430,7 @@ bool Interface<dim>::has_conditions(const unsigned int side) const
   const auto &ids = sides[side].boundary_ids;
   for (const auto &condition : sides[side].domain->conditions())
     for (const TiedField &field : fields)
-      if (field.name == condition->field.name &&
+      if (field.names[side] == condition->field.name &&
           std::any_of(condition->boundary_ids.begin(), condition->boundary_ids.end(),
                       [&](const auto id) { return ids.count(id) > 0; }))
         return true;
@@ -396,7 +497,7 @@ void Interface<dim>::jump(const TiedField &field, const unsigned int q, const do
   for (const unsigned int side : {source, destination}) {
     const unsigned int n = field.n_nodes[side];
     const double *trial = pairing().trial(side, q, field.index) + field.first_shape[side];
-    const double sign = side == source ? 1 : -1;
+    const double sign = (side == source ? 1 : -1) * field.in_jump(side);
     const unsigned int first = first_unknown(side, field.first_component[side]);
     for (unsigned int c = 0; c < field.n_components; ++c)
       for (unsigned int a = 0; a < n; ++a)

@@ -54,7 +54,7 @@ Cover<dim> make_cover(const Interface<dim> &interface, const unsigned int side, 
   cover.is_permanent = !interface.has_toggle();
   cover.is_active = [&interface](const double t) { return interface.is_active(t); };
   for (const TiedField &field : interface.fields)
-    cover.fields.insert(field.name);
+    cover.fields.insert(field.names[side]);
   cover.faces = interface.pairing().covered_faces(side);
 
   const FaceLocator<dim> locator = interface.make_locator(1 - side, communicator);

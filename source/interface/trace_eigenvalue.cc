@@ -179,8 +179,8 @@ TraceEigenvalues eigenvalues_at(const Interface<dim> &interface, const TiedField
     for (const auto &[rank, lambda] : exchange(std::move(answers), communicator, interface.work()))
       for (unsigned int k = 0; k < lambda.size(); ++k) {
         const unsigned int cell = asked.at(rank)[k];
-        result.tangent_values[side][cell] = lambda[k][0];
-        result.penalty_values[side][cell] = lambda[k][1];
+        result.tangent_values[side][cell] = lambda[k][0] / field.in_jump(side);
+        result.penalty_values[side][cell] = lambda[k][1] / field.in_jump(side);
       }
   }
   return result;

@@ -26,13 +26,14 @@ constexpr double rounding_of_range = 1e-10; ///< range of a constant field, rela
 
 /// NaN if the field is constant.
 template <int dim>
-double range(const Interface<dim> &interface, const std::string &field, const ordered_json &domains)
+double range(const Interface<dim> &interface, const TiedField &field, const ordered_json &domains)
 {
   double largest = -std::numeric_limits<double>::max(), smallest = -largest;
-  for (const auto &side : interface.sides) {
-    const ordered_json &domain_numbers = domains.at(side.domain->name);
-    largest = std::max(largest, domain_numbers.at("maximum").at(field).get<double>());
-    smallest = std::min(smallest, domain_numbers.at("minimum").at(field).get<double>());
+  for (const unsigned int side : {source, destination}) {
+    const ordered_json &domain_numbers = domains.at(interface.sides[side].domain->name);
+    const double K = field.in_jump(side);
+    largest = std::max(largest, K * domain_numbers.at("maximum").at(field.names[side]).get<double>());
+    smallest = std::min(smallest, K * domain_numbers.at("minimum").at(field.names[side]).get<double>());
   }
   return largest - smallest > rounding_of_range * std::max(std::abs(largest), std::abs(smallest))
              ? largest - smallest
@@ -149,7 +150,7 @@ NoteList explain_jumps(const Model<dim> &model, const double t, const ordered_js
       if (interface->tie().allows_jump(field) || numbers.at("jump L2").at(field.name).is_null())
         continue;
       const double jump = numbers["jump L2"][field.name].template get<double>() / std::sqrt(area) /
-                          range(*interface, field.name, domains);
+                          range(*interface, field, domains);
       if (std::isfinite(jump))
         numbers["relative jump"][field.name] = jump;
       if (jump > worth_a_note)

@@ -135,7 +135,7 @@ std::vector<double> Reactions<dim>::resultant(const Domain<dim> &domain, const I
   for (const auto &interface : model.interfaces)
     for (unsigned int f = 0; f < interface->fields.size(); ++f)
       for (const unsigned int side : {source, destination})
-        if (interface->sides[side].domain == &domain && interface->fields[f].name == field.name) {
+        if (interface->sides[side].domain == &domain && interface->fields[f].names[side] == field.name) {
           const std::vector<double> part = part_resultant(*interface, f, side, ids);
           for (unsigned int c = 0; c < sum.size(); ++c)
             sum[c] += part[c];

@@ -131,7 +131,7 @@ void plan_interfaces(const Model<dim> &model, Plan &plan)
   for (const auto &interface : model.interfaces) {
     std::vector<std::string> tied;
     for (const TiedField &field : interface->fields)
-      tied.push_back(field.name);
+      tied.push_back(field.label());
     const std::string sentence = comma_separated(tied) + " by " + interface->description();
     const auto same =
         std::find_if(ties.begin(), ties.end(), [&](const auto &other) { return other.first == sentence; });

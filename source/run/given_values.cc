@@ -134,7 +134,7 @@ bool GivenValues<dim>::has_sources(const std::string &field) const
   return std::any_of(model.interfaces.begin(), model.interfaces.end(), [&](const auto &interface) {
     return interface->has_prescribed_jump() &&
            std::any_of(interface->fields.begin(), interface->fields.end(),
-                       [&](const TiedField &tied) { return tied.name == field; });
+                       [&](const TiedField &tied) { return tied.ties(field); });
   });
 }
 

@@ -70,7 +70,8 @@ std::vector<double> mean_given_values(const Model<dim> &model, const std::string
   }
   for (const auto &interface : model.interfaces)
     for (const auto &tied : interface->fields)
-      if (tied.name == field && interface->is_active(t) && interface->tie().holds(tied)) {
+      if (tied.names[source] == field && tied.names[destination] == field && interface->is_active(t) &&
+          interface->tie().holds(tied)) {
         std::array<unsigned int, 2> side_groups{};
         for (unsigned int d = 0; d < n; ++d)
           for (const unsigned int side : {source, destination})

@@ -3,7 +3,7 @@
 
 #include <dovetail/interface/make_cover.h>
 #include <dovetail/pairing/facing_boundaries.h>
-#include <dovetail/system/joined_domains.h>
+#include <dovetail/system/joined_fields.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/rigid_motions.h>
 
@@ -122,12 +122,13 @@ void Model<dim>::tell_other_interfaces()
       side.others.clear();
       side.strong_others.clear();
       for (const auto &other : interfaces)
-        for (const InterfaceSide<dim> &other_side : other->sides)
-          if (&other_side != &side && other_side.domain == side.domain)
+        for (const unsigned int i : {source, destination})
+          if (const InterfaceSide<dim> &other_side = other->sides[i];
+              &other_side != &side && other_side.domain == side.domain)
             for (const TiedField &field : other->fields) {
-              side.others[field.name].push_back(&other_side);
+              side.others[field.names[i]].push_back(&other_side);
               if (other->tie().parts().elimination != nullptr)
-                side.strong_others[field.name].push_back(&other_side);
+                side.strong_others[field.names[i]].push_back(&other_side);
             }
     }
 }
@@ -309,26 +310,34 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
                                                        const std::optional<double> t,
                                                        const bool with_reactions) const
 {
-  const auto holds = [&](const Condition<dim> &condition) {
-    return condition.field.name == field && condition.removes_constant(component) &&
-           (!t || condition.is_active(*t));
-  };
-  const auto first = joined_domains<dim>(*this, field, [&](const auto &interface, const TiedField &tied) {
+  const auto joined = joined_fields<dim>(*this, [&](const auto &interface, const TiedField &tied) {
     return interface.tie().holds(tied) && (!t || interface.is_active(*t));
   });
-  std::vector<bool> is_held(domains.size(), false);
+  std::set<unsigned int> asked, is_held; // of the numbers in joined
   for (unsigned int d = 0; d < domains.size(); ++d)
-    for (const auto &condition : domains[d]->conditions())
-      if (holds(*condition))
-        is_held[first[d]] = true;
-  for (unsigned int d = 0; with_reactions && d < domains.size(); ++d)
-    if (const Field *domain_field = domains[d]->material.find_field(field))
-      if (is_held_by_source(*domains[d], domain_field->first_component + component, t))
-        is_held[first[d]] = true;
+    for (unsigned int f = 0; f < domains[d]->fields().size(); ++f)
+      if (domains[d]->fields()[f].name == field)
+        asked.insert(joined[d][f]);
+  for (unsigned int d = 0; d < domains.size(); ++d)
+    for (unsigned int f = 0; f < domains[d]->fields().size(); ++f) {
+      const Field &domain_field = domains[d]->fields()[f];
+      if (asked.count(joined[d][f]) == 0 || component >= domain_field.n_components)
+        continue;
+      const auto &conditions = domains[d]->conditions();
+      const bool has_condition =
+          std::any_of(conditions.begin(), conditions.end(), [&](const auto &condition) {
+            return condition->field.name == domain_field.name && condition->removes_constant(component) &&
+                   (!t || condition->is_active(*t));
+          });
+      if (has_condition ||
+          (with_reactions && is_held_by_source(*domains[d], domain_field.first_component + component, t)))
+        is_held.insert(joined[d][f]);
+    }
   std::set<const Domain<dim> *> held;
   for (unsigned int d = 0; d < domains.size(); ++d)
-    if (is_held[first[d]])
-      held.insert(domains[d].get());
+    for (unsigned int f = 0; f < domains[d]->fields().size(); ++f)
+      if (domains[d]->fields()[f].name == field && is_held.count(joined[d][f]) > 0)
+        held.insert(domains[d].get());
   return held;
 }
 
@@ -346,6 +355,11 @@ std::vector<std::vector<std::string>> Model<dim>::field_groups() const
         if (g != f && domain->material.depends(f, g))
           depends_on[name].insert(domain->fields()[g].name);
     }
+  for (const auto &interface : interfaces)
+    for (const TiedField &tied : interface->fields)
+      for (const unsigned int side : {source, destination})
+        if (tied.names[side] != tied.names[1 - side])
+          depends_on[tied.names[side]].insert(tied.names[1 - side]);
 
   // what a field needs, directly or by way of others
   for (std::size_t round = 0; round < open.size(); ++round)
@@ -399,7 +413,8 @@ bool Model<dim>::is_linear_in(const IsAsked &is_asked) const
   }
   for (const auto &interface : interfaces)
     for (const TiedField &tied : interface->fields)
-      if (is_asked(tied.name) && !interface->tie().is_linear())
+      if ((is_asked(tied.names[source]) || is_asked(tied.names[destination])) &&
+          !interface->tie().is_linear())
         return false;
   return true;
 }
@@ -428,6 +443,11 @@ bool Model<dim>::depends(const std::string &field, const std::string &on_field) 
         if (fields[f].name == field && fields[g].name == on_field && domain->material.depends(f, g))
           return true;
   }
+  for (const auto &interface : interfaces)
+    for (const TiedField &tied : interface->fields)
+      for (const unsigned int side : {source, destination})
+        if (tied.names[side] == field && tied.names[1 - side] == on_field && field != on_field)
+          return true;
   return false;
 }
 
@@ -460,7 +480,7 @@ bool Model<dim>::is_symmetric(const std::string &field) const
   }
   for (const auto &interface : interfaces)
     for (const auto &tied : interface->fields)
-      if (tied.name == field && !interface->is_symmetric())
+      if (tied.ties(field) && (!interface->is_symmetric() || tied.has_partition()))
         return false;
   return true;
 }
@@ -470,7 +490,7 @@ bool Model<dim>::allows_jumps(const std::string &field) const
 {
   for (const auto &interface : interfaces)
     for (const auto &tied : interface->fields)
-      if (tied.name == field && interface->tie().allows_jump(tied))
+      if (tied.ties(field) && (interface->tie().allows_jump(tied) || tied.has_partition()))
         return true;
   return false;
 }

@@ -278,7 +278,7 @@ double NodalForces<dim>::rounding_of_groups(const Domain<dim> &domain, const Fie
         std::any_of(interface->sides.begin(), interface->sides.end(),
                     [&](const auto &side) { return side.domain == &domain; }) &&
         std::any_of(interface->fields.begin(), interface->fields.end(),
-                    [&](const TiedField &tied) { return tied.name == field.name; }))
+                    [&](const TiedField &tied) { return tied.ties(field.name); }))
       for (const auto &group : interface->pairing().groups) {
         interface->group_dofs(group, dofs);
         unknowns.resize(dofs.size());

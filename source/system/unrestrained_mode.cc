@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/system/joined_domains.h>
+#include <dovetail/system/joined_fields.h>
 #include <dovetail/system/rigid_motions.h>
 #include <dovetail/system/unrestrained_mode.h>
 
@@ -41,14 +41,14 @@ struct Group
 template <int dim>
 std::vector<Group<dim>> groups_of(const Model<dim> &model, const std::string &field, const double t)
 {
-  const auto first = joined_domains<dim>(model, field, [t](const auto &interface, const TiedField &tied) {
+  const auto joined = joined_fields<dim>(model, [t](const auto &interface, const TiedField &tied) {
     return interface.is_active(t) && interface.tie().surely_holds(tied, t);
   });
   std::map<unsigned int, std::vector<unsigned int>> blocks_of;
   const auto &blocks = model.numbering->blocks();
   for (unsigned int b = 0; b < blocks.size(); ++b)
     if (!blocks[b].is_of_multipliers && blocks[b].field == field)
-      blocks_of[first[blocks[b].domain_index]].push_back(b);
+      blocks_of[joined[blocks[b].domain_index][blocks[b].field_index]].push_back(b);
 
   std::vector<Group<dim>> groups;
   for (const auto &group_blocks : blocks_of) {

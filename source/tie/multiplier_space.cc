@@ -237,7 +237,7 @@ std::set<Index> MultiplierSpace<dim>::cross_points() const
   std::set<Index> found;
   std::vector<Index> dofs;
   for (const TiedField &field : interface.fields) {
-    const auto others = side.strong_others.find(field.name);
+    const auto others = side.strong_others.find(field.names[destination]);
     if (others == side.strong_others.end())
       continue;
     const unsigned int first = field.first_component[destination];

@@ -588,6 +588,10 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
       i += n_nodes;
     }
   }
+  if (theta != 0 && field.has_partition()) // the flux varies by K times the destination's trace
+    for (unsigned int c = 0; c < n_c; ++c)
+      for (unsigned int j = interface.n_local(source); j < n_local; ++j)
+        variation_of[c * n_local + j] /= field.partition;
 }
 
 template <int dim>
@@ -608,7 +612,7 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
         if (c < field.n_components) {
           field_unknowns.push_back(i);
           if (std::abs(trial[a]) > interface.least_in_jump || std::abs(test[a]) > interface.least_in_jump)
-            in_jump.push_back({i, c, sign * trial[a], sign * test[a]});
+            in_jump.push_back({i, c, sign * field.in_jump(side) * trial[a], sign * test[a]});
         }
     }
   }
@@ -725,8 +729,8 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
       contraction.assign(n, dealii::Tensor<1, dim>());
       for (unsigned int c = 0; c < field.n_components; ++c)
         contraction[field.first_component[side] + c] = -theta_here * (side == source ? 1 : -1) *
-                                                       p.weight[side] * pairing.weight(q) *
-                                                       series.mismatch[c] * pairing.N(side, q);
+                                                       p.weight[side] / field.in_jump(side) *
+                                                       pairing.weight(q) * series.mismatch[c] * pairing.N(side, q);
       dealii::FullMatrix<double> &H = second_derivative;
       sides.curvature(side, contraction, H);
 

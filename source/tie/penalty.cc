@@ -210,7 +210,8 @@ double Penalty<dim>::choose(const Interface<dim> &interface, const unsigned int 
       continue;
     // V_i / (p_i^2 k_i): for a scalar the inverse of the trace constant is V_i / (p_i^2 k_i G_i)
     const CellBehind<dim> &cell = interface.pairing().cells[side][group.cells[side]];
-    const double k = stiffness(interface, field, side, interface.pairing().N(side, q), sides);
+    const double k =
+        stiffness(interface, field, side, interface.pairing().N(side, q), sides) / field.in_jump(side);
     const double p = interface.sides[side].domain->layout().element(field.first_component[side]).degree;
     compliance[side] = cell.cell_measure / (p * p * k);
     area[side] = cell.face_measure;

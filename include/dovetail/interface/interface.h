@@ -100,7 +100,10 @@ public:
 private:
   void check_not_to_itself() const;
   void read_fields();
+  void check_co_fields(const std::array<std::string, 2> &names) const;
+  void add_field(const std::array<std::string, 2> &names);
   void read_jump();
+  void read_partition();
   void find_components();
   double distance_of_sides(const MPI_Comm &communicator) const;
   void check_coverage(const MPI_Comm &communicator);

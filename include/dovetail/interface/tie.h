@@ -26,11 +26,14 @@ namespace dovetail {
 template <int dim>
 class Interface;
 
-/// A field that both sides have and that is tied.
+/// A field of each side that are tied: B_src = K B_dst, with K = 1 but for a species with a partition
+/// coefficient.
 struct TiedField
 {
-  std::string name, symbol; ///< those of Field
-  unsigned int index;       ///< among Interface::fields
+  std::string name, symbol;         ///< those of Field, of the source
+  std::array<std::string, 2> names; ///< of each side; they differ for Co-fields only
+  double partition = 1;             ///< K
+  unsigned int index;               ///< among Interface::fields
   unsigned int n_components;
   std::array<unsigned int, 2> field;           ///< index among the fields of each side's domain
   std::array<unsigned int, 2> first_component; ///< among the components of each side's domain
@@ -40,6 +43,12 @@ struct TiedField
   /// Multipliers of this rank, if the tie has any, and the global index of the first; set by the numbering.
   unsigned int n_multipliers = 0;
   dealii::types::global_dof_index first_multiplier = dealii::numbers::invalid_dof_index;
+
+  std::string label() const { return names[0] == names[1] ? name : names[0] + " : " + names[1]; }
+  bool has_partition() const { return partition != 1; }
+  bool ties(const std::string &field) const { return names[0] == field || names[1] == field; }
+  /// [B] = B_src - K B_dst: what the trace of a side counts in it, without the sign.
+  double in_jump(const unsigned int side) const { return side == 0 ? 1 : partition; }
 
   /// Whether a test function of component @p d of a side varies the flux by its value, too (nitsche.cc).
   bool varies_by_value(const unsigned int side, const unsigned int d) const
@@ -203,6 +212,10 @@ public:
 
   /// The sides on whose faces the points of the pairing lie.
   virtual std::array<bool, 2> integrates_on() const = 0;
+  /// Whether the jump extends the fields over a gap, according to Gap extension.
+  virtual bool bridges_gaps() const { return true; }
+  /// Whether it heeds TiedField::partition.
+  virtual bool allows_partition() const { return false; }
 
   /// Before the first iteration of a step: freeze penalty and weights at the last good state. Collective.
   virtual void begin_step(const Interface<dim> & /*interface*/, double /*t*/, const ValuesOf & /*unknowns*/,

@@ -60,6 +60,7 @@ public:
     return this->is_linear() && penalty_at_points.is_constant(interface);
   }
   std::string description() const override;
+  bool allows_partition() const override { return true; }
   std::vector<std::string> left_out(const Interface<dim> &interface) const override;
   void begin_step(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                   const MPI_Comm &communicator) override;

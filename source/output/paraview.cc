@@ -208,17 +208,18 @@ void Paraview<dim>::write(const double time, const Vector &solution, const React
     return;
   if (blocks.empty())
     prepare();
-  if (!times.empty() && times.back() == time)
+  if (!numbers_steps && !times.empty() && times.back() == time)
     times.pop_back();
   Assert(reactions != nullptr || !needs_reactions(), dealii::ExcMessage("The reactions are asked for."));
   for (const auto &quantity : quantities)
     if (quantity->is_of_nodes())
       quantity->set_reactions(*reactions);
-  const auto flags = flags_at(time);
+  const double time_of_series = numbers_steps ? times.size() + 1 : time;
+  const auto flags = flags_at(time_of_series);
   for (Block &block : blocks)
     write_picture(directory + "/steps/" + file_of(block.stem, times.size(), ".vtu"), flags,
                   [&]() { return show(block, flags, time, solution); });
-  times.push_back(time);
+  times.push_back(time_of_series);
   write_index_of_step();
   write_series();
   n_written += 2;

@@ -14,6 +14,8 @@
 #include <dovetail/scene/study_options.h>
 #include <dovetail/scene/units.h>
 
+#include <algorithm>
+
 namespace dovetail {
 
 unsigned int begin_scene(const Section &scene)
@@ -76,6 +78,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
   if (scene.documenting())
     return;
   text->check_all_read();
+  check_path();
   check_formulas();
 
   if (!model.interfaces.empty()) {
@@ -83,6 +86,27 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
     model.pair();
   }
   phases.add("tie", model.pairing_seconds);
+}
+
+template <int dim>
+void Simulation<dim>::check_path() const
+{
+  if (!steps.follows_path())
+    return;
+  const Section section = scene.subsection("Steps");
+  section.check(!model.is_linear(), "Kind",
+                "is arc length, but the scene is linear: its path is straight. Set Kind = static.");
+  section.check(model.field_groups().size() == 1, "Kind",
+                "cannot be arc length with several fields that are solved one after the other.");
+  const auto &domains = model.domains;
+  section.check(std::all_of(domains.begin(), domains.end(),
+                            [](const auto &domain) {
+                              const auto &fields = domain->fields();
+                              return std::any_of(fields.begin(), fields.end(),
+                                                 [](const Field &field) { return field.n_components > 1; });
+                            }),
+                "Kind",
+                "is arc length, which measures the displacement: every material needs a subsection Solid.");
 }
 
 /// What is wrong whatever is solved is told before anything is.

@@ -13,6 +13,7 @@ namespace dovetail {
 namespace {
 
 const NoteName of_signal("signal", "a signal asks the run to end");
+const NoteName of_path("end of the path", "a path of solutions ends before the End time");
 
 const double smallest_size = 1. / 1024; ///< of a step or of a share of the load, relative
 // of steps by their error
@@ -25,11 +26,12 @@ const double smallest_change = 0.2;                 ///< less is not worth a new
 
 Steps::Steps(const Section &section)
     : section(section),
-      kind(static_cast<Kind>(
-          section.choose("Kind", {"static", "transient", "eigenmodes"}, 0,
-                         "static: loads follow the time t, and nothing is stored; transient: heat "
-                         "and species are stored, by their capacities; eigenmodes: free vibrations of solids "
-                         "about the state at the End time [-]"))),
+      kind(static_cast<Kind>(section.choose(
+          "Kind", {"static", "transient", "eigenmodes", "arc length"}, 0,
+          "static: loads follow the time t, and nothing is stored; transient: heat "
+          "and species are stored, by their capacities; eigenmodes: free vibrations of solids "
+          "about the state at the End time; arc length: static, along the path of solutions, on which t may "
+          "fall, past limit points [-]"))),
       end_time(section.read<double>("End time", 1.,
                                     "The time t of the last step; the first step starts at 0 [s]",
                                     Patterns::Double(1e-300))),
@@ -48,8 +50,14 @@ Steps::Steps(const Section &section)
                                "1e-9 of the End time [s]",
                                Patterns::Double(0))),
       largest(section.read<double>("Largest step", 0, "With a Tolerance; 0: the End time [s]",
-                                   Patterns::Double(0)))
+                                   Patterns::Double(0))),
+      largest_number(section.read<unsigned int>(
+          "Largest number of steps", 1000,
+          "With Kind = arc length: after so many the run ends, if the End time has not been reached [-]",
+          Patterns::Integer(1)))
 {
+  section.check(follows_path() || !section.is_set("Largest number of steps"), "Largest number of steps",
+                "needs Kind = arc length; otherwise the Number of steps counts.");
   const bool has_inertia =
       section.read<bool>("Inertia", false, "Solids have inertia, by their Density, in transient scenes [-]");
   const bool is_transient = kind == Kind::transient;
@@ -79,13 +87,69 @@ StepControl<dim>::StepControl(const Steps &steps, NonlinearStep<dim> &step, Resu
     : steps(steps), step(step), results(results), notes(notes), log(log), communicator(communicator),
       size(std::min(steps.size(), steps.largest))
 {
+  steps.section.check(!steps.follows_path() || !results.has_checkpoints(), "Kind",
+                      "is arc length, and a path cannot go on from a checkpoint. Remove the entry Checkpoint "
+                      "every steps of the subsection Output.");
   if (steps.controls_errors())
     step.estimate_errors();
+}
+
+/// From the last step of a path, which goes from @p x to @p trial past the end: there.
+template <int dim>
+NewtonResult StepControl<dim>::end_path(const Vector &x, double &next, Vector &trial)
+{
+  const double share = (steps.end_time - t) / (next - t);
+  trial.sadd(share, 1 - share, x);
+  next = steps.end_time;
+  step.begin(next, x);
+  return step.solve(trial);
+}
+
+template <int dim>
+bool StepControl<dim>::follow_path(Vector &x)
+{
+  results.number_pictures();
+  ArcLength<dim> arc(step, steps.size(), steps.smallest / steps.size());
+  while (t < almost_end() && n_good < steps.largest_number) {
+    log.step_begins(n_good + 1, 0, t, steps.end_time);
+    step.begin(t, x);
+    double next = t;
+    Vector trial = x;
+    NewtonResult result = arc.solve(x, t, trial, next, step.most_iterations());
+    const unsigned int n_iterations = result.linear_iterations.size();
+    if (result.is_converged && next > almost_end())
+      result.append(end_path(x, next, trial));
+    results.report().add_step(next, result.residuals, result.linear_iterations);
+    step.add_notes();
+    if (!result.is_converged || !step.remember(next, trial)) {
+      if (!arc.shorten()) {
+        end_at_last_good(next, x);
+        return false;
+      }
+      log.step_ends("did not converge; half of the arc is tried");
+      continue;
+    }
+    Vector change = trial;
+    change -= x;
+    arc.accept(change, n_iterations);
+    x = trial;
+    accept_step(next, x);
+    if (is_asked_to_end()) {
+      write_last_good(x);
+      return false;
+    }
+  }
+  if (t < almost_end())
+    notes.add(of_path("the path has " + std::to_string(n_good) +
+                      " steps and has not reached the End time"));
+  return true;
 }
 
 template <int dim>
 bool StepControl<dim>::run(Vector &x)
 {
+  if (steps.follows_path())
+    return follow_path(x);
   double next = 0;
   Outcome outcome = Outcome::converged;
   while (t < almost_end()) {
@@ -260,7 +324,7 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   size = steps.controls_errors() ? size_by_error : std::min(steps.size(), 2 * size);
   log.step_ends();
   results.forget_solution();
-  if (step.has_rates() || (steps.n_steps > 1 && results.has_probes()))
+  if (step.has_rates() || ((steps.n_steps > 1 || steps.follows_path()) && results.has_probes()))
     results.record_step({step.system(), x, t, true}, step.tolerance());
   if (!steps.finds_modes() && (results.is_due(n_good) || t >= almost_end()))
     results.write_pictures({step.system(), x, t, true});

@@ -39,6 +39,8 @@ public:
   bool is_on() const { return writes; }
   /// Interfaces are left out: what they transmit is known of solutions only.
   void show_bodies_alone() { shows_interfaces = false; }
+  /// In the series the number of a step takes the place of its time, which may fall.
+  void number_steps() { numbers_steps = true; }
 
   /// Add a time step, or write the last one anew if it has this time; solution.pvd is whole after each.
   /// Collective; @p solution is ghosted. @p reactions: of this solution, if they are needed. @pre The model
@@ -79,7 +81,7 @@ private:
 
   const Model<dim> &model;
   const std::string directory;
-  bool writes = true, shows_interfaces = true;
+  bool writes = true, shows_interfaces = true, numbers_steps = false;
   std::vector<std::unique_ptr<Quantity<dim>>> quantities; ///< of all domains
   std::map<const Domain<dim> *, QuantityList<dim>> quantities_of;
   std::vector<Block> blocks;

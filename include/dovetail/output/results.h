@@ -69,6 +69,7 @@ public:
   /// Whether a step, counted from one, shall be written.
   bool is_due(const unsigned int step) const { return step % every_steps == 0; }
   void write_pictures(const Solution<dim> &solution);
+  void number_pictures() { paraview.number_steps(); } ///< in place of their times
   /// An eigenmode @p x, counted from one, which is its time in the series.
   void write_mode(const BlockSystem<dim> &system, const Vector &x, unsigned int number);
   void forget_solution() { forces.reset(); } ///< there is another one, or soon another system

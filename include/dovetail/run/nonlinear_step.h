@@ -118,6 +118,8 @@ public:
   bool is_linear() const { return model.is_linear(); }
   double tolerance() const { return newton.residual_tolerance(); } ///< of the residual, relative
   BlockSystem<dim> &system() { return *present_system; }
+  StepProblem<dim> &equations() { return *problem; } ///< of the step that has begun
+  unsigned int most_iterations() const { return newton.largest_number(); }
   bool has_system() const { return present_system && problem; } ///< not if the meshes have changed in vain
   const LinearSolver &solver() const { return linear_solver; }
   LinearSolver &solver() { return linear_solver; }

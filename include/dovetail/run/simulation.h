@@ -32,6 +32,7 @@ public:
 
 private:
   void check_formulas() const;
+  void check_path() const;
   Plan plan() const;
   bool run_steps(Vector &x);
   bool find_modes(Vector &x);

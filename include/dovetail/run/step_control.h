@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/output/results.h>
+#include <dovetail/run/arc_length.h>
 #include <dovetail/run/end_request.h>
 #include <dovetail/run/nonlinear_step.h>
 
@@ -20,15 +21,17 @@ struct Steps
   explicit Steps(const Section &section);
   double size() const { return end_time / n_steps; } ///< of a step, if none fails
 
-  enum class Kind { of_statics, transient, eigenmodes };
+  enum class Kind { of_statics, transient, eigenmodes, arc_length };
   const Section section; ///< for error messages
   Kind kind;
+  bool follows_path() const { return kind == Kind::arc_length; }
   bool finds_modes() const { return kind == Kind::eigenmodes; } ///< of the state at the end time
   double end_time;
   unsigned int n_steps;
-  bool is_adaptive;         ///< halve a step that does not converge
-  double tolerance;         ///< of the error of one step; 0: sizes do not depend on errors
-  double smallest, largest; ///< sizes
+  bool is_adaptive;            ///< halve a step that does not converge
+  double tolerance;            ///< of the error of one step; 0: sizes do not depend on errors
+  double smallest, largest;    ///< sizes
+  unsigned int largest_number; ///< of steps along a path
   bool controls_errors() const { return tolerance > 0; }
 };
 
@@ -48,6 +51,9 @@ public:
   /// the first good one; x becomes the last good state.
   /// @return whether the end was reached. Collective.
   bool run(Vector &x);
+  /// Likewise, by steps along the path of solutions (ArcLength), until it reaches the end time or has the
+  /// largest number of steps.
+  bool follow_path(Vector &x);
   /// Before run(): what a checkpoint holds takes the place of the initial state. @throw UserError if the end
   /// lies before it.
   void go_on(const nlohmann::ordered_json &saved);
@@ -60,6 +66,7 @@ public:
 private:
   enum class Outcome { converged, inexact, out_of_range, failed, failed_at_any_size };
   double almost_end() const;
+  NewtonResult end_path(const Vector &x, double &next, Vector &trial);
   double end_of_next();
   bool is_exact_enough(double next, const Vector &trial);
   Outcome try_step(double next, const Vector &x, Vector &trial);

@@ -47,6 +47,7 @@ public:
   double start_at(const Vector &x);
 
   double time() const { return t; }
+  bool is_vector(const unsigned int b) const { return !is_scalar(b) && !is_of_multipliers(b); } ///< a block
   /// Norms at the first state of the step: of the residual, of what is prescribed.
   const std::array<double, 2> &loads() const { return loads_at_start; }
   const Convergence &convergence() const { return criterion; }
@@ -100,6 +101,10 @@ private:
   void give_tangent(); ///< to the linear solver, if it is new
   bool has_large_strain() const;
   bool is_scalar(unsigned int block) const;
+  bool is_of_multipliers(const unsigned int b) const
+  {
+    return model.numbering->blocks()[b].is_of_multipliers;
+  }
 
   const Model<dim> &model;
   BlockSystem<dim> &system;

@@ -421,31 +421,41 @@ double Penalty<dim>::theta_at(const Interface<dim> &interface, const TiedField &
   return p.is_skew ? -1 : theta;
 }
 
+/// Each point has the range of this rank, too: over all points that is the range of all ranks.
 template <int dim>
 std::vector<double> Penalty<dim>::pack(const unsigned int n_points) const
 {
   std::vector<double> numbers;
-  for (unsigned int q = 0; q < n_points; ++q)
+  for (unsigned int q = 0; q < n_points; ++q) {
+    numbers.insert(numbers.end(),
+                   {present_range.smallest, present_range.largest, present_range.coercivity_margin});
     for (unsigned int i = q; i < points.size(); i += n_points) { // the fields
       const AtPoint &at = points[i];
       numbers.insert(numbers.end(), {first_gamma[i], at.gamma, at.weight[0], at.weight[1], at.bound[0],
                                      at.bound[1], at.stiffness[0], at.stiffness[1], at.is_skew ? 1. : 0.});
     }
+  }
   return numbers;
 }
 
 template <int dim>
 void Penalty<dim>::unpack(const unsigned int n_points, const std::vector<double> &numbers)
 {
-  const unsigned int size = 9;
-  points.resize(numbers.size() / size);
+  const unsigned int size_of_range = 3, size = 9;
+  points.resize((numbers.size() - size_of_range * n_points) / size);
   first_gamma.resize(points.size());
+  present_range = {};
   const double *n = numbers.data();
-  for (unsigned int q = 0; q < n_points; ++q)
+  for (unsigned int q = 0; q < n_points; ++q) {
+    present_range.smallest = std::min(present_range.smallest, n[0]);
+    present_range.largest = std::max(present_range.largest, n[1]);
+    present_range.coercivity_margin = std::min(present_range.coercivity_margin, n[2]);
+    n += size_of_range;
     for (unsigned int i = q; i < points.size(); i += n_points, n += size) {
       first_gamma[i] = n[0];
       points[i] = {{{n[2], n[3]}}, n[1], {{n[4], n[5]}}, {{n[6], n[7]}}, n[8] != 0};
     }
+  }
 }
 
 template <int dim>

@@ -45,6 +45,12 @@ double bytes_of_row(const unsigned int degree, const unsigned int n_components)
   return degree == 1 ? of_entries : std::min(of_entries, of_products);
 }
 
+bool can_be_numbered(const double n_unknowns)
+{
+  return n_unknowns <= double(std::numeric_limits<int>::max()) ||
+         sizeof(dealii::types::global_dof_index) > sizeof(int);
+}
+
 void check_memory(const Section &section, const std::string &entry, const std::string &what,
                   const double bytes, const MPI_Comm &communicator)
 {
@@ -72,14 +78,20 @@ void check_unknowns(const Section &section, const double n_cells, const unsigned
                     const unsigned int n_components, const MPI_Comm &communicator)
 {
   const double n_unknowns = n_cells * std::pow(degree, dim) * n_components;
-  section.check(n_unknowns <= double(std::numeric_limits<int>::max()) ||
-                    sizeof(dealii::types::global_dof_index) > sizeof(int),
-                "Degree",
+  section.check(can_be_numbered(n_unknowns), "Degree",
                 "would give about " + in_words(n_unknowns, 3) +
                     " unknowns, more than this deal.II can number. Make the mesh coarser, or use a deal.II "
                     "with 64-bit indices.");
   check_memory(section, "Degree", in_words(n_unknowns, 3) + " unknowns",
                n_unknowns * bytes_of_row<dim>(degree, n_components), communicator);
+}
+
+void check_total(const double n_unknowns)
+{
+  if (!can_be_numbered(n_unknowns))
+    throw UserError("The Domains together have " + in_words(n_unknowns, 3) +
+                    " unknowns, more than this deal.II can number. Make the meshes coarser, or use a deal.II "
+                    "with 64-bit indices.");
 }
 
 template void check_cells<2>(const Section &, const std::string &, double, double, const MPI_Comm &);

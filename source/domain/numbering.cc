@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/mesh_size.h>
 #include <dovetail/domain/numbering.h>
 
 #include <deal.II/base/mpi.h>
@@ -16,6 +17,7 @@ Numbering::Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, c
   dealii::types::global_dof_index n_dofs = 0;
   for (unsigned int d = 0; d < domains.size(); ++d) {
     Domain<dim> &domain = *domains[d];
+    check_total(double(n_dofs) + domain.dof_handler().n_dofs());
     domain.number_from(n_dofs);
     std::vector<dealii::types::global_dof_index> sizes;
     if (domain.fields().size() == 1)
@@ -63,6 +65,7 @@ dealii::types::global_dof_index Numbering::add_multipliers(const std::string &in
   for (const auto count : dealii::Utilities::MPI::all_gather(communicator, n_own))
     first_of_rank.push_back(first_of_rank.back() + count);
   const auto begin = owned.size(), n = first_of_rank.back();
+  check_total(double(begin) + n);
   const auto first = first_of_rank[dealii::Utilities::MPI::this_mpi_process(communicator)];
   if (n == 0)
     return begin;

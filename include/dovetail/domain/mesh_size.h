@@ -24,4 +24,7 @@ template <int dim>
 void check_unknowns(const Section &section, double n_cells, unsigned int degree, unsigned int n_components,
                     const MPI_Comm &communicator);
 
+/// @throw UserError if all domains together have more unknowns than can be numbered.
+void check_total(double n_unknowns);
+
 } // namespace dovetail

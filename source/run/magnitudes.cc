@@ -36,7 +36,8 @@ void add_notes_on_density(const Model<dim> &model, const Section &scene, NoteLis
           "Material " + material->name +
           "/Solid: nothing uses its Density. Weight needs Acceleration in the subsection of the Domain, "
           "rotation an Angular velocity, and inertia the entry Inertia in the subsection Steps"));
-    if (!is_transient && has_density(scene, material->name, "Heat"))
+    const bool is_complete = !scene.peek("Material " + material->name + "/Heat", "Heat capacity").empty();
+    if (!is_transient && !is_complete && has_density(scene, material->name, "Heat"))
       notes.push_back(of_unused_density("Material " + material->name +
                                         "/Heat: nothing uses its Density, because a static scene stores no "
                                         "heat. Set Kind = transient in the subsection Steps if it should"));

@@ -182,7 +182,9 @@ std::vector<FreeMotion> find_free_motions(const Model<dim> &model, const std::op
       for (const JoinedBodies<dim> &group : joined_bodies(model, field, t)) {
         const auto is_held_otherwise = [&](const Domain<dim> *body) {
           const Field &own = *body->material.find_field(field);
-          return !own.is_continuous || own.is_multiplier ||
+          const bool may_react =
+              own.n_components == 1 && body->material.has_load(&own - body->fields().data());
+          return !own.is_continuous || own.is_multiplier || may_react ||
                  body->material.order_in_time(own.first_component) > 0;
         };
         if (std::any_of(group.bodies.begin(), group.bodies.end(), is_held_otherwise))

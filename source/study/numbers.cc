@@ -200,7 +200,7 @@ Numbers numbers_of(const ordered_json &report)
     numbers.emplace_back("seconds " + phase, seconds.is_number() ? seconds.get<double>() : undefined);
   numbers.emplace_back("peak memory MiB", number_at(report, "peak memory MiB"));
   add_combined_errors(report, numbers);
-  for (const char *part : {"domains", "interfaces", "probes", "spectrum", "counters"})
+  for (const char *part : {"domains", "interfaces", "probes", "probe errors", "spectrum", "counters"})
     if (report.contains(part))
       add_leaves(part, report[part], numbers);
   return numbers;
@@ -323,10 +323,11 @@ std::string compare(const StudyPoint &first, const StudyCurve &next_curve, const
   return ", " + to_text(ratio, ratio < 9.95 ? "%.2g" : "%.0f") + " times faster than the next, " + name + ".";
 }
 
-/// Of a vector the components.
-std::vector<double> values_of_probe(const StudyPoint &point, const std::string &probe)
+/// Of a vector the components. @p part: of the report.
+std::vector<double> values_of_probe(const StudyPoint &point, const std::string &probe,
+                                    const std::string &part = "probes/")
 {
-  const std::string path = "probes/" + probe;
+  const std::string path = part + probe;
   std::vector<double> values;
   for (const auto &[name, value] : point.numbers)
     if (name == path || name.rfind(path + "/", 0) == 0)
@@ -432,6 +433,29 @@ std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::str
   return result;
 }
 
+namespace {
+
+/// The finest value of a curve, with its estimated error added, if there is an estimate.
+void take_finest_value(const StudyCurve &curve, const std::string &probe, std::vector<double> &exact,
+                       std::string &words)
+{
+  for (const StudyPoint &point : curve.points) {
+    std::vector<double> values = values_of_probe(point, probe);
+    if (!point.is_converged() || values.empty())
+      continue;
+    const std::vector<double> errors = values_of_probe(point, probe, "probe errors/");
+    for (unsigned int i = 0; i < errors.size() && i < values.size(); ++i)
+      values[i] += errors[i];
+    exact = std::move(values); // the last one stays
+    words = list_text(exact) + " of probe " + probe + " at level " + std::to_string(point.level) + " of " +
+            curve.name +
+            (errors.empty() ? ": no three levels converge, so no order is observed"
+                            : ", its estimated error added");
+  }
+}
+
+} // namespace
+
 std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string &probe)
 {
   std::vector<StudyCurve *> by_size;
@@ -443,19 +467,15 @@ std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string 
   std::string words;
   std::vector<double> exact;
   for (const StudyCurve *curve : by_size)
-    if (const auto extrapolated = extrapolate(*curve, probe); extrapolated && extrapolated->order > 0) {
+    if (const auto extrapolated = extrapolate(*curve, probe);
+        extrapolated && extrapolated->order > 0 && !curve->is_adaptive) {
       exact = extrapolated->value;
       words = list_text(exact) + " of probe " + probe + ", extrapolated from the last three levels of " +
               curve->name + " with the observed order " + to_text(extrapolated->order, "%.2f");
       break;
     }
   for (auto curve = by_size.begin(); exact.empty() && curve != by_size.end(); ++curve)
-    for (const StudyPoint &point : (*curve)->points)
-      if (auto values = values_of_probe(point, probe); point.is_converged() && !values.empty()) {
-        exact = std::move(values); // the last one stays
-        words = list_text(exact) + " of probe " + probe + " at level " + std::to_string(point.level) +
-                " of " + (*curve)->name + ": no three levels converge, so no order is observed";
-      }
+    take_finest_value(**curve, probe, exact, words);
   const double size = distance(exact, std::vector<double>(exact.size(), 0.));
   for (StudyCurve &curve : curves)
     for (StudyPoint &point : curve.points)

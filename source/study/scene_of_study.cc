@@ -88,10 +88,7 @@ void SceneOfStudy::add_level(const Variant &variant, const unsigned int level,
                              const std::map<std::string, std::string> &all,
                              std::vector<std::string> &result) const
 {
-  std::string refinement = options.refinement;
-  for (const auto &[path, value] : variant.entries)
-    if (path == path_of_refinement)
-      refinement = value;
+  const std::string refinement = refinement_of(variant);
   const bool is_adaptive = refinement == "adaptive" && level > 0;
   if (refinement != "as given") {
     result.push_back("Adaptive cycles=" + std::to_string(is_adaptive ? options.cycles_per_level * level : 0));
@@ -122,6 +119,14 @@ std::string SceneOfStudy::fingerprint(const std::vector<std::string> &overrides,
         result += "  content " + content_hash(value) + "\n";
     }
   return result;
+}
+
+std::string SceneOfStudy::refinement_of(const Variant &variant) const
+{
+  for (const auto &[path, value] : variant.entries)
+    if (path == path_of_refinement)
+      return value;
+  return options.refinement;
 }
 
 std::vector<std::string> SceneOfStudy::names(const std::string &plural) const

@@ -27,6 +27,7 @@ public:
   /// there, the ranks and the program.
   std::string fingerprint(const std::vector<std::string> &overrides, unsigned int ranks) const;
   bool has_exact() const;                                          ///< an exact solution somewhere
+  std::string refinement_of(const Variant &variant) const;         ///< as StudyOptions::refinement
   std::vector<std::string> names(const std::string &plural) const; ///< that an entry of the scene announces
 
   const std::string file;

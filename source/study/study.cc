@@ -336,6 +336,7 @@ std::vector<StudyCurve> Study::curves(std::string &against) const
       StudyCurve curve;
       curve.name = variants[v].name + (ranks.size() > 1 ? ", " + count_of(n_ranks, "rank") : "");
       curve.family = family_of(v);
+      curve.is_adaptive = scene.refinement_of(variants[v]) == "adaptive";
       for (const unsigned int level : options.levels) {
         std::vector<const StudyRun *> repeats;
         for (const StudyRun &run : runs)

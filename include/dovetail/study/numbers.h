@@ -63,6 +63,7 @@ struct StudyCurve
   std::string name;
   unsigned int family = 0; ///< those with one value of the first varied list, which have one colour
   std::vector<StudyPoint> points;
+  bool is_adaptive = false; ///< its levels are adaptive cycles, and no mesh sizes halve from one to the next
 };
 
 /// Seconds that the process took beyond the program's own: launch, libraries, MPI; NaN without a report.
@@ -94,8 +95,8 @@ struct Extrapolation
 std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::string &probe);
 
 /// Set the errors of all points to those of a probe, |J - J_h| / |J|. J is extrapolated from the curve with
-/// the most unknowns of those that converge, or else its finest value. @return against what, in words; empty
-/// if there is no such probe.
+/// the most unknowns of those that converge; without one it is the finest value with its estimated error
+/// added, if there is an estimate. @return against what, in words; empty if there is no such probe.
 std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string &probe);
 
 /// Give points without an error what the rate of the two levels before lets expect.

@@ -132,9 +132,11 @@ bool GivenValues<dim>::has_sources(const std::string &field) const
       return true;
   }
   return std::any_of(model.interfaces.begin(), model.interfaces.end(), [&](const auto &interface) {
-    return interface->has_prescribed_jump() &&
-           std::any_of(interface->fields.begin(), interface->fields.end(),
-                       [&](const TiedField &tied) { return tied.ties(field); });
+    return std::any_of(interface->fields.begin(), interface->fields.end(), [&](const TiedField &tied) {
+      const bool brings_other_values =
+          interface->has_prescribed_jump() || tied.has_partition() || tied.names[0] != tied.names[1];
+      return tied.ties(field) && brings_other_values;
+    });
   });
 }
 

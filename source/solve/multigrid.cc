@@ -4,10 +4,10 @@
 // CG or GMRES with smoothed aggregation, for a degree above one after a first coarsening to the functions of
 // degree one. A group that is not symmetric is preconditioned by the symmetric part of its matrix.
 //
-// The smoothers are made of the diagonal, until an iteration is slow: then, and from then on, of incomplete
-// factorisations, which cost more and smooth what stretched cells and the like leave. If that is slow too,
-// levels are made along short couplings only. The levels of one matrix are kept for the next ones while that
-// pays.
+// At degree one the smoothers are made of the diagonal, until an iteration is slow: then, and from then on,
+// of incomplete factorisations, which cost more and smooth what stretched cells and the like leave. If that
+// is slow too, levels are made along short couplings only. The levels of one matrix are kept for the next
+// ones while that pays.
 //
 //     subsection Linear solver
 //       set Type = multigrid
@@ -121,10 +121,8 @@ void Multigrid::make_levels()
   by_degree.reset();
   if (facts.degree > 1 && facts.linear_part) {
     finest = std::make_unique<MatrixLevel>(*matrix);
-    by_degree = std::make_unique<DegreeCoarsening>(
-        *finest, facts.linear_part(), *modes, facts.known_places(),
-        means == Means::usual ? DegreeCoarsening::usual_smoother(*finest, facts.degree)
-                              : ChebyshevSmoother::with_factorisation(*matrix, {4, 40}));
+    by_degree = std::make_unique<DegreeCoarsening>(*finest, facts.linear_part(), *modes, facts.known_places(),
+                                                   DegreeCoarsening::usual_smoother(*finest, facts.degree));
     return;
   }
   const auto make_smoother = [this](const Epetra_CrsMatrix &level) {
@@ -143,9 +141,7 @@ void Multigrid::make_levels()
 /// iterations.
 Multigrid::Means Multigrid::means_for(const double n_expected) const
 {
-  const double slow = 30, slow_by_degree = 60, very_slow = 100;
-  if (by_degree)
-    return n_expected > slow_by_degree ? Means::factorisation : means;
+  const double slow = 30, very_slow = 100;
   if (n_expected > (means == Means::usual ? very_slow : slow))
     return Means::semicoarsening;
   return n_expected > slow ? Means::factorisation : means;
@@ -171,12 +167,15 @@ unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const Grou
 unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                        const double goal)
 {
+  if (by_degree || facts.has_multipliers) // whose Schur complement may be what is slow
+    return iterate(K, x, b, goal, {});
+
   const unsigned int n_between_checks = 8;
   const double usual_decades = 10;
   const double norm = b.l2_norm();
   Means next = means;
   const auto gives_up = [&](const unsigned int n, const double residual) {
-    if (n == 0 || n % n_between_checks != 0 || facts.has_multipliers) // whose Schur complement may be slow
+    if (n == 0 || n % n_between_checks != 0)
       return false;
     const double decades = std::log10(norm / residual);
     next = means_for(decades > 0 ? n * usual_decades / decades : std::numeric_limits<double>::infinity());

@@ -3,7 +3,7 @@
 
 #include <dovetail/system/free_motions.h>
 
-#include <dovetail/system/joined_domains.h>
+#include <dovetail/system/joined_fields.h>
 
 #include <deal.II/base/array_view.h>
 #include <deal.II/base/mpi.h>
@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <utility>
 
 namespace dovetail {
 
@@ -19,11 +20,11 @@ namespace {
 
 const double share_of_free_motion = 1e-9; ///< of the largest eigenvalue; less is rounding
 
-/// Bodies that move as one in a field.
+/// Bodies that move as one in a field; its name may be another one in each.
 template <int dim>
 struct JoinedBodies
 {
-  std::vector<const Domain<dim> *> bodies;
+  std::vector<std::pair<const Domain<dim> *, const Field *>> bodies;
   dealii::Point<dim> centre;
   double length = 0;
   bool is_vector = false, is_around_axis = false;
@@ -140,29 +141,31 @@ std::string unseen(const JoinedBodies<dim> &group, const dealii::FullMatrix<doub
   return words;
 }
 
-/// The bodies of a field that ties hold together, by the first of them.
+/// The bodies that ties hold together in a field; it has this name in the first of them.
 template <int dim>
 std::vector<JoinedBodies<dim>> joined_bodies(const Model<dim> &model, const std::string &field,
                                              const std::optional<double> t)
 {
-  const auto first = joined_domains<dim>(model, field, [&](const auto &interface, const TiedField &tied) {
+  const auto joined = joined_fields<dim>(model, [&](const auto &interface, const TiedField &tied) {
     return (!t || interface.is_active(*t)) && interface.tie().holds(tied);
   });
   std::map<unsigned int, JoinedBodies<dim>> groups;
   for (unsigned int d = 0; d < model.domains.size(); ++d)
-    if (const Field *own = model.domains[d]->material.find_field(field)) {
-      JoinedBodies<dim> &group = groups[first[d]];
+    for (unsigned int f = 0; f < joined[d].size(); ++f) {
+      JoinedBodies<dim> &group = groups[joined[d][f]];
       const Domain<dim> &body = *model.domains[d];
+      const Field &own = body.fields()[f];
       if (group.bodies.empty())
         group.centre = body.centre();
-      group.bodies.push_back(&body);
+      group.bodies.emplace_back(&body, &own);
       group.length = std::max(group.length, 2 * body.centre().distance(group.centre) + body.typical_length());
-      group.is_vector = own->n_components > 1;
-      group.is_around_axis = body.measure.has_hoop_strain(*own);
+      group.is_vector = own.n_components > 1;
+      group.is_around_axis = body.measure.has_hoop_strain(own);
     }
   std::vector<JoinedBodies<dim>> result;
-  for (const auto &entry : groups)
-    result.push_back(entry.second);
+  for (const auto &[number, group] : groups)
+    if (group.bodies[0].second->name == field)
+      result.push_back(group);
   return result;
 }
 
@@ -180,26 +183,26 @@ std::vector<FreeMotion> find_free_motions(const Model<dim> &model, const std::op
   for (const auto &fields : model.field_groups())
     for (const std::string &field : fields)
       for (const JoinedBodies<dim> &group : joined_bodies(model, field, t)) {
-        const auto is_held_otherwise = [&](const Domain<dim> *body) {
-          const Field &own = *body->material.find_field(field);
+        const auto is_held_otherwise = [](const auto &member) {
+          const auto &[body, own] = member;
           const bool may_react =
-              own.n_components == 1 && body->material.has_load(&own - body->fields().data());
-          return !own.is_continuous || own.is_multiplier || may_react ||
-                 body->material.order_in_time(own.first_component) > 0;
+              own->n_components == 1 && body->material.has_load(own - body->fields().data());
+          return !own->is_continuous || own->is_multiplier || may_react ||
+                 body->material.order_in_time(own->first_component) > 0;
         };
         if (std::any_of(group.bodies.begin(), group.bodies.end(), is_held_otherwise))
           continue;
         SeenMotions<dim> seen(group);
-        for (const Domain<dim> *body : group.bodies)
+        for (const auto &[body, own] : group.bodies)
           for (const auto &condition : body->conditions())
-            if (condition->field.name == field && (!t || condition->is_active(*t)))
+            if (condition->field.name == own->name && (!t || condition->is_active(*t)))
               add_condition_to(seen, *body, *condition);
         const std::string kind = unseen(group, seen.sum_of_ranks(model.communicator));
         if (kind.empty())
           continue;
         motions.push_back({field, {}, kind});
-        for (const Domain<dim> *body : group.bodies)
-          motions.back().bodies.push_back(body->name);
+        for (const auto &member : group.bodies)
+          motions.back().bodies.push_back(member.first->name);
       }
   return motions;
 }

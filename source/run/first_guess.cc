@@ -79,7 +79,7 @@ template <int dim>
 NoteList notes_on_first_guess(const Model<dim> &model, const Steps &steps)
 {
   NoteList notes;
-  if (steps.is_transient || model.is_linear())
+  if (steps.kind == Steps::Kind::transient || model.is_linear())
     return notes;
   std::optional<GivenValues<dim>> values;
   for (const auto &group : model.field_groups())

@@ -140,8 +140,7 @@ bool StepControl<dim>::follow_path(Vector &x)
     }
   }
   if (t < almost_end())
-    notes.add(of_path("the path has " + std::to_string(n_good) +
-                      " steps and has not reached the End time"));
+    notes.add(of_path("the path has " + std::to_string(n_good) + " steps and has not reached the End time"));
   return true;
 }
 

@@ -728,9 +728,9 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
       ++variations.second;
       contraction.assign(n, dealii::Tensor<1, dim>());
       for (unsigned int c = 0; c < field.n_components; ++c)
-        contraction[field.first_component[side] + c] = -theta_here * (side == source ? 1 : -1) *
-                                                       p.weight[side] / field.in_jump(side) *
-                                                       pairing.weight(q) * series.mismatch[c] * pairing.N(side, q);
+        contraction[field.first_component[side] + c] =
+            -theta_here * (side == source ? 1 : -1) * p.weight[side] / field.in_jump(side) *
+            pairing.weight(q) * series.mismatch[c] * pairing.N(side, q);
       dealii::FullMatrix<double> &H = second_derivative;
       sides.curvature(side, contraction, H);
 

@@ -3,9 +3,9 @@
 //
 // Every format of mesh files: cells, vertices, volume and the measures by boundary id. The four files in this
 // folder hold the same two cells, 2.5 x 1, with the ids 1 left, 2 right, 3 bottom, 4 top (1, 1, 2.5, 2.5).
-// One cell of second order has bars on its left and lower side and on a diagonal, which is no face: both sides are
-// in the set 1, the left one in the set 2, too, and has the new id 3.
-// The numbers of the blade (Gmsh 4.1) and the disk (Gmsh 2.2) stand in meshes/README.md (here in cm).
+// One cell of second order has bars on its left and lower side and on a diagonal, which is no face: both
+// sides are in the set 1, the left one in the set 2, too, and has the new id 3. The numbers of the blade
+// (Gmsh 4.1) and the disk (Gmsh 2.2) stand in meshes/README.md (here in cm).
 //
 // ranks: 1, 2, 3
 

@@ -117,7 +117,8 @@ void NonlinearStep<dim>::go_on(const Checkpoint<dim> &checkpoint, const SavedSta
                                const Vector &x)
 {
   const nlohmann::ordered_json &numbers = from.numbers["step"];
-  ranges = numbers["ranges"].get<std::map<std::string, ValueRange>>();
+  ranges = numbers["ranges"].get<Ranges>();
+  ranges_of_first = ranges;
   has_noted_inexact_step = numbers["has noted an inexact step"];
   checkpoint.restore_memory(model);
   if (scheme) {

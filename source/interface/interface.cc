@@ -140,7 +140,7 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
       "Extend the partner's field affinely over the gap: solution and test functions, only the "
       "solution, or not at all [-]"));
   if (!section.documenting() && !method->bridges_gaps()) {
-    section.check(!section.is_set("Gap extension"), "Gap extension",
+    section.check(options.gap_extension == GapExtension::symmetric, "Gap extension",
                   "does not belong to Type = " + section.peek("Type") +
                       ", which takes the fields at the faces. Remove it.");
     options.gap_extension = GapExtension::none;

@@ -22,6 +22,7 @@ namespace {
 /// Beside its product with the mass nothing is left of the stiffness, in any units.
 const double mass_alone = 1e40;
 const unsigned int n_guides = 8;
+const unsigned int usual_number = 10; ///< of modes; used.prm has it in every scene
 
 const NoteName of_modes("eigenmodes", "eigenmodes are missing or have not converged");
 const NoteName of_unstable_state("unstable state", "modes of a state grow");
@@ -58,7 +59,7 @@ Eigenmodes<dim>::Eigenmodes(const Section &scene, const Model<dim> &model, Nonli
                             Results<dim> &results, Phases &phases, Notes &notes, Log &log)
     : model(model), step(step), results(results), phases(phases), notes(notes), log(log),
       section(scene.subsection("Steps")),
-      n_modes(section.read<unsigned int>("Number of modes", 10, "With Kind = eigenmodes [-]",
+      n_modes(section.read<unsigned int>("Number of modes", usual_number, "With Kind = eigenmodes [-]",
                                          Patterns::Integer(1))),
       given_frequency(section.read<double>(
           "Near frequency", 0,
@@ -66,8 +67,8 @@ Eigenmodes<dim>::Eigenmodes(const Section &scene, const Model<dim> &model, Nonli
           Patterns::Double(0)))
 {
   const bool is_on = finds_eigenmodes(scene);
-  for (const std::string entry : {"Number of modes", "Near frequency"})
-    section.check(is_on || !section.is_set(entry), entry, "needs Kind = eigenmodes.");
+  section.check(is_on || n_modes == usual_number, "Number of modes", "needs Kind = eigenmodes.");
+  section.check(is_on || given_frequency == 0, "Near frequency", "needs Kind = eigenmodes.");
   if (is_on && !scene.documenting())
     check_scene(scene);
 }

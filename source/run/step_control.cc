@@ -15,7 +15,8 @@ namespace {
 const NoteName of_signal("signal", "a signal asks the run to end");
 const NoteName of_path("end of the path", "a path of solutions ends before the End time");
 
-const double smallest_size = 1. / 1024; ///< of a step or of a share of the load, relative
+const unsigned int usual_largest_number = 1000; ///< of steps; used.prm has it in every scene
+const double smallest_size = 1. / 1024;         ///< of a step or of a share of the load, relative
 // of steps by their error
 const double smallest_of_run = 1e-9;                ///< of the end time
 const double safety = 0.9;                          ///< of the size that the estimate allows
@@ -52,11 +53,11 @@ Steps::Steps(const Section &section)
       largest(section.read<double>("Largest step", 0, "With a Tolerance; 0: the End time [s]",
                                    Patterns::Double(0))),
       largest_number(section.read<unsigned int>(
-          "Largest number of steps", 1000,
+          "Largest number of steps", usual_largest_number,
           "With Kind = arc length: after so many the run ends, if the End time has not been reached [-]",
           Patterns::Integer(1)))
 {
-  section.check(follows_path() || !section.is_set("Largest number of steps"), "Largest number of steps",
+  section.check(follows_path() || largest_number == usual_largest_number, "Largest number of steps",
                 "needs Kind = arc length; otherwise the Number of steps counts.");
   const bool has_inertia =
       section.read<bool>("Inertia", false, "Solids have inertia, by their Density, in transient scenes [-]");

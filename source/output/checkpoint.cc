@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/output/bytes.h>
 #include <dovetail/output/cell_records.h>
 #include <dovetail/output/checkpoint.h>
 #include <dovetail/output/point_records.h>
@@ -29,12 +30,12 @@ std::string multipliers_of(const std::string &interface, const TiedField &field)
   return "multipliers of " + interface + ", " + field.name;
 }
 
-/// Centres and sizes of all cells, in a sum in which each cell has a weight of its own; and the sum of their
-/// magnitudes.
+/// Centres and sizes of all cells, in a sum in which each cell has a weight of its own; the sum of their
+/// magnitudes; and their material and boundary ids, in a sum like the first one.
 template <int dim>
-std::array<double, 2> fingerprint(const Domain<dim> &domain, const MPI_Comm &communicator)
+std::array<double, 3> fingerprint(const Domain<dim> &domain, const MPI_Comm &communicator)
 {
-  std::array<double, 2> sums = {{0, 0}};
+  std::array<double, 3> sums = {{0, 0, 0}};
   for (const auto &cell : domain.mesh().active_cell_iterators())
     if (cell->is_locally_owned()) {
       unsigned int mixed = 17;
@@ -46,9 +47,24 @@ std::array<double, 2> fingerprint(const Domain<dim> &domain, const MPI_Comm &com
         value += (2 + d) * cell->center()[d];
       sums[0] += weight * value;
       sums[1] += cell->diameter() + cell->center().norm();
+      double ids = cell->material_id();
+      for (const unsigned int f : cell->face_indices())
+        if (cell->face(f)->at_boundary())
+          ids += (3 + 2 * f) * (1. + cell->face(f)->boundary_id());
+      sums[2] += weight * ids;
     }
   for (double &sum : sums)
     sum = dealii::Utilities::MPI::sum(sum, communicator);
+  return sums;
+}
+
+/// Of the files that formulas name, wherever they lie.
+std::vector<std::uint64_t> sums_of_tables(const SceneText &text)
+{
+  std::vector<std::uint64_t> sums;
+  for (const std::string &content : text.tables())
+    sums.push_back(checksum(content));
+  std::sort(sums.begin(), sums.end());
   return sums;
 }
 
@@ -162,9 +178,9 @@ bool may_change(const std::string &path)
   for (const char *section : {"Output/", "Newton/", "Linear solver/", "Study/", "Probe "})
     if (path.rfind(section, 0) == 0)
       return true;
-  for (const char *entry :
-       {"Probes", "Plugins", "Adaptive cycles", "Adaptive share", "Steps/End time", "Steps/Number of steps",
-        "Steps/Adaptive", "Steps/Tolerance", "Steps/Smallest step", "Steps/Largest step"})
+  for (const char *entry : {"Probes", "Plugins", "Adaptive cycles", "Adaptive share", "Adaptive unknowns",
+                            "Steps/End time", "Steps/Number of steps", "Steps/Adaptive", "Steps/Tolerance",
+                            "Steps/Smallest step", "Steps/Largest step"})
     if (path == entry)
       return true;
   const std::string file_of_mesh = "/Mesh/File"; // another place of the same mesh
@@ -191,6 +207,7 @@ Obstacle write_checkpoint(const std::string &file, const SceneText &text, const 
                             {"vectors", names},
                             {"meshes", fingerprints(model)},
                             {"points", points},
+                            {"tables", sums_of_tables(text)},
                             {"scene", text.used()}},
                            records, model.communicator);
 }
@@ -210,6 +227,10 @@ void Checkpoint<dim>::check_scene(const SceneText &text) const
       "steps, "
       "other Probes, Output and settings of the solvers, and nothing else. Set the former value, or run the "
       "scene from its beginning, without --resume.");
+  if (file.header()["tables"].get<std::vector<std::uint64_t>>() != sums_of_tables(text))
+    throw UserError("The checkpoint '" + name +
+                    "' is of other tables: a file that a formula names has changed. "
+                    "Take the former file, or run the scene from its beginning, without --resume.");
 }
 
 template <int dim>
@@ -229,9 +250,11 @@ void Checkpoint<dim>::check_meshes(const Model<dim> &model) const
     if (n_before != n_now)
       refuse_mesh("the domain " + domain->name + " had " + std::to_string(n_before) + " cells and has " +
                   std::to_string(n_now) + ".");
-    const std::array<double, 2> sum = one["sum"], other_sum = other["sum"];
+    const std::array<double, 3> sum = one["sum"], other_sum = other["sum"];
     if (one["unknowns"] != other["unknowns"] || std::abs(sum[0] - other_sum[0]) > 1e-9 * sum[1])
       refuse_mesh("cells of the domain " + domain->name + " lie at other places.");
+    if (std::abs(sum[2] - other_sum[2]) > 1e-9 * (1 + std::abs(sum[2])))
+      refuse_mesh("boundary ids or material ids of the domain " + domain->name + " have changed.");
   }
 }
 

@@ -23,7 +23,7 @@ double ArcLength<dim>::product(const Vector &x, const Vector &y) const
 template <int dim>
 bool ArcLength<dim>::find_rate(const double t, const Vector &x, const Vector &a, Vector &v)
 {
-  const double later = 0.1 * size;
+  const double later = 0.1 * size * (first_length > 0 ? length / first_length : 1.);
   StepProblem<dim> &equations = step.equations();
   step.system().set_time(t + later);
   const bool is_defined = std::isfinite(equations.residual(x));

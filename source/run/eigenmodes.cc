@@ -130,7 +130,8 @@ void Eigenmodes<dim>::check_symmetry() const
                                       "makes the matrix nonsymmetric, but" + why +
                                           "A Nitsche tie is symmetric with Theta = 1, Integrate on = "
                                           "source, destination or both, and Gap extension = symmetric "
-                                          "or none.");
+                                          "or none; a Joint with one Strength, one Fracture energy and "
+                                          "one Joint stiffness.");
       }
 }
 
@@ -359,6 +360,8 @@ bool Eigenmodes<dim>::run(const double t, const Vector &x)
     assemble(mass_alone);
     mass.copy_from(step.system().tangent());
     find_free_unknowns();
+    if (dealii::Utilities::MPI::sum<unsigned long>(free.size(), model.communicator) == 0)
+      throw std::runtime_error("no unknown is free to move.");
     problem.communicator = model.communicator;
     problem.stiffness = [this](const Column &column) { return product(stiffness, 1, column); };
     problem.mass = [this](const Column &column) { return product(mass, 1 / mass_alone, column); };
@@ -402,8 +405,8 @@ template <int dim>
 void Eigenmodes<dim>::write(const EigenPairs &pairs)
 {
   nlohmann::ordered_json frequencies = nlohmann::ordered_json::array(), residuals = frequencies;
-  log.line();
-  log.line("  mode  frequency [Hz]  residual");
+  log.tell();
+  log.tell("  mode  frequency [Hz]  residual");
   unsigned int number = 0, n_unstable = 0;
   for (const unsigned int k : nearest(pairs)) {
     const double hertz = frequency(pairs.values[k]);
@@ -412,7 +415,7 @@ void Eigenmodes<dim>::write(const EigenPairs &pairs)
     residuals.push_back(pairs.residuals[k]);
     char row[80];
     std::snprintf(row, sizeof(row), "  %4u  %14.6g  %8.1e", ++number, hertz, pairs.residuals[k]);
-    log.line(row);
+    log.tell(row);
     Vector mode = scatter(pairs.vectors[k]);
     step.system().distribute(mode);
     double largest = 0;

@@ -25,19 +25,18 @@ bool has_density(const Section &scene, const std::string &material, const std::s
 template <int dim>
 void add_notes_on_density(const Model<dim> &model, const Section &scene, NoteList &notes)
 {
-  const bool is_transient = scene.peek("Steps", "Kind") == "transient",
-             has_inertia = scene.peek("Steps", "Inertia") == "true";
+  const bool stores_heat = is_transient(scene), moves_masses = has_inertia(scene);
   for (const auto &material : model.materials) {
     const bool has_force = std::any_of(model.domains.begin(), model.domains.end(), [&](const auto &domain) {
       return &domain->material == material.get() && domain->body_force().is_given();
     });
-    if (!has_force && !has_inertia && has_density(scene, material->name, "Solid"))
+    if (!has_force && !moves_masses && has_density(scene, material->name, "Solid"))
       notes.push_back(of_unused_density(
           "Material " + material->name +
           "/Solid: nothing uses its Density. Weight needs Acceleration in the subsection of the Domain, "
           "rotation an Angular velocity, and inertia the entry Inertia in the subsection Steps"));
     const bool is_complete = !scene.peek("Material " + material->name + "/Heat", "Heat capacity").empty();
-    if (!is_transient && !is_complete && has_density(scene, material->name, "Heat"))
+    if (!stores_heat && !is_complete && has_density(scene, material->name, "Heat"))
       notes.push_back(of_unused_density("Material " + material->name +
                                         "/Heat: nothing uses its Density, because a static scene stores no "
                                         "heat. Set Kind = transient in the subsection Steps if it should"));

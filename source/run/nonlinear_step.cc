@@ -105,6 +105,8 @@ void NonlinearStep<dim>::save(SavedState &to) const
   nlohmann::ordered_json &numbers = to.numbers["step"];
   numbers["ranges"] = ranges;
   numbers["has noted an inexact step"] = has_noted_inexact_step;
+  save_predictor(predictor, to);
+  numbers["toggles of predictor"] = toggles_of_predictor;
   if (!scheme)
     return;
   numbers["histories"] = range_watch->save();
@@ -120,6 +122,8 @@ void NonlinearStep<dim>::go_on(const Checkpoint<dim> &checkpoint, const SavedSta
   ranges = numbers["ranges"].get<Ranges>();
   ranges_of_first = ranges;
   has_noted_inexact_step = numbers["has noted an inexact step"];
+  predictor = saved_predictor(from);
+  toggles_of_predictor = numbers["toggles of predictor"].get<std::vector<bool>>();
   checkpoint.restore_memory(model);
   if (scheme) {
     range_watch->restore(numbers["histories"]);

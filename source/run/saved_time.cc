@@ -72,4 +72,26 @@ Rates saved_rates(const SavedState &from)
   return rates;
 }
 
+void save_predictor(const Predictor &predictor, SavedState &to)
+{
+  std::vector<double> times;
+  std::vector<Vector> solutions;
+  for (const auto &[time, x] : predictor.all()) {
+    times.push_back(time);
+    solutions.push_back(x);
+  }
+  to.numbers["times of predictor"] = times;
+  save("solution of predictor", solutions, to);
+}
+
+Predictor saved_predictor(const SavedState &from)
+{
+  Predictor predictor;
+  const std::vector<double> times = from.numbers["times of predictor"];
+  const std::vector<Vector> solutions = saved("solution of predictor", from);
+  for (unsigned int i = 0; i < times.size(); ++i)
+    predictor.add(times[i], solutions[i]);
+  return predictor;
+}
+
 } // namespace dovetail

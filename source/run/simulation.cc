@@ -96,6 +96,14 @@ void Simulation<dim>::check_path() const
   const Section section = scene.subsection("Steps");
   section.check(!model.is_linear(), "Kind",
                 "is arc length, but the scene is linear: its path is straight. Set Kind = static.");
+  bool has_toggles = false;
+  for (const auto &interface : model.interfaces)
+    has_toggles = has_toggles || interface->has_toggle();
+  for (const auto &domain : model.domains)
+    for (const auto &condition : domain->conditions())
+      has_toggles = has_toggles || !condition->toggle_name().empty();
+  section.check(!has_toggles, "Kind",
+                "cannot be arc length with toggles: on a path t may rise and fall within a step.");
   section.check(model.field_groups().size() == 1, "Kind",
                 "cannot be arc length with several fields that are solved one after the other.");
   const auto &domains = model.domains;
@@ -224,12 +232,12 @@ Vector Simulation<dim>::go_on()
   const Plan planned = introduce();
   log.line();
   step_control.go_on(saved.numbers["step control"]);
-  results.go_on(planned, saved.numbers["results"]);
   const double t = step_control.time();
   step.make_system(t);
   saved.vectors = checkpoint.vectors(model, step.system().owned_vector());
   const Vector x = saved.vectors.at("solution");
   step.go_on(checkpoint, saved, t, x);
+  results.go_on(planned, saved.numbers["results"]);
   results.report().add(
       "resumed", {{"step", step_control.n_done()}, {"time", t}, {"ranks before", checkpoint.n_ranks()}});
   return x;

@@ -62,7 +62,7 @@ Steps::Steps(const Section &section)
   const bool has_inertia =
       section.read<bool>("Inertia", false, "Solids have inertia, by their Density, in transient scenes [-]");
   const bool is_transient = kind == Kind::transient;
-  section.check(!has_inertia || kind != Kind::of_statics, "Inertia",
+  section.check(!has_inertia || is_transient || finds_modes(), "Inertia",
                 "needs Kind = transient: a static scene has no accelerations.");
   const bool is_lumped = section.read<bool>("Lumped capacity", false,
                                             "What heat and species store is summed at the nodes, so that no "
@@ -106,6 +106,28 @@ NewtonResult StepControl<dim>::end_path(const Vector &x, double &next, Vector &t
   return step.solve(trial);
 }
 
+/// Of a step along the path from @p x, again where ties freeze something anew. @param n_iterations of the
+/// last time
+template <int dim>
+NewtonResult StepControl<dim>::try_arc(ArcLength<dim> &arc, const Vector &x, double &next, Vector &trial,
+                                       unsigned int &n_iterations)
+{
+  const unsigned int largest_number_of_passes = 5;
+  step.begin(t, x);
+  NewtonResult result = arc.solve(x, t, trial, next, step.most_iterations());
+  n_iterations = result.linear_iterations.size();
+  for (unsigned int pass = 1;
+       pass < largest_number_of_passes && result.is_converged && step.system().update_penalties(next, trial);
+       ++pass) {
+    const NewtonResult again = arc.solve(x, t, trial, next, step.most_iterations());
+    n_iterations = again.linear_iterations.size();
+    result.append(again);
+  }
+  if (result.is_converged && next > almost_end())
+    result.append(end_path(x, next, trial));
+  return result;
+}
+
 template <int dim>
 bool StepControl<dim>::follow_path(Vector &x)
 {
@@ -113,20 +135,25 @@ bool StepControl<dim>::follow_path(Vector &x)
   ArcLength<dim> arc(step, steps.size(), steps.smallest / steps.size());
   while (t < almost_end() && n_good < steps.largest_number) {
     log.step_begins(n_good + 1, 0, t, steps.end_time);
-    step.begin(t, x);
     double next = t;
     Vector trial = x;
-    NewtonResult result = arc.solve(x, t, trial, next, step.most_iterations());
-    const unsigned int n_iterations = result.linear_iterations.size();
-    if (result.is_converged && next > almost_end())
-      result.append(end_path(x, next, trial));
-    results.report().add_step(next, result.residuals, result.linear_iterations);
-    step.add_notes();
-    if (!result.is_converged || !step.remember(next, trial)) {
-      if (!arc.shorten()) {
-        end_at_last_good(next, x);
-        return false;
-      }
+    unsigned int n_iterations = 0;
+    bool is_good = false;
+    try {
+      const NewtonResult result = try_arc(arc, x, next, trial, n_iterations);
+      results.report().add_step(next, result.residuals, result.linear_iterations);
+      step.add_notes();
+      is_good = result.is_converged && step.remember(next, trial);
+    } catch (const UserError &) { // formulas in t: the steps before it are kept
+      if (n_good == 0)
+        throw;
+      problem_of_step = std::current_exception();
+    }
+    if (!is_good && (problem_of_step || !arc.shorten())) {
+      end_at_last_good(next, x);
+      return false;
+    }
+    if (!is_good) {
       log.step_ends("did not converge; half of the arc is tried");
       continue;
     }
@@ -140,8 +167,11 @@ bool StepControl<dim>::follow_path(Vector &x)
       return false;
     }
   }
-  if (t < almost_end())
+  if (t < almost_end()) {
+    if (!results.is_due(n_good))
+      results.write_pictures({step.system(), x, t, true});
     notes.add(of_path("the path has " + std::to_string(n_good) + " steps and has not reached the End time"));
+  }
   return true;
 }
 
@@ -398,7 +428,8 @@ bool StepControl<dim>::is_asked_to_end()
     return false;
   std::ostringstream words;
   words << "the run has ended at t = " << t << " of " << steps.end_time << ", after step " << n_good
-        << ", since it was asked to by a signal (" << strsignal(signal) << ")";
+        << ", since it was asked to by a signal (" << strsignal(signal) << ")"
+        << (steps.follows_path() ? "; a path does not go on from a checkpoint" : "");
   notes.add(of_signal(words.str()));
   return true;
 }

@@ -137,6 +137,14 @@ std::map<std::string, std::string> SceneText::given() const
   return result;
 }
 
+std::vector<std::string> SceneText::tables() const
+{
+  std::vector<std::string> contents;
+  for (const auto &[file, content] : implementation->tables.texts)
+    contents.push_back(content);
+  return contents;
+}
+
 std::map<std::string, std::string> SceneText::used() const
 {
   return implementation->declarations.used();

@@ -28,6 +28,7 @@ public:
   /// What comes does not go on from what was: a toggle switches, a step is rejected, meshes change.
   void forget() { solutions.clear(); }
   bool has_guess() const { return solutions.size() > 1; }
+  const std::vector<std::pair<double, Vector>> &all() const { return solutions; } ///< for a checkpoint
   /// @pre has_guess()
   Vector guess(double t) const;
 

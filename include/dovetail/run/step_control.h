@@ -15,6 +15,9 @@
 
 namespace dovetail {
 
+template <int dim>
+class ArcLength;
+
 /// How the load is divided: `subsection Steps`.
 struct Steps
 {
@@ -66,6 +69,8 @@ public:
 private:
   enum class Outcome { converged, inexact, out_of_range, failed, failed_at_any_size };
   double almost_end() const;
+  NewtonResult try_arc(ArcLength<dim> &arc, const Vector &x, double &next, Vector &trial,
+                       unsigned int &n_iterations);
   NewtonResult end_path(const Vector &x, double &next, Vector &trial);
   double end_of_next();
   bool is_exact_enough(double next, const Vector &trial);

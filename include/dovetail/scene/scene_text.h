@@ -50,6 +50,7 @@ public:
 
   /// Every entry that was read, with its value, by path; those of print_used().
   std::map<std::string, std::string> used() const;
+  std::vector<std::string> tables() const; ///< contents of the files that formulas name
   /// @throw UserError for the first entry whose value is not that of @p before, from used() of another scene,
   /// and that @p may_differ does not allow. @p refusal ends the message.
   void check_unchanged(const std::map<std::string, std::string> &before,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/material/transient.h>
 #include <dovetail/run/magnitudes.h>
 #include <dovetail/scene/units.h>
 

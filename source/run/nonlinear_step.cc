@@ -105,11 +105,11 @@ void NonlinearStep<dim>::save(SavedState &to) const
   nlohmann::ordered_json &numbers = to.numbers["step"];
   numbers["ranges"] = ranges;
   numbers["has noted an inexact step"] = has_noted_inexact_step;
-  save_predictor(predictor, to);
   numbers["toggles of predictor"] = toggles_of_predictor;
+  save_predictor(predictor, to); // from here on numbers may be elsewhere
   if (!scheme)
     return;
-  numbers["histories"] = range_watch->save();
+  to.numbers["step"]["histories"] = range_watch->save();
   save_memory(scheme->memory(), to);
   save_rates(rates_of_last_good, to);
 }

@@ -102,11 +102,10 @@ void NonlinearStep<dim>::start(const Vector &x)
 template <int dim>
 void NonlinearStep<dim>::save(SavedState &to) const
 {
-  nlohmann::ordered_json &numbers = to.numbers["step"];
-  numbers["ranges"] = ranges;
-  numbers["has noted an inexact step"] = has_noted_inexact_step;
-  numbers["toggles of predictor"] = toggles_of_predictor;
-  save_predictor(predictor, to); // from here on numbers may be elsewhere
+  to.numbers["step"] = {{"ranges", ranges},
+                        {"has noted an inexact step", has_noted_inexact_step},
+                        {"toggles of predictor", toggles_of_predictor}};
+  save_predictor(predictor, to);
   if (!scheme)
     return;
   to.numbers["step"]["histories"] = range_watch->save();
@@ -186,7 +185,8 @@ void NonlinearStep<dim>::accept_step(const double t, const Vector &x)
 {
   if (has_jumped)
     predictor.forget();
-  predictor.add(t, x);
+  if (may_predict())
+    predictor.add(t, x);
   if (!scheme)
     return;
   const StepTime this_step = step_to(t);
@@ -294,6 +294,13 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x, const Rates &rat
   problem->begin_step(t, x);
 }
 
+/// A linear scene that is solved directly does not ask where its solution may lie.
+template <int dim>
+bool NonlinearStep<dim>::may_predict() const
+{
+  return !model.is_linear() || linear_solver.iterates();
+}
+
 /// The first assembly is at x: what a step freezes there, and what it is measured by, stays as it is without
 /// a prediction.
 template <int dim>
@@ -302,14 +309,12 @@ bool NonlinearStep<dim>::predict(const double t, const Vector &x, Vector &trial)
   const std::vector<bool> active = active_toggles(model, t);
   if (std::exchange(toggles_of_predictor, active) != active)
     predictor.forget();
-  if (!predictor.has_guess())
+  if (!predictor.has_guess() || !may_predict())
     return false;
   Vector guess = predictor.guess(t);
   if (model.is_linear()) {
-    if (linear_solver.iterates()) {
-      guess -= x;
-      problem->set_guess(guess);
-    }
+    guess -= x;
+    problem->set_guess(guess);
     return false;
   }
   Vector moves = x;

@@ -329,8 +329,8 @@ bool Nitsche<dim>::join(const Interface<dim> &interface, const TiedField &field,
                         const std::array<State<dim>, 2> &side_states, const std::vector<double> &mean_flux,
                         const std::vector<double> &jump, AtPoint &p, Series &series) const
 {
-  Joint joint;
   if (has_joint()) {
+    Joint joint;
     if (!find_joint(interface, field, q, side_states, joint))
       return false;
     if (joint.law != nullptr)

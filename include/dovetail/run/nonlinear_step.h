@@ -134,6 +134,7 @@ private:
   const StepTime &step_to(double t);
   Rates rates_to(double t);
   bool starts_anew(double begin, double t) const;
+  bool may_predict() const;
   using Ranges = std::map<std::string, ValueRange>; ///< by field
   void widen(Ranges &ranges, const Vector &x) const;
   std::vector<std::string> describe_failure() const;

@@ -3,6 +3,7 @@
 
 #include <dovetail/measure/meeting_bodies.h>
 #include <dovetail/pairing/face_points.h>
+#include <dovetail/pairing/facing_boundaries.h>
 #include <dovetail/pairing/pairing.h>
 
 #include <deal.II/base/mpi.h>
@@ -157,13 +158,6 @@ void add_notes_on_pair(const Model<dim> &model, const std::array<const Domain<di
                       "Interface, or leave it so if they are meant to be apart"));
 }
 
-template <int dim>
-bool have_common_field(const Domain<dim> &one, const Domain<dim> &other)
-{
-  return std::any_of(one.fields().begin(), one.fields().end(),
-                     [&](const Field &field) { return other.material.find_field(field.name) != nullptr; });
-}
-
 } // namespace
 
 template <int dim>
@@ -179,7 +173,7 @@ NoteList notes_on_untied_bodies(const Model<dim> &model)
   for (unsigned int i = 0; i < model.domains.size(); ++i)
     for (unsigned int j = i + 1; j < model.domains.size(); ++j) {
       const Domain<dim> &one = *model.domains[i], &other = *model.domains[j];
-      if (have_common_field(one, other) &&
+      if (share_a_field(one, other) &&
           one.centre().distance(other.centre()) <= 0.6 * (one.typical_length() + other.typical_length())) {
         const Extents<dim> &one_extents = of(one), &other_extents = of(other);
         add_notes_on_pair<dim>(model, {{&one, &other}}, {{&one_extents, &other_extents}}, notes);

@@ -68,14 +68,14 @@ std::vector<std::vector<unsigned int>> near_domains(const std::vector<std::uniqu
   return result;
 }
 
+} // namespace
+
 template <int dim>
 bool share_a_field(const Domain<dim> &one, const Domain<dim> &other)
 {
   return std::any_of(one.fields().begin(), one.fields().end(),
                      [&](const Field &field) { return other.material.find_field(field.name) != nullptr; });
 }
-
-} // namespace
 
 template <int dim>
 std::vector<FacingBoundaries> find_facing_boundaries(const std::vector<std::unique_ptr<Domain<dim>>> &domains,
@@ -111,6 +111,8 @@ std::vector<FacingBoundaries> find_facing_boundaries(const std::vector<std::uniq
   return result;
 }
 
+template bool share_a_field(const Domain<2> &, const Domain<2> &);
+template bool share_a_field(const Domain<3> &, const Domain<3> &);
 template std::vector<FacingBoundaries> find_facing_boundaries(const std::vector<std::unique_ptr<Domain<2>>> &,
                                                               double, const MPI_Comm &);
 template std::vector<FacingBoundaries> find_facing_boundaries(const std::vector<std::unique_ptr<Domain<3>>> &,

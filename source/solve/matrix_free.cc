@@ -66,8 +66,7 @@ private:
 class MatrixFree : public GroupSolver
 {
 public:
-  /// The cost of levels: measured, in iterations (doc/theory/linear_solvers.md).
-  MatrixFree(const Section &, const GroupFacts &facts) : facts(facts), upkeep(12) {}
+  MatrixFree(const Section &, const GroupFacts &facts) : facts(facts), upkeep(facts) {}
 
   std::string description() const override
   {
@@ -88,12 +87,11 @@ public:
 private:
   void make(const GroupOperator &K);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
-                       const std::function<bool(unsigned int n, double r)> &gives_up);
+                       const Upkeep::GivesUp &gives_up);
 
   const GroupFacts &facts;
   Agreement ranks;
   Upkeep upkeep;
-  bool was_symmetric = true; ///< when the levels were made
   std::unique_ptr<Epetra_MultiVector> modes;
   std::unique_ptr<SumLevel> level;
   std::unique_ptr<DegreeCoarsening> cycle;
@@ -102,18 +100,12 @@ private:
 void MatrixFree::prepare(const GroupOperator &K, const Agreement &all_ranks)
 {
   ranks = all_ranks;
-  if (upkeep.pays() && was_symmetric == facts.is_symmetric) {
-    upkeep.keep();
-    ++preparations.kept;
-  } else
-    make(K);
+  upkeep.prepare([&]() { make(K); }, preparations);
 }
 
 void MatrixFree::make(const GroupOperator &K)
 {
   cycle.reset();
-  upkeep.forget();
-  ++preparations.made;
   ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
   if (!modes)
     ranks.run("modes", [&]() { modes = make_modes(facts, level->rows()); });
@@ -121,29 +113,21 @@ void MatrixFree::make(const GroupOperator &K)
     cycle = std::make_unique<DegreeCoarsening>(*level, facts.linear_part(), *modes, facts.known_places(),
                                                DegreeCoarsening::usual_smoother(*level, facts.degree));
   });
-  was_symmetric = facts.is_symmetric;
-  upkeep.made();
 }
 
 unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                const double goal)
 {
-  if (!upkeep.is_of_earlier())
-    return iterate(K, x, b, goal, {});
-  return solve_in_two_attempts(
-      K, x, b,
-      [&](GroupVector &z, const GroupVector &r) {
-        return iterate(K, z, r, goal, upkeep.gives_up(r.l2_norm(), goal));
+  return upkeep.solve(
+      K, x, b, goal, [&]() { make(K); }, preparations,
+      [&](GroupVector &z, const GroupVector &r, const Upkeep::GivesUp &gives_up) {
+        return iterate(K, z, r, goal, gives_up);
       },
-      [&](GroupVector &z, const GroupVector &r) {
-        make(K);
-        return iterate(K, z, r, goal, {});
-      });
+      [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, {}); });
 }
 
 unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,
-                                 const double goal,
-                                 const std::function<bool(unsigned int n, double r)> &gives_up)
+                                 const double goal, const Upkeep::GivesUp &gives_up)
 {
   const auto apply = [this](GroupVector &solution, const GroupVector &right_hand_side) {
     Epetra_Vector z(View, solution.trilinos_vector(), 0);

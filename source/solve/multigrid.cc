@@ -35,8 +35,7 @@ namespace dovetail {
 class Multigrid : public GroupSolver
 {
 public:
-  /// The cost of levels: measured, in iterations (doc/theory/linear_solvers.md).
-  Multigrid(const Section &, const GroupFacts &facts) : facts(facts), upkeep(12) {}
+  Multigrid(const Section &, const GroupFacts &facts) : facts(facts), upkeep(facts) {}
 
   std::string description() const override { return describe_iteration(facts, "multigrid"); }
   void prepare(const GroupOperator &K, const Agreement &all_ranks) override;
@@ -56,20 +55,17 @@ private:
     semicoarsening ///< and wherever some couplings are long
   };
 
-  using GivesUp = std::function<bool(unsigned int n, double r)>;
-
   void forget_values();
   void make(const GroupOperator &K);
   void make_levels();
   Means means_for(double n_expected) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
-                       const GivesUp &gives_up);
+                       const Upkeep::GivesUp &gives_up);
 
   const GroupFacts &facts;
   Agreement ranks;
   Upkeep upkeep;
-  bool was_symmetric = true; ///< when the levels were made
   std::unique_ptr<Epetra_MultiVector> modes;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< of a matrix that is not symmetric
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
@@ -90,18 +86,12 @@ void Multigrid::forget_values()
 void Multigrid::prepare(const GroupOperator &K, const Agreement &all_ranks)
 {
   ranks = all_ranks;
-  if (upkeep.pays() && was_symmetric == facts.is_symmetric) {
-    upkeep.keep();
-    ++preparations.kept;
-  } else
-    make(K);
+  upkeep.prepare([&]() { make(K); }, preparations);
 }
 
 void Multigrid::make(const GroupOperator &K)
 {
   forget_values();
-  upkeep.forget();
-  ++preparations.made;
   matrix = K.bodies().matrix();
   if (!modes)
     ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
@@ -111,8 +101,6 @@ void Multigrid::make(const GroupOperator &K)
     matrix = symmetric_part.get();
   }
   ranks.run("multigrid", [&]() { make_levels(); });
-  was_symmetric = facts.is_symmetric;
-  upkeep.made();
 }
 
 void Multigrid::make_levels()
@@ -149,17 +137,12 @@ Multigrid::Means Multigrid::means_for(const double n_expected) const
 
 unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, const double goal)
 {
-  if (!upkeep.is_of_earlier())
-    return solve_with_new(K, x, b, goal);
-  return solve_in_two_attempts(
-      K, x, b,
-      [&](GroupVector &z, const GroupVector &r) {
-        return iterate(K, z, r, goal, upkeep.gives_up(r.l2_norm(), goal));
+  return upkeep.solve(
+      K, x, b, goal, [&]() { make(K); }, preparations,
+      [&](GroupVector &z, const GroupVector &r, const Upkeep::GivesUp &gives_up) {
+        return iterate(K, z, r, goal, gives_up);
       },
-      [&](GroupVector &z, const GroupVector &r) {
-        make(K);
-        return solve_with_new(K, z, r, goal);
-      });
+      [&](GroupVector &z, const GroupVector &r) { return solve_with_new(K, z, r, goal); });
 }
 
 /// With levels of the present matrix. From time to time the iterations of ten decades are extrapolated, which
@@ -194,7 +177,7 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
 }
 
 unsigned int Multigrid::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,
-                                const double goal, const GivesUp &gives_up)
+                                const double goal, const Upkeep::GivesUp &gives_up)
 {
   const auto apply = [this](GroupVector &solution, const GroupVector &right_hand_side) {
     Epetra_Vector z(View, solution.trilinos_vector(), 0);

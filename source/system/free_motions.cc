@@ -3,14 +3,13 @@
 
 #include <dovetail/system/free_motions.h>
 
+#include <dovetail/system/eigenvectors.h>
 #include <dovetail/system/joined_fields.h>
 
 #include <deal.II/base/array_view.h>
 #include <deal.II/base/mpi.h>
-#include <deal.II/lac/lapack_full_matrix.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -114,12 +113,7 @@ void add_condition_to(SeenMotions<dim> &seen, const Domain<dim> &body, const Con
 template <int dim>
 std::string unseen(const JoinedBodies<dim> &group, const dealii::FullMatrix<double> &P)
 {
-  dealii::LAPACKFullMatrix<double> copy(P.m(), P.n());
-  copy = P;
-  dealii::Vector<double> values;
-  dealii::FullMatrix<double> vectors;
-  const double all = std::numeric_limits<double>::max();
-  copy.compute_eigenvalues_symmetric(-all, all, 0., values, vectors);
+  const dealii::Vector<double> values = eigenvectors(P).first;
   const double least = share_of_free_motion * std::max(values.linfty_norm(), 1e-300);
   unsigned int n_free =
       std::count_if(values.begin(), values.end(), [&](const double v) { return v <= least; });

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/system/eigenvectors.h>
 #include <dovetail/system/joined_fields.h>
 #include <dovetail/system/rigid_motions.h>
 #include <dovetail/system/unrestrained_mode.h>
 
 #include <deal.II/base/array_view.h>
 #include <deal.II/base/mpi.h>
-#include <deal.II/lac/lapack_full_matrix.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace dovetail {
@@ -81,19 +80,6 @@ std::vector<std::vector<double>> modes_of(const Model<dim> &model, const Group<d
   if (group.is_around_axis)
     modes = {modes[axis_of_revolution]};
   return modes;
-}
-
-/// Of a symmetric matrix; the eigenvectors are columns.
-std::pair<dealii::Vector<double>, dealii::FullMatrix<double>>
-eigenvectors(const dealii::FullMatrix<double> &matrix)
-{
-  dealii::LAPACKFullMatrix<double> copy(matrix.m(), matrix.n());
-  copy = matrix;
-  dealii::Vector<double> values;
-  dealii::FullMatrix<double> vectors;
-  const double all = std::numeric_limits<double>::max();
-  copy.compute_eigenvalues_symmetric(-all, all, 0., values, vectors);
-  return {values, vectors};
 }
 
 /// Columns V with V^T M V = 1. A body with few free unknowns has rigid motions that are alike: the directions

@@ -43,4 +43,21 @@ struct AssembledScene
   BlockSystem<dim> system;
 };
 
+/// That multigrid takes at most so many iterations, and finds what MUMPS finds.
+template <int dim>
+void check_multigrid(const std::string &name, const std::string &prm, const unsigned int most_iterations)
+{
+  const AssembledScene<dim> assembled(prm);
+  const auto solve = [&](const std::string &type, Vector &solution) {
+    LinearSolver solver(SceneText::root(SceneText::from_prm(set("Type", type))), assembled.groups());
+    return assembled.solve(solver, solution).value_or(0);
+  };
+  Vector reference, solution;
+  solve("direct", reference);
+  const unsigned int n_iterations = solve("multigrid", solution);
+  report(name + ", iterations", n_iterations > 1 ? n_iterations : 1000., most_iterations);
+  solution.block(1) -= reference.block(1);
+  report(name + ", solution", solution.block(1).l2_norm() / reference.block(1).l2_norm(), 1e-7);
+}
+
 } // namespace test

@@ -52,17 +52,7 @@ std::string scene(const Case &of)
 
 void check(const Case &of)
 {
-  const AssembledScene<2> assembled(scene(of));
-  const auto solve = [&](const std::string &type, Vector &solution) {
-    LinearSolver solver(SceneText::root(SceneText::from_prm(set("Type", type))), assembled.groups());
-    return assembled.solve(solver, solution).value_or(0);
-  };
-  Vector reference, solution;
-  solve("direct", reference);
-  const unsigned int n_iterations = solve("multigrid", solution);
-  report(of.name + ", iterations", n_iterations > 1 ? n_iterations : 1000., of.most_iterations);
-  solution.block(1) -= reference.block(1);
-  report(of.name + ", solution", solution.block(1).l2_norm() / reference.block(1).l2_norm(), 1e-7);
+  check_multigrid<2>(of.name, scene(of), of.most_iterations);
 }
 
 } // namespace

@@ -36,25 +36,11 @@ std::string scene(const std::string &height)
                     set("Type", "Nitsche") + set("Source", "left : 1") + set("Destination", "right : 0"));
 }
 
-void check(const std::string &name, const std::string &height, const unsigned int most_iterations)
-{
-  const AssembledScene<3> assembled(scene(height));
-  const auto solve = [&](const std::string &type, Vector &solution) {
-    LinearSolver solver(SceneText::root(SceneText::from_prm(set("Type", type))), assembled.groups());
-    return assembled.solve(solver, solution).value_or(0);
-  };
-  Vector reference, solution;
-  solve("direct", reference);
-  const unsigned int n_iterations = solve("multigrid", solution);
-  report(name + ", iterations", n_iterations > 1 ? n_iterations : 1000., most_iterations);
-  solution.block(1) -= reference.block(1);
-  report(name + ", solution", solution.block(1).l2_norm() / reference.block(1).l2_norm(), 1e-7);
-}
-
 } // namespace
 
 int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  check("10 : 1 : 1", "1", dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1 ? 30 : 50);
+  check_multigrid<3>("10 : 1 : 1", scene("1"),
+                     dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1 ? 30 : 50);
 }

@@ -14,6 +14,10 @@
 
 namespace dovetail {
 
+/// Whether two domains have a field of one name.
+template <int dim>
+bool share_a_field(const Domain<dim> &one, const Domain<dim> &other);
+
 /// Boundary ids of two domains of which some part faces the other within @p search_radius face sizes, without
 /// a third domain between them.
 struct FacingBoundaries

@@ -7,6 +7,7 @@
 #include <dovetail/domain/formulas.h>
 #include <dovetail/measure/meeting_bodies.h>
 #include <dovetail/output/rehearsal.h>
+#include <dovetail/run/cost_estimate.h>
 #include <dovetail/run/counters.h>
 #include <dovetail/run/first_guess.h>
 #include <dovetail/run/initial_values.h>
@@ -168,6 +169,8 @@ void Simulation<dim>::check()
   rehearse(model, *text, scene, times, log, notes);
   results.preview();
   log.line();
+  log.line("estimate: " + estimate_cost(model, step.solver(), steps).in_words() +
+           "; meshes and pairings are not counted");
   log.cost_of_pairing(model);
   notes.repeat();
 }

@@ -56,16 +56,14 @@ struct LinearSolver::Group
   void forget_matrix();
   bool is_direct_by_size() const;
   bool is_matrix_free_by_degree() const;
-  bool needs_entries() const
-  {
-    return (is_decided ? is_direct : is_direct_by_size()) || chosen.solver->needs_entries();
-  }
+  bool needs_entries() const { return takes_direct() || chosen.solver->needs_entries(); }
   bool lacks_entries() const { return is_direct && system.plain().cells() != nullptr; }
   bool prepare(Member &member, const GroupOperator &K);
   std::optional<unsigned int> iterate(GroupVector &x, const GroupVector &b);
   unsigned int iterate_to_residual(GroupVector &x, const GroupVector &b);
   bool solve_directly(GroupVector &x, const GroupVector &b);
   std::optional<unsigned int> solve(GroupVector &x, const GroupVector &b);
+  bool takes_direct() const { return is_decided ? is_direct : is_direct_by_size(); }
   std::string description() const;
 
   LinearSolver &owner;
@@ -265,9 +263,8 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
 
 std::string LinearSolver::Group::description() const
 {
-  const bool takes_direct = is_decided ? is_direct : is_direct_by_size();
-  return system.facts().name + ": " + (takes_direct ? direct : chosen).solver->description() +
-         (takes_direct && iteration_failed ? ", after the iteration failed" : "");
+  return system.facts().name + ": " + (takes_direct() ? direct : chosen).solver->description() +
+         (takes_direct() && iteration_failed ? ", after the iteration failed" : "");
 }
 
 LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups, const Choice choice)
@@ -290,6 +287,12 @@ LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given
 }
 
 LinearSolver::~LinearSolver() = default;
+
+std::optional<ExpectedCost> LinearSolver::expected_cost(const unsigned int group, const GroupSize &size) const
+{
+  const Group &its = *groups[group];
+  return (its.takes_direct() ? its.direct : its.chosen).solver->expected_cost(size);
+}
 
 std::vector<bool> LinearSolver::needs_entries() const
 {

@@ -74,6 +74,12 @@ public:
   }
   std::string objection() const override { return facts.why_entries; }
   bool needs_entries() const override { return false; }
+  std::optional<ExpectedCost> expected_cost(const GroupSize &size) const override
+  {
+    const double share = facts.is_symmetric ? 1 : 2, fields = size.n_modes > 1 ? 1.5 : 1;
+    return {
+        {5000 * share * size.n_unknowns, 20000 * share * fields * size.n_unknowns, 1000 * size.n_unknowns}};
+  }
   void prepare(const GroupOperator &K, const Agreement &ranks) override;
   unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) override;
   void forget() override

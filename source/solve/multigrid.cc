@@ -38,6 +38,12 @@ public:
   Multigrid(const Section &, const GroupFacts &facts) : facts(facts), upkeep(facts) {}
 
   std::string description() const override { return describe_iteration(facts, "multigrid"); }
+  std::optional<ExpectedCost> expected_cost(const GroupSize &size) const override
+  {
+    const double share = facts.is_symmetric ? 1 : 2; // GMRES, and the symmetric part
+    return {{130 * share * size.n_entries, 290 * share * size.n_entries,
+             12 * (share - 1) * size.n_entries + 75 * size.n_modes * size.n_modes * size.n_unknowns}};
+  }
   void prepare(const GroupOperator &K, const Agreement &all_ranks) override;
   unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) override;
   void forget() override

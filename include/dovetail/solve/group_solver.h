@@ -88,6 +88,21 @@ struct GroupFacts : GroupTraits
   std::vector<Place> known_places() const { return places ? places() : std::vector<Place>(); }
 };
 
+/// How large a group is, for an estimate of what it costs.
+struct GroupSize
+{
+  double n_unknowns = 0, n_entries = 0; ///< of K
+  double n_modes = 1;                   ///< that its bodies hardly resist
+};
+
+/// What a solver takes, roughly, measured on blocks of cubes. The unit of work is what a product with K does
+/// for one entry.
+struct ExpectedCost
+{
+  double prepare = 0, solve = 0; ///< for one matrix, and for one right-hand side
+  double bytes = 0;              ///< beside K
+};
+
 /// Lets all ranks go the same way where an exception (of a library, no memory) may meet one of them alone.
 /// Where that happens in the middle of what the others do together nobody can help; so what takes memory is
 /// an action of its own, before the others are entered.
@@ -116,6 +131,9 @@ public:
   virtual std::string objection() const { return ""; }
   /// Whether it asks for all entries of K. If not, those of cells are never made: GroupOperator::cells().
   virtual bool needs_entries() const { return true; }
+
+  /// Nothing if nobody has measured it.
+  virtual std::optional<ExpectedCost> expected_cost(const GroupSize & /*size*/) const { return {}; }
 
   /// K has new values. What was made for the last ones may be kept, and counted as such. @p ranks: for steps
   /// that one rank alone may not survive.

@@ -106,6 +106,9 @@ public:
   /// What each group is solved with, or will be, for the plan: "displacement: CG with multigrid".
   std::vector<std::string> description() const;
 
+  /// Of the solver that a group will have, as far as is known.
+  std::optional<ExpectedCost> expected_cost(unsigned int group, const GroupSize &size) const;
+
   struct Counts
   {
     unsigned long solves = 0;                                      ///< of groups

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/run/cost_estimate.h>
+
+#include <dovetail/domain/cell_terms.h>
+#include <dovetail/output/phases.h>
+#include <dovetail/run/initial_values.h>
+
+#include <deal.II/base/mpi.h>
+#include <deal.II/base/timer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <set>
+
+namespace dovetail {
+
+namespace {
+
+// Measured on tied blocks, in seconds or in units of seconds_per_entry().
+const unsigned int newton_iterations = 4; ///< of a nonlinear step
+const double setup_of_entry = 100;        ///< pattern and matrix
+const double bytes_of_entry = 14;
+const double scatter_of_entry = 60; ///< in an assembly
+const double seconds_of_output = 0.03, seconds_of_unknown_in_output = 1.2e-6;
+const double seconds_of_pair_at_point = 3e-9, seconds_of_point = 1e-5;
+const unsigned int n_samples = 16;  ///< cells of a body
+const double longest_sample = 0.01; ///< seconds of a body
+
+/// Of a product with a sparse matrix that is larger than the caches.
+double seconds_per_entry()
+{
+  const unsigned int n_rows = 100000, n_of_row = 27;
+  const std::vector<double> entries(n_rows * n_of_row, 1.), x(n_rows, 1.);
+  std::vector<int> columns;
+  columns.reserve(entries.size());
+  for (unsigned int i = 0; i < n_rows; ++i)
+    for (unsigned int k = 0; k < n_of_row; ++k)
+      columns.push_back((i + k * 743) % n_rows);
+  std::vector<double> y(n_rows);
+  double seconds = std::numeric_limits<double>::infinity();
+  for (unsigned int repeat = 0; repeat < 3; ++repeat) {
+    dealii::Timer timer;
+    for (unsigned int i = 0; i < n_rows; ++i) {
+      double sum = 0;
+      for (unsigned int k = 0; k < n_of_row; ++k)
+        sum += entries[i * n_of_row + k] * x[columns[i * n_of_row + k]];
+      y[i] += sum;
+    }
+    seconds = std::min(seconds, timer.wall_time());
+  }
+  return y[0] > 0 ? seconds / entries.size() : 0;
+}
+
+/// Some cells of this rank, spread over the body.
+template <int dim>
+std::vector<typename Domain<dim>::cell_iterator> sample_cells(const Domain<dim> &domain)
+{
+  const double n_own = domain.mesh().n_locally_owned_active_cells(), golden = (std::sqrt(5.) - 1) / 2;
+  std::set<unsigned int> chosen; // without a period, which cells may have
+  for (unsigned int k = 1; k <= n_samples; ++k)
+    chosen.insert(n_own * std::fmod(k * golden, 1.));
+  std::vector<typename Domain<dim>::cell_iterator> cells;
+  unsigned int i = 0;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned() && chosen.count(i++) > 0)
+      cells.push_back(cell);
+  return cells;
+}
+
+/// The cells around one: those that share a vertex with it.
+template <int dim>
+std::vector<typename Domain<dim>::cell_iterator>
+cells_around(const typename Domain<dim>::cell_iterator &middle)
+{
+  std::set<unsigned int> vertices;
+  for (const unsigned int v : middle->vertex_indices())
+    vertices.insert(middle->vertex_index(v));
+  std::vector<typename Domain<dim>::cell_iterator> cells = {middle};
+  for (unsigned int i = 0; i < cells.size(); ++i)
+    for (const unsigned int f : cells[i]->face_indices()) {
+      if (cells[i]->at_boundary(f) || !cells[i]->neighbor(f)->is_active() ||
+          cells[i]->neighbor(f)->is_artificial())
+        continue;
+      const typename Domain<dim>::cell_iterator next = cells[i]->neighbor(f);
+      const auto corners = next->vertex_indices();
+      if (std::find(cells.begin(), cells.end(), next) == cells.end() &&
+          std::any_of(corners.begin(), corners.end(),
+                      [&](const unsigned int v) { return vertices.count(next->vertex_index(v)) > 0; }))
+        cells.push_back(next);
+    }
+  return cells;
+}
+
+/// By field: with how many nodes of its body a node shares a cell, on the mean over those of the samples. A
+/// node that several cells share is met as often.
+template <int dim>
+std::vector<double> count_neighbours(const Domain<dim> &domain,
+                                     const std::vector<typename Domain<dim>::cell_iterator> &samples)
+{
+  const unsigned int n_fields = domain.fields().size();
+  std::vector<double> sum(n_fields, 0.), n_nodes(n_fields, 0.);
+  std::vector<dealii::types::global_dof_index> own, all;
+  for (const auto &cell : samples) {
+    domain.cell_dofs(cell, own);
+    const auto around = cells_around<dim>(cell);
+    for (unsigned int f = 0; f < n_fields; ++f) {
+      const unsigned int c = domain.fields()[f].first_component, first = domain.layout().first(c),
+                         n = domain.layout().n_nodes(c);
+      std::vector<std::set<dealii::types::global_dof_index>> neighbours(n);
+      std::vector<unsigned int> n_cells(n, 0);
+      for (const auto &other : around) {
+        domain.cell_dofs(other, all);
+        for (unsigned int a = 0; a < n; ++a)
+          if (std::find(all.begin() + first, all.begin() + first + n, own[first + a]) !=
+              all.begin() + first + n) {
+            neighbours[a].insert(all.begin() + first, all.begin() + first + n);
+            ++n_cells[a];
+          }
+      }
+      for (unsigned int a = 0; a < n; ++a) {
+        sum[f] += static_cast<double>(neighbours[a].size()) / n_cells[a];
+        n_nodes[f] += 1. / n_cells[a];
+      }
+    }
+  }
+  for (unsigned int f = 0; f < n_fields; ++f)
+    sum[f] = n_nodes[f] > 0 ? sum[f] / n_nodes[f] : 0;
+  return sum;
+}
+
+/// One assembly of the cells of this rank, with the tangent or without.
+template <int dim>
+double seconds_of_cells(const Domain<dim> &domain,
+                        const std::vector<typename Domain<dim>::cell_iterator> &samples, const Vector &x,
+                        const bool has_entries)
+{
+  const dealii::IndexSet own = x.locally_owned_elements();
+  CellTerms<dim> terms(domain);
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns, residual(domain.dofs_per_cell());
+  dealii::FullMatrix<double> tangent(domain.dofs_per_cell());
+  const auto assemble = [&](const auto &cell) {
+    domain.cell_dofs(cell, dofs);
+    unknowns.assign(dofs.size(), 0.);
+    for (unsigned int i = 0; i < dofs.size(); ++i)
+      if (own.is_element(dofs[i]))
+        unknowns[i] = x(dofs[i]);
+    terms.assemble(cell, 0., unknowns, residual, has_entries ? &tangent : nullptr);
+  };
+  if (samples.empty())
+    return 0;
+  assemble(samples[0]); // what is made once
+  std::vector<double> seconds;
+  dealii::Timer all;
+  while (seconds.size() < samples.size() && (seconds.empty() || all.wall_time() < longest_sample)) {
+    dealii::Timer one;
+    assemble(samples[seconds.size()]);
+    seconds.push_back(one.wall_time());
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2, seconds.end());
+  const double of_products = has_entries ? 1 : 2; // derivatives at points in place of a matrix
+  return of_products * seconds[seconds.size() / 2] * domain.mesh().n_locally_owned_active_cells();
+}
+
+/// One assembly of the points of this rank.
+template <int dim>
+double seconds_of_interfaces(const Model<dim> &model)
+{
+  double seconds = 0;
+  for (const auto &interface : model.interfaces) {
+    const double n_local = interface->n_local(source) + interface->n_local(destination);
+    double n_points = 0;
+    for (const auto &group : interface->pairing().groups)
+      n_points += group.end - group.begin;
+    seconds += n_points * (seconds_of_point + n_local * n_local * seconds_of_pair_at_point);
+  }
+  return seconds;
+}
+
+/// The unknowns of a field of a body and their entries in the matrix of its group.
+template <int dim>
+void add_to(GroupSize &size, const Block &block, const Domain<dim> &domain,
+            const std::vector<double> &neighbours, const std::vector<std::string> &group)
+{
+  const auto &fields = domain.fields();
+  const unsigned int f = block.field_index;
+  const double n_unknowns = block.end - block.begin;
+  size.n_unknowns += n_unknowns;
+  if (fields[f].n_components > 1)
+    size.n_modes = dim == 2 ? 3 : 6;
+  for (unsigned int g = 0; g < fields.size(); ++g)
+    if (std::find(group.begin(), group.end(), fields[g].name) != group.end() &&
+        (f == g || domain.material.depends(f, g)))
+      size.n_entries += n_unknowns * neighbours[f] * fields[g].n_components;
+}
+
+std::string two_digits(const double number)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.2g", number);
+  return number >= 100 ? std::to_string(static_cast<long>(number)) : text;
+}
+
+} // namespace
+
+std::string CostEstimate::in_words() const
+{
+  return two_digits(total()) + " s for " + std::to_string(n_steps) + (n_steps == 1 ? " step" : " steps") +
+         (n_iterations > 1 ? " of " + std::to_string(n_iterations) + " Newton iterations" : "") + " (setup " +
+         two_digits(setup) + ", assembly " + two_digits(assembly) + ", solve " +
+         (knows_solver ? two_digits(solve) : "unknown") + ", output " + two_digits(output) + "), " +
+         two_digits(memory) + " MiB";
+}
+
+template <int dim>
+CostEstimate estimate_cost(const Model<dim> &model, const LinearSolver &solver, const Steps &steps)
+{
+  const MPI_Comm &communicator = model.communicator;
+  const double memory_before = dealii::Utilities::MPI::sum(peak_memory_of_process(), communicator),
+               n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator), unit = seconds_per_entry();
+  const bool is_linear = model.is_linear(), is_constant = is_linear && model.has_constant_tangent();
+  CostEstimate result;
+  result.n_steps = steps.n_steps;
+  result.n_iterations = is_linear ? 1 : newton_iterations;
+  const double n_solves = result.n_steps * result.n_iterations, n_tangents = is_constant ? 1 : n_solves;
+  const auto groups = model.field_groups();
+  const std::vector<bool> needs_entries = solver.needs_entries();
+
+  Vector x(model.numbering->split(model.numbering->owned), communicator);
+  set_initial_values(model, steps.size(), x);
+  std::vector<GroupSize> sizes(groups.size());
+  const bool has_entries = std::find(needs_entries.begin(), needs_entries.end(), true) != needs_entries.end();
+  std::vector<std::vector<double>> neighbours; // by domain
+  double assembly = seconds_of_interfaces(model);
+  for (const auto &domain : model.domains) {
+    const auto samples = sample_cells(*domain);
+    assembly += seconds_of_cells(*domain, samples, x, has_entries);
+    neighbours.push_back(count_neighbours(*domain, samples));
+  }
+  for (const Block &block : model.numbering->blocks())
+    for (unsigned int g = 0; g < groups.size() && !block.is_of_multipliers; ++g)
+      if (std::find(groups[g].begin(), groups[g].end(), block.field) != groups[g].end())
+        add_to(sizes[g], block, *model.domains[block.domain_index], neighbours[block.domain_index],
+               groups[g]);
+
+  result.assembly = n_tangents * assembly;
+  double bytes = 0;
+  for (unsigned int g = 0; g < groups.size(); ++g) {
+    GroupSize &size = sizes[g];
+    const double n_kept = needs_entries[g] ? size.n_entries : size.n_entries / 10;
+    result.setup += setup_of_entry * unit * n_kept / n_ranks;
+    result.assembly += n_tangents * scatter_of_entry * unit * n_kept / n_ranks;
+    bytes += bytes_of_entry * n_kept;
+    result.n_entries += dealii::Utilities::MPI::max(size.n_entries, communicator);
+    const auto cost = solver.expected_cost(g, size);
+    result.knows_solver = result.knows_solver && cost.has_value();
+    if (cost) {
+      result.solve += (n_tangents * cost->prepare + n_solves * cost->solve) * unit / n_ranks;
+      bytes += cost->bytes;
+    }
+  }
+  result.output = (steps.n_steps + 1) *
+                  (seconds_of_output + seconds_of_unknown_in_output * model.numbering->n_dofs() / n_ranks);
+  for (double *seconds : {&result.setup, &result.assembly, &result.solve, &result.output})
+    *seconds = dealii::Utilities::MPI::max(*seconds, communicator);
+  result.memory = memory_before + dealii::Utilities::MPI::max(bytes, communicator) / (1024 * 1024);
+  return result;
+}
+
+template CostEstimate estimate_cost(const Model<2> &, const LinearSolver &, const Steps &);
+template CostEstimate estimate_cost(const Model<3> &, const LinearSolver &, const Steps &);
+
+} // namespace dovetail

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <string>
+#include <utility>
 
 namespace dovetail {
 
@@ -223,19 +225,21 @@ void NodalForces<dim>::magnitudes(const Vector &solution, const std::vector<Inde
 template <int dim>
 double NodalForces<dim>::rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const
 {
-  std::set<const Domain<dim> *> bodies = {&domain};
+  std::set<std::pair<const Domain<dim> *, std::string>> fields = {{&domain, field.name}};
   for (bool is_new = true; is_new;) {
     is_new = false;
     for (const auto &interface : model.interfaces)
-      if (interface->is_active(t) && interface->tie().parts().elimination != nullptr &&
-          bodies.count(interface->sides[source].domain) > 0)
-        is_new = bodies.insert(interface->sides[destination].domain).second || is_new;
+      for (const TiedField &tied : interface->fields)
+        if (interface->is_active(t) && interface->tie().parts().elimination != nullptr &&
+            fields.count({interface->sides[source].domain, tied.names[source]}) > 0)
+          is_new =
+              fields.emplace(interface->sides[destination].domain, tied.names[destination]).second || is_new;
   }
   double sum = 0;
   for (const auto &body : model.domains)
-    if (const Field *body_field = body->material.find_field(field.name);
-        body_field != nullptr && bodies.count(body.get()) > 0)
-      sum += rounding_of_cells(*body, *body_field, solution) + rounding_of_groups(*body, field, solution);
+    for (const Field &its : body->fields())
+      if (fields.count({body.get(), its.name}) > 0)
+        sum += rounding_of_cells(*body, its, solution) + rounding_of_groups(*body, its, solution);
   return 1e-15 * dealii::Utilities::MPI::sum(sum, model.communicator);
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/measure/extreme_places.h>
 #include <dovetail/measure/probes.h>
 #include <dovetail/measure/singular_points.h>
+#include <dovetail/scene/undefined.h>
 
 #include <dovetail/compatibility.h>
 
@@ -213,7 +215,7 @@ typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Sec
                            quantity = section.peek("Quantity")](const Domain<dim> &domain) {
       return create(quantity, domain);
     };
-  if (has_quantity && probe.X && !section.documenting())
+  if (has_quantity && !section.documenting())
     probe.field_of_law = probe.region.domain->material.find_field(
         QuantityCatalogue<dim>::find(section.peek("Quantity"), section, "Quantity").field);
   if (probe.region.domain != nullptr)
@@ -311,11 +313,33 @@ NoteList Probes<dim>::notes() const
 {
   NoteList notes;
   for (const Probe &probe : probes)
-    if (probe.field_of_law != nullptr)
+    if (probe.field_of_law != nullptr && probe.X)
       if (const std::string why = why_singular(model, *probe.X, *probe.field_of_law); !why.empty())
         notes.push_back(of_singular_probe("the point of the probe " + probe.name + " lies at " + why +
                                           ", where its quantity grows without bound as the mesh is refined: "
                                           "move the point away from it, or take a mean over a part of it"));
+  return notes;
+}
+
+template <int dim>
+NoteList Probes<dim>::notes_on_extremes(const Vector &solution, const double t) const
+{
+  NoteList notes;
+  const auto why_at = [&](const Probe &probe) {
+    for (const auto &vertices : places_of_extremes(probe.region, *probe.quantity, *probe.reduce, solution, t))
+      for (const auto &X : vertices)
+        if (const std::string why = why_singular(model, X, *probe.field_of_law); !why.empty())
+          return why + " at " + in_words(X);
+    return std::string();
+  };
+  for (const Probe &probe : probes)
+    if (probe.field_of_law != nullptr && (probe.reduce == Reduce::minimum || probe.reduce == Reduce::maximum))
+      if (const std::string why = why_at(probe); !why.empty())
+        notes.push_back(of_singular_probe(
+            "the " + names_of_reduce()[static_cast<unsigned int>(*probe.reduce)] + " of the probe " +
+            probe.name + " lies at " + why +
+            ", where its quantity grows without bound as the mesh is refined: round the corner off as the "
+            "part is, or take a point or a boundary away from it"));
   return notes;
 }
 

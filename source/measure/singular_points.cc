@@ -126,13 +126,21 @@ bool is_of_side(const Model<dim> &model, const FaceAtPoint<dim> &face, const Int
   return model.domains[face.domain].get() == side.domain && side.boundary_ids.count(face.id) > 0;
 }
 
-/// Whether two free faces enclose more than 225 degrees of material.
+/// Whether a face at X leads out of the plane of another one, to its outer side. An edge that is curved does
+/// so by some per cent of the length.
 template <int dim>
-bool turn_back(const FaceAtPoint<dim> &one, const FaceAtPoint<dim> &other)
+bool rises_above(const FaceAtPoint<dim> &face, const FaceAtPoint<dim> &plane, const dealii::Point<dim> &X)
+{
+  const dealii::Tensor<1, dim> direction = face.beside - X;
+  return direction * plane.N > 0.2 * direction.norm();
+}
+
+/// Whether two free faces at X enclose more than 225 degrees of material.
+template <int dim>
+bool turn_back(const FaceAtPoint<dim> &one, const FaceAtPoint<dim> &other, const dealii::Point<dim> &X)
 {
   const double cosine_of_turn = std::sqrt(0.5);
-  return one.N * other.N < cosine_of_turn && (other.beside - one.beside) * one.N > 1e-6 * one.size &&
-         (one.beside - other.beside) * other.N > 1e-6 * other.size;
+  return one.N * other.N < cosine_of_turn && rises_above(one, other, X) && rises_above(other, one, X);
 }
 
 /// The faces at a point: where interfaces tie it, and the free ones, which no interface has.
@@ -180,7 +188,7 @@ std::string why_singular(const Model<dim> &model, const dealii::Point<dim> &X, c
   for (const auto &one : corner.free)
     for (const auto &other : corner.free)
       if ((one.domain == other.domain || corner.joined.count({one.domain, other.domain}) > 0) &&
-          turn_back(one, other))
+          turn_back(one, other, X))
         return "a re-entrant corner";
   for (const auto &tied : corner.bonded)
     for (const auto &face : corner.free) {

@@ -295,7 +295,9 @@ void Results<dim>::compare(const Solution<dim> &solution)
 template <int dim>
 void Results<dim>::explain(const Solution<dim> &solution)
 {
-  notes.add(explain_resolution(model, solution.system.ghosted(solution.x), solution.t));
+  const Vector ghosted = solution.system.ghosted(solution.x);
+  notes.add(explain_resolution(model, ghosted, solution.t));
+  notes.add(probes.notes_on_extremes(ghosted, solution.t));
   notes.add(explain_jumps(model, solution.t, report()["domains"], report()["interfaces"]));
 }
 

@@ -38,7 +38,7 @@ public:
   /// one: an unknown of A_1.
   using Sums = std::vector<std::vector<std::pair<int, double>>>;
 
-  /// @param degree of the functions of A
+  /// @param A matrix of the functions of the higher degree
   /// @param modes near-null space of A; the part on the unknowns of A_1 is that of A_1
   /// @param places of the rows of A; empty if they are not known
   /// @param smoother of A

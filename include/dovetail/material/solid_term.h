@@ -30,7 +30,7 @@ public:
     double coefficient, reference; ///< alpha [1/K], T0 [K]
   };
 
-  /// @param name of the material and of its law, for messages
+  /// @param name_of_material,name_of_law for messages
   SolidTerm(const Field &field, std::unique_ptr<SolidLaw> law, const std::optional<Expansion> &expansion,
             bool is_axisymmetric, const std::string &name_of_material, const std::string &name_of_law,
             double density);

@@ -53,6 +53,8 @@ public:
 
   /// About probes of fluxes at points where these are singular. Collective. @pre The model is paired.
   NoteList notes() const;
+  /// About minima and maxima of fluxes at such points. Collective; @p solution is ghosted.
+  NoteList notes_on_extremes(const Vector &solution, double t) const;
 
   /// A number, or an array of components. Collective; @p solution is ghosted.
   nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;

@@ -9,7 +9,12 @@
 //     |s|
 //
 // and is as stiff as `Joint stiffness` says in compression. While both grow t = (T_n(n, s), T_t(n, s)).
-// Where m is 0 the secant is the tangent. Reference for such laws: Xu and Needleman 1994.
+// Where m is 0 the secant is the tangent. What it dissipates per area is the work less what unloading gives
+// back,
+//
+//     D = int T_n dm_n + T_t dm_t - (T_n m_n + T_t m_t)/2
+//
+// along straight lines of m from step to step. Reference for such laws: Xu and Needleman 1994.
 //
 //     subsection Interface glue
 //       set Type            = contact resistance
@@ -20,6 +25,8 @@
 
 #include <dovetail/scene/undefined.h>
 #include <dovetail/tie/joint_law.h>
+
+#include <deal.II/base/quadrature_lib.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +44,7 @@ public:
 
   std::vector<InternalVariable> internal_variables() const override
   {
-    return {{"largest opening"}, {"largest sliding"}}; // [m]
+    return {{"largest opening"}, {"largest sliding"}, {"dissipated energy"}}; // [m], [m], [J/m^2]
   }
   bool evaluate(const JointPlace &place, const Tensor<1, 3> &opening, JointResponse &response) const override;
   double softening(const JointPlace & /*place*/) const override { return steepest; }
@@ -59,12 +66,14 @@ private:
   {
     return formula.value(dealii::Point<3>(), 0, component, {at.data(), 2});
   }
+  double dissipated(const std::array<double, 2> &from, const std::array<double, 2> &to) const;
   double find_steepest() const;
   bool depends_crosswise() const;
 
   const Expression formula;
   const bool is_uncoupled; ///< T_n does not depend on s, and T_t not on n
   const double steepest;
+  const dealii::QGauss<1> along_line = dealii::QGauss<1>(8);
 };
 
 FormulaJoint::FormulaJoint(const Section &section)
@@ -130,6 +139,24 @@ FormulaJoint::Secant FormulaJoint::secant(const unsigned int component,
   return result;
 }
 
+/// From one pair of largest values to another. Nothing is lost where neither grows.
+double FormulaJoint::dissipated(const std::array<double, 2> &from, const std::array<double, 2> &to) const
+{
+  if (from == to)
+    return 0;
+  double result = 0;
+  for (const unsigned int c : {0, 1}) {
+    result -= (value(c, to) * to[c] - value(c, from) * from[c]) / 2;
+    for (unsigned int q = 0; q < along_line.size(); ++q) {
+      const double share = along_line.point(q)[0];
+      const std::array<double, 2> at = {
+          {from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])}};
+      result += along_line.weight(q) * value(c, at) * (to[c] - from[c]);
+    }
+  }
+  return result;
+}
+
 bool FormulaJoint::evaluate(const JointPlace &place, const Tensor<1, 3> &opening,
                             JointResponse &response) const
 {
@@ -141,6 +168,8 @@ bool FormulaJoint::evaluate(const JointPlace &place, const Tensor<1, 3> &opening
     largest[i] = std::max(place.memory.accepted[i], now[i]);
     place.memory.trial[i] = largest[i];
   }
+  const std::array<double, 2> before = {{place.memory.accepted[0], place.memory.accepted[1]}};
+  place.memory.trial[2] = place.memory.accepted[2] + dissipated(before, largest);
   if (n > place.memory.accepted[0])
     largest_by_opening[0][0] = 1;
   if (s > place.memory.accepted[1])

@@ -5,11 +5,33 @@
 #include <dovetail/tie/side_states.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/symmetric_tensor.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace dovetail {
+
+namespace {
+
+/// sum_i |D n_i|^2/max(1, l_i^2) with D = F_now - F and the principal stretches l_i of F along n_i: a fibre
+/// that has been stretched changes less by the same displacement. One that has been pressed counts as at
+/// rest.
+template <int dim>
+double change_of_strain(const dealii::Tensor<1, dim> *before, const dealii::Tensor<1, dim> *now)
+{
+  dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>(), D;
+  for (unsigned int c = 0; c < dim; ++c) {
+    F[c] += before[c];
+    D[c] = now[c] - before[c];
+  }
+  double square = 0;
+  for (const auto &[stretch_square, n] : eigenvectors(symmetrize(transpose(F) * F)))
+    square += (D * n).norm_square() / std::max(1., stretch_square);
+  return square;
+}
+
+} // namespace
 
 template <int dim>
 typename GradientChange<dim>::Gradients GradientChange<dim>::gradients_at(const Interface<dim> &interface,
@@ -47,8 +69,8 @@ double GradientChange<dim>::advance(const Interface<dim> &interface, const Value
     const unsigned int n = now[side].size() / std::max(pairing.n_points(), 1u);
     for (unsigned int q = 0; q < pairing.n_points(); ++q) {
       double square = 0;
-      for (unsigned int i = q * n; i < (q + 1) * n; ++i)
-        square += (now[side][i] - last[side][i]).norm_square();
+      for (unsigned int i = q * n; i < (q + 1) * n; i += dim)
+        square += change_of_strain(&last[side][i], &now[side][i]);
       sums[side] += pairing.weight(q) * std::sqrt(square);
       sums[2] += side == source ? pairing.weight(q) : 0;
     }

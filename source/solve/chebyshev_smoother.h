@@ -6,6 +6,7 @@
 #pragma once
 
 #include "level_operator.h"
+#include "smoother.h"
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Vector.h>
@@ -46,7 +47,7 @@ std::unique_ptr<Approximation> make_incomplete_factorisation(const Epetra_CrsMat
 /// and positive definite as long as no eigenvalue exceeds lambda (1 + 1 / ratio). M is diag(A), or the
 /// incomplete factorisation with the smallest of some shifts with which it is definite. The factorisation
 /// solves along the strong couplings of stretched cells, which the diagonal hardly smooths.
-class ChebyshevSmoother
+class ChebyshevSmoother : public Smoother
 {
 public:
   struct Range
@@ -58,8 +59,7 @@ public:
   static std::unique_ptr<ChebyshevSmoother> with_diagonal(const Epetra_CrsMatrix &A, Range range);
   static std::unique_ptr<ChebyshevSmoother> with_factorisation(const Epetra_CrsMatrix &A, Range range);
 
-  /// Improve A x = b from x, or from zero.
-  void smooth(double *x, const double *b, bool starts_from_zero) const;
+  void smooth(double *x, const double *b, bool starts_from_zero) const override;
 
 private:
   ChebyshevSmoother(const LevelOperator &A, Range range) : A(A), range(range) {}

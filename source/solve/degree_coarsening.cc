@@ -36,7 +36,7 @@ bool on_any_rank(const Epetra_Comm &communicator, const bool here)
 
 DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes,
                                    const std::vector<GroupFacts::Place> &places,
-                                   std::unique_ptr<ChebyshevSmoother> given_smoother)
+                                   std::unique_ptr<Smoother> given_smoother, const MakeCoarse &make_coarse)
     : A(A), smoother(std::move(given_smoother))
 {
   make_prolongation(sums);
@@ -56,10 +56,16 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, const Sums &sums, con
         coarse_places.push_back(places[row]);
       ++next;
     }
-  coarse =
-      make_cycle(*coarse_matrix, *coarse_modes, coarse_places, Semicoarsen::if_cheap, [](const auto &level) {
-        return ChebyshevSmoother::with_factorisation(level, {6, 80}); // costs little beside the rows of A
-      });
+  coarse = make_coarse(*coarse_matrix, *coarse_modes, coarse_places);
+}
+
+std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(const Epetra_CrsMatrix &A_1,
+                                                           const Epetra_MultiVector &modes,
+                                                           const std::vector<GroupFacts::Place> &places)
+{
+  return make_cycle(A_1, modes, places, Semicoarsen::if_cheap, [](const auto &level) {
+    return ChebyshevSmoother::with_factorisation(level, {6, 80}); // costs little beside the rows of A
+  });
 }
 
 /// What functions of degree one leave reaches the further down the higher the degree is.

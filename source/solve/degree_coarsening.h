@@ -15,6 +15,7 @@
 #include <Epetra_MultiVector.h>
 #include <Epetra_Vector.h>
 
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -38,12 +39,21 @@ public:
   /// one: an unknown of A_1.
   using Sums = std::vector<std::vector<std::pair<int, double>>>;
 
+  /// Levels for A_1.
+  using MakeCoarse =
+      std::function<std::unique_ptr<Cycle>(const Epetra_CrsMatrix &A_1, const Epetra_MultiVector &modes,
+                                           const std::vector<GroupFacts::Place> &places)>;
+  static std::unique_ptr<Cycle> make_usual_coarse(const Epetra_CrsMatrix &A_1,
+                                                  const Epetra_MultiVector &modes,
+                                                  const std::vector<GroupFacts::Place> &places);
+
   /// @param A matrix of the functions of the higher degree
   /// @param modes near-null space of A; the part on the unknowns of A_1 is that of A_1
   /// @param places of the rows of A; empty if they are not known
   /// @param smoother of A
   DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes,
-                   const std::vector<GroupFacts::Place> &places, std::unique_ptr<ChebyshevSmoother> smoother);
+                   const std::vector<GroupFacts::Place> &places, std::unique_ptr<Smoother> smoother,
+                   const MakeCoarse &make_coarse = make_usual_coarse);
 
   /// Around diag(A), for functions of this degree.
   static std::unique_ptr<ChebyshevSmoother> usual_smoother(const LevelOperator &A, unsigned int degree);
@@ -59,7 +69,7 @@ private:
   std::unique_ptr<Epetra_CrsMatrix> prolongation, coarse_matrix;
   std::unique_ptr<Epetra_MultiVector> coarse_modes;
   std::unique_ptr<Cycle> coarse;
-  std::unique_ptr<ChebyshevSmoother> smoother;
+  std::unique_ptr<Smoother> smoother;
 };
 
 } // namespace dovetail

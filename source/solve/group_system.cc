@@ -6,6 +6,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -19,6 +20,7 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
   all_facts.has_multipliers = !group.multiplier_blocks.empty();
   all_facts.near_null_space = [this]() { return near_null_space(); };
   all_facts.field_of_row = [this]() { return field_of_row(); };
+  all_facts.stiffness_of_row = [this]() { return stiffness_of_row(); };
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
   if (group.positions)
@@ -90,6 +92,25 @@ double GroupSystem::contrast() const
     smallest = std::min(smallest, mean);
   }
   return largest / smallest;
+}
+
+/// Of a geometric mean those rows are a small part to which a constraint adds the stiffness of another body.
+std::vector<double> GroupSystem::stiffness_of_row() const
+{
+  std::vector<double> result;
+  for (const unsigned int block : group.blocks) {
+    std::array<double, 2> mine{}; // sum of logarithms, and their number
+    for (const double entry : matrix->diagonal(block))
+      if (entry != 0) {
+        mine[0] += std::log(std::abs(entry));
+        ++mine[1];
+      }
+    const double sum = dealii::Utilities::MPI::sum(mine[0], matrix->get_mpi_communicator()),
+                 number = dealii::Utilities::MPI::sum(mine[1], matrix->get_mpi_communicator());
+    result.insert(result.end(), matrix->owned_unknowns()[block].n_elements(),
+                  number > 0 ? std::exp(sum / number) : 0);
+  }
+  return result;
 }
 
 /// Of a block: a temperature has one, a displacement up to six.

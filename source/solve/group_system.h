@@ -46,6 +46,7 @@ private:
   std::vector<GroupFacts::Place> places() const;
   unsigned int largest_number_of_modes() const;
   double contrast() const;
+  std::vector<double> stiffness_of_row() const;
   std::vector<unsigned int> color_blocks() const;
 
   const SolveGroup group;

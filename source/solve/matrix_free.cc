@@ -12,7 +12,7 @@
 // M. Kronbichler, K. Kormann: A generic interface for parallel cell-based finite element operator
 // application, 2012.
 
-#include "degree_coarsening.h"
+#include "soft_leaders.h"
 #include "upkeep.h"
 
 #include <dovetail/solve/krylov.h>
@@ -115,10 +115,7 @@ void MatrixFree::make(const GroupOperator &K)
   ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
   if (!modes)
     ranks.run("modes", [&]() { modes = make_modes(facts, level->rows()); });
-  ranks.run("multigrid", [&]() {
-    cycle = std::make_unique<DegreeCoarsening>(*level, facts.linear_part(), *modes, facts.known_places(),
-                                               DegreeCoarsening::usual_smoother(*level, facts.degree));
-  });
+  ranks.run("multigrid", [&]() { cycle = coarsen_degree(*level, facts, *modes); });
 }
 
 unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b,

@@ -15,6 +15,7 @@
 
 #include "degree_coarsening.h"
 #include "semicoarsening.h"
+#include "soft_leaders.h"
 #include "upkeep.h"
 
 #include <dovetail/solve/krylov.h>
@@ -64,6 +65,8 @@ private:
   void forget_values();
   void make(const GroupOperator &K);
   void make_levels();
+  std::unique_ptr<Cycle> make_cycle_of_degree_one(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
+                                                  const std::vector<GroupFacts::Place> &places) const;
   Means means_for(double n_expected) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
@@ -113,22 +116,29 @@ void Multigrid::make_levels()
 {
   cycle.reset();
   by_degree.reset();
-  if (facts.degree > 1 && facts.linear_part) {
-    finest = std::make_unique<MatrixLevel>(*matrix);
-    by_degree = std::make_unique<DegreeCoarsening>(*finest, facts.linear_part(), *modes, facts.known_places(),
-                                                   DegreeCoarsening::usual_smoother(*finest, facts.degree));
-    return;
-  }
+  finest = std::make_unique<MatrixLevel>(*matrix);
+  if (facts.degree > 1 && facts.linear_part)
+    by_degree = coarsen_degree(*finest, facts, *modes);
+  else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
+    by_degree = leaders->coarsen(*finest, facts, *modes, nullptr,
+                                 [this](const auto &...level) { return make_cycle_of_degree_one(level...); });
+  else
+    cycle = make_cycle_of_degree_one(*matrix, *modes, facts.known_places());
+}
+
+std::unique_ptr<Cycle> Multigrid::make_cycle_of_degree_one(const Epetra_CrsMatrix &A,
+                                                           const Epetra_MultiVector &its_modes,
+                                                           const std::vector<GroupFacts::Place> &places) const
+{
   const auto make_smoother = [this](const Epetra_CrsMatrix &level) {
     return means == Means::usual ? ChebyshevSmoother::with_diagonal(level, {2, 10})
                                  : ChebyshevSmoother::with_factorisation(level, {4, 40});
   };
   if (means == Means::usual)
-    cycle = std::make_unique<SmoothedAggregation>(*matrix, *modes, make_smoother);
-  else
-    cycle = make_cycle(*matrix, *modes, facts.known_places(),
-                       means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap,
-                       make_smoother);
+    return std::make_unique<SmoothedAggregation>(A, its_modes, make_smoother);
+  return make_cycle(A, its_modes, places,
+                    means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap,
+                    make_smoother);
 }
 
 /// What to go on with where so many iterations are expected with the present means. A set-up costs some
@@ -156,7 +166,7 @@ unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const Grou
 unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                        const double goal)
 {
-  if (by_degree || facts.has_multipliers) // whose Schur complement may be what is slow
+  if (facts.degree > 1 || facts.has_multipliers) // whose Schur complement may be what is slow
     return iterate(K, x, b, goal, {});
 
   const unsigned int n_between_checks = 8;

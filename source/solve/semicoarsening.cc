@@ -6,9 +6,7 @@
 #include <deal.II/base/exceptions.h>
 #include <deal.II/lac/full_matrix.h>
 
-#include <Amesos_Klu.h>
 #include <EpetraExt_MatrixMatrix.h>
-#include <Epetra_LinearProblem.h>
 #include <Epetra_Map.h>
 
 #include <algorithm>
@@ -425,26 +423,15 @@ Semicoarsening::Semicoarsening(const Epetra_CrsMatrix &A, const Epetra_MultiVect
     nodes = std::move(coarse.nodes);
   }
   coarsest = std::move(owned);
-  factorise(*matrix);
+  factors = std::make_unique<Factors>(*matrix);
 }
 
 Semicoarsening::~Semicoarsening() = default;
 
-void Semicoarsening::factorise(const Epetra_CrsMatrix &A)
-{
-  problem = std::make_unique<Epetra_LinearProblem>();
-  problem->SetOperator(const_cast<Epetra_CrsMatrix *>(&A));
-  factors = std::make_unique<Amesos_Klu>(*problem);
-  AssertThrow(factors->SymbolicFactorization() == 0 && factors->NumericFactorization() == 0,
-              dealii::ExcMessage("The coarsest matrix cannot be factorised."));
-}
-
 void Semicoarsening::cycle(const unsigned int number, Epetra_Vector &x, const Epetra_Vector &b) const
 {
   if (number == levels.size()) {
-    problem->SetLHS(&x);
-    problem->SetRHS(const_cast<Epetra_Vector *>(&b));
-    factors->Solve();
+    factors->solve(x.Values(), b.Values());
     return;
   }
   const Level &level = levels[number];

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "chebyshev_smoother.h"
+#include "factors.h"
 #include "smoothed_aggregation.h"
 
 #include <dovetail/solve/group_solver.h>
@@ -17,9 +18,6 @@
 #include <array>
 #include <memory>
 #include <vector>
-
-class Amesos_BaseSolver;
-class Epetra_LinearProblem;
 
 namespace dovetail {
 
@@ -78,13 +76,11 @@ private:
     std::unique_ptr<ChebyshevSmoother> smoother;
   };
 
-  void factorise(const Epetra_CrsMatrix &A);
   void cycle(unsigned int level, Epetra_Vector &x, const Epetra_Vector &b) const;
 
   std::vector<Level> levels; ///< all but the coarsest
   std::unique_ptr<Epetra_CrsMatrix> coarsest;
-  std::unique_ptr<Epetra_LinearProblem> problem;
-  std::unique_ptr<Amesos_BaseSolver> factors;
+  std::unique_ptr<Factors> factors; ///< of it
 };
 
 /// When to take Semicoarsening in place of SmoothedAggregation.

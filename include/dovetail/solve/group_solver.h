@@ -78,6 +78,9 @@ struct GroupFacts : GroupTraits
   std::function<std::vector<Sum>()> linear_part;
   /// Of each own row of the bodies: the number of its field, from 0.
   std::function<std::vector<int>()> field_of_row;
+  /// Of each own row of the bodies: the mean of the diagonal entries of its block. May be missing.
+  /// Collective.
+  std::function<std::vector<double>()> stiffness_of_row;
   /// Of each own row of the bodies: the number of its block, and where its node is. May be missing.
   struct Place
   {

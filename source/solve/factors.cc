@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include "factors.h"
+
+#include <deal.II/base/exceptions.h>
+
+#include <Amesos_Klu.h>
+#include <Epetra_LinearProblem.h>
+#include <Epetra_Map.h>
+#include <Epetra_MultiVector.h>
+
+#include <algorithm>
+
+namespace dovetail {
+
+Factors::Factors(std::unique_ptr<Epetra_CrsMatrix> given) : owned(std::move(given)), A(*owned)
+{
+  factorise();
+}
+
+Factors::Factors(const Epetra_CrsMatrix &A) : A(A)
+{
+  factorise();
+}
+
+Factors::~Factors() = default;
+
+void Factors::factorise()
+{
+  problem = std::make_unique<Epetra_LinearProblem>();
+  problem->SetOperator(const_cast<Epetra_CrsMatrix *>(&A));
+  solver = std::make_unique<Amesos_Klu>(*problem);
+  AssertThrow(solver->SymbolicFactorization() == 0 && solver->NumericFactorization() == 0,
+              dealii::ExcMessage("The coarsest matrix cannot be factorised."));
+}
+
+void Factors::solve(double *x, const double *b) const
+{
+  double none = 0; // a null pointer is refused
+  const int n = A.NumMyRows();
+  Epetra_MultiVector solution(View, A.OperatorDomainMap(), n > 0 ? x : &none, std::max(n, 1), 1),
+      right_hand_side(View, A.OperatorRangeMap(), n > 0 ? const_cast<double *>(b) : &none, std::max(n, 1), 1);
+  problem->SetLHS(&solution);
+  problem->SetRHS(&right_hand_side);
+  solver->Solve();
+}
+
+} // namespace dovetail

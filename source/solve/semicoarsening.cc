@@ -365,8 +365,8 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[2] += nodes.first_row[i + 1] - nodes.first_row[i];
     for (const unsigned int j : all[i])
-      if (distance(nodes.position[i], nodes.position[j]) <=
-          largest_ratio * std::max(shortest[i], shortest[j])) {
+      if (nodes.body[i] == nodes.body[j] && distance(nodes.position[i], nodes.position[j]) <=
+                                                largest_ratio * std::max(shortest[i], shortest[j])) {
         near[i].push_back(j);
         counts[2] += nodes.first_row[j + 1] - nodes.first_row[j];
       }

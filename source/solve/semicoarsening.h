@@ -35,8 +35,9 @@ LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places);
 /// By node the nodes of this rank that a matrix couples with it.
 using NodeGraph = std::vector<std::vector<unsigned int>>;
 
-/// The couplings of A, and those of them that are short: at most three times as long as the shortest coupling
-/// of one of their nodes within its body.
+/// The couplings of A, and those of them that are short: within a body, and at most three times as long as
+/// the shortest coupling of one of their nodes within its body. Nodes of two sides of a tie are close to each
+/// other, but a tie of cells that are long across it is a weak spring beside the stiffness along it.
 struct Couplings
 {
   Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes);

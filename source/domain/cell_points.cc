@@ -71,7 +71,23 @@ void CellPoints<dim>::reinit(const dealii::Point<dim> &X, const double *shape_va
     state.X[0] = 0;
   evaluate_state(domain.layout(), shape_values, shape_gradients, unknowns.data(), state);
   if (!state.rate.empty())
-    evaluate_rates(shape_values);
+    evaluate_rates([&](const std::vector<double> &cell_values, const unsigned int c) {
+      const double *values = shape_values + domain.layout().first_shape(c);
+      return std::inner_product(values, values + domain.layout().n_nodes(c),
+                                cell_values.begin() + domain.layout().first(c), 0.);
+    });
+}
+
+template <int dim>
+void CellPoints<dim>::move_to_node(const unsigned int a, const std::vector<double> &unknowns)
+{
+  const auto at_node = [&](const std::vector<double> &cell_values, const unsigned int c) {
+    return a < domain.layout().n_nodes(c) ? cell_values[domain.layout().index(c, a)] : 0;
+  };
+  for (unsigned int c = 0; c < domain.n_components(); ++c)
+    if (a < domain.layout().n_nodes(c))
+      state.value[c] = at_node(unknowns, c);
+  evaluate_rates(at_node);
 }
 
 template <int dim>
@@ -90,6 +106,12 @@ void CellPoints<dim>::set_rates(const Rates *rates, const std::vector<dealii::ty
     state.second_rate.clear();
     return;
   }
+  const bool sees_past = domain.material.sees_past();
+  state.past_weight = sees_past ? rates->weights : std::vector<double>();
+  state.past.resize(state.past_weight.size());
+  past.resize(state.past_weight.size());
+  for (unsigned int j = 0; j < past.size(); ++j)
+    extract(rates->past[j], true, state.past[j], past[j]);
   extract(rates->rest, true, state.rate, rest);
   extract(rates->second_rest, order > 1 && rates->has_second(), state.second_rate, second_rest);
   state.rate_by_value = rates->by_value;
@@ -97,19 +119,17 @@ void CellPoints<dim>::set_rates(const Rates *rates, const std::vector<dealii::ty
 }
 
 template <int dim>
-void CellPoints<dim>::evaluate_rates(const double *shape_values)
+template <typename Function>
+void CellPoints<dim>::evaluate_rates(const Function &at)
 {
-  const auto at_point = [&](const std::vector<double> &cell_values, const unsigned int c) {
-    const double *values = shape_values + domain.layout().first_shape(c);
-    return std::inner_product(values, values + domain.layout().n_nodes(c),
-                              cell_values.begin() + domain.layout().first(c), 0.);
-  };
   for (unsigned int c = 0; c < domain.n_components(); ++c) {
     const unsigned int order = domain.material.order_in_time(c);
     if (order > 0)
-      state.rate[c] = state.rate_by_value * state.value[c] + at_point(rest, c);
+      state.rate[c] = state.rate_by_value * state.value[c] + at(rest, c);
     if (order > 1)
-      state.second_rate[c] = state.second_rate_by_value * state.value[c] + at_point(second_rest, c);
+      state.second_rate[c] = state.second_rate_by_value * state.value[c] + at(second_rest, c);
+    for (unsigned int j = 0; j < past.size() && order > 0; ++j)
+      state.past[j][c] = at(past[j], c);
   }
 }
 

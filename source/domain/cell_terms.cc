@@ -70,10 +70,6 @@ void CellTerms<dim>::find_rates(const typename Domain<dim>::cell_iterator &cell)
   if (rates != nullptr)
     domain.cell_dofs(cell, dofs);
   point.set_rates(rates, dofs);
-  if (lumped.empty() || point.state.rate.empty())
-    return;
-  lumped_rest.resize(dofs.size());
-  rates->rest.extract_subvector_to(dofs.begin(), dofs.end(), lumped_rest.begin());
 }
 
 template <int dim>
@@ -86,33 +82,43 @@ void CellTerms<dim>::hide_lumped_rates()
     point.state.rate[c] = 0;
 }
 
+/// A capacity that does not depend on X is asked once at each node, when the weights of all points are known.
 template <int dim>
-bool CellTerms<dim>::add_lumped_storage(const double JxW, const std::vector<double> &unknowns,
-                                        std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
+bool CellTerms<dim>::add_lumped_storage(const unsigned int q, const double JxW,
+                                        const std::vector<double> &unknowns, std::vector<double> &residual,
+                                        dealii::FullMatrix<double> *tangent)
 {
   if (lumped.empty() || point.state.rate.empty())
     return true;
-  for (const unsigned int c : lumped)
-    point.state.rate[c] = 1; // what is stored is linear in it
-  const bool is_defined = point.evaluate_storage(lumped_response);
-  point.state.rate_by_value = rates->by_value; // for the next point
-  if (!is_defined)
+  const unsigned int n_nodes = layout.n_nodes(lumped[0]);
+  const bool is_of_point = domain.material.stores_by_position(),
+             is_last = q + 1 == cell_values.n_quadrature_points;
+  if (is_of_point || q == 0)
+    node_weights.assign(n_nodes, 0.);
+  for (unsigned int a = 0; a < n_nodes; ++a)
+    node_weights[a] += point.shape_values()[layout.first_shape(lumped[0]) + a] * JxW;
+  point.state.rate_by_value = rates->by_value;
+  for (unsigned int a = 0; a < n_nodes && (is_of_point || is_last); ++a) {
+    point.move_to_node(a, unknowns);
+    if (!add_storage_of_node(a, node_weights[a], residual, tangent))
+      return false;
+  }
+  return true;
+}
+
+template <int dim>
+bool CellTerms<dim>::add_storage_of_node(const unsigned int a, const double weight,
+                                         std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
+{
+  if (!point.evaluate_storage(lumped_response))
     return false;
-  for (const unsigned int c : lumped)
-    for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
-      const unsigned int i = layout.index(c, a);
-      const double rate = rates->by_value * unknowns[i] + lumped_rest[i],
-                   weight = point.shape_values()[layout.first_shape(c) + a] * JxW;
-      add(i, lumped_response.source[c] * rate * weight, residual);
-      if (tangent == nullptr)
-        continue;
-      (*tangent)(i, i) += lumped_response.source[c] * rates->by_value * weight;
-      for (unsigned int d = 0; d < n; ++d)
-        if (const double slope = lumped_response.source_by_value[c * n + d]; slope != 0)
-          for (unsigned int b = 0; b < layout.n_nodes(d); ++b)
-            (*tangent)(i, layout.index(d, b)) +=
-                slope * rate * weight * point.shape_values()[layout.first_shape(d) + b];
-    }
+  for (const unsigned int c : lumped) {
+    const unsigned int i = layout.index(c, a);
+    add(i, lumped_response.source[c] * weight, residual);
+    for (unsigned int d = 0; d < n && tangent != nullptr; ++d)
+      if (const double slope = lumped_response.source_by_value[c * n + d]; slope != 0)
+        (*tangent)(i, layout.index(d, a)) += slope * weight;
+  }
   return true;
 }
 
@@ -136,8 +142,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     point.reinit(cell_values, q, unknowns);
     hide_lumped_rates();
     const double JxW = domain.measure(cell_values, q);
-    if (!point.evaluate(tangent != nullptr) ||
-        !add_lumped_storage(JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr)) {
+    if (!point.evaluate(tangent != nullptr)) {
       has_uniform_tangent = false; // what comes next is compared with this cell
       return false;
     }
@@ -147,6 +152,10 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
       responses[q] = point.response;
     if (tangent && !operators.empty())
       give_away(cell, q, JxW, unknowns);
+    if (!add_lumped_storage(q, JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr)) {
+      has_uniform_tangent = false;
+      return false;
+    }
   }
   if (tangent && !pairs.empty())
     add_tangent(*tangent);
@@ -250,9 +259,10 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
     point.reinit(cell_values, q, unknowns);
     hide_lumped_rates();
     const double JxW = domain.measure(cell_values, q);
-    const bool is_defined =
-        point.evaluate_storage(point.response) && add_lumped_storage(JxW, unknowns, residual, nullptr);
+    const bool is_defined = point.evaluate_storage(point.response);
     add_source_of_laws(is_defined ? JxW : std::numeric_limits<double>::quiet_NaN(), residual);
+    if (!add_lumped_storage(q, JxW, unknowns, residual, nullptr))
+      std::fill(residual.begin(), residual.end(), std::numeric_limits<double>::quiet_NaN());
   }
   return true;
 }

@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/condition.h>
+#include <dovetail/scene/field_toggle.h>
 
 #include <algorithm>
 
@@ -67,6 +68,11 @@ Condition<dim>::Condition(const Section &section, const Material<dim> &material,
       boundary_ids(read_boundary_ids(section, scope)), toggles(&toggles),
       toggle(toggles.read_reference(section))
 {
+  section.check(
+      !has_field_toggle(section), "Toggle",
+      "names '" + toggle +
+          "', which looks at fields: only interfaces that act at points can follow it (Nitsche, contact "
+          "resistance, gap radiation). Take a toggle of t.");
 }
 
 std::vector<unsigned int> read_components(const Section &section, const Field &field)

@@ -3,6 +3,7 @@
 
 #include <dovetail/interface/interface.h>
 #include <dovetail/interface/side_ratios.h>
+#include <dovetail/scene/field_toggle.h>
 #include <dovetail/scene/undefined.h>
 
 #include <deal.II/base/mpi.h>
@@ -165,6 +166,11 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
     read_partition();
     return;
   }
+  section.check(
+      !has_field_toggle(section) || method->parts().point_terms != nullptr, "Toggle",
+      "names '" + toggle +
+          "', which looks at fields and switches point by point, but Type = " + section.peek("Type") +
+          " ties node by node. Use Nitsche, contact resistance or gap radiation, or a toggle of t.");
   check_not_to_itself();
   options.integrate_on = method->integrates_on();
   read_fields();

@@ -4,7 +4,9 @@
 // The heat of a material: the temperature, its conduction, the heat produced and, in transient scenes, the
 // heat stored,
 //
-//     S = -q(T, X, t) + rho c(T, X, t) dT/dt
+//     S = -q(T, X, t) + rho dH/dt,   dH/dT = c(T, X, t) + L df/dT
+//
+// with the latent heat L and the liquid fraction f.
 //
 //     subsection Heat
 //       set Type          = Fourier
@@ -15,11 +17,13 @@
 //     end
 
 #include <dovetail/material/capacity_term.h>
+#include <dovetail/material/deformed_diffusion_term.h>
 #include <dovetail/material/diffusion_term.h>
 #include <dovetail/material/material_part.h>
 #include <dovetail/material/reaction_term.h>
 #include <dovetail/material/transient.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/field_toggle.h>
 
 #include <algorithm>
 
@@ -58,6 +62,16 @@ public:
         "Heat capacity per mass, which may depend on x, y, z, t and every scalar of the material, for "
         "transient scenes [J/(kg K)]",
         symbols_of(all));
+    const bool is_in_deformed_body =
+        section.choose("Configuration", {"material", "deformed"}, 0,
+                       "The body in which Conductivity holds: the undeformed one, or the deformed one, where "
+                       "a stretched body conducts less along it and more across it [-]") == 1;
+    auto latent_heat = read_latent_heat(section);
+    const Expression enthalpy = section.read_expression(
+        "Enthalpy", "0", {1},
+        "Heat content per mass, which may depend on x, y, z, t and every scalar of the material, in place of "
+        "Heat capacity and Latent heat, for transient scenes [J/kg]",
+        symbols_of(all));
     const Expression source = section.read_expression("Heat source", "0", {1},
                                                       "Heat produced in the material, which may depend on x, "
                                                       "y, z, t and every scalar of the material [W/m^3]",
@@ -66,12 +80,36 @@ public:
         std::find_if(all.begin(), all.end(), [](const Field &field) { return field.law == "heat"; });
     if (!law)
       return;
-    terms.push_back(std::make_unique<DiffusionTerm<dim>>(*own, all, std::move(law), section.peek("Type")));
+    if (is_in_deformed_body) {
+      check_deforms(all);
+      terms.push_back(std::make_unique<DeformedDiffusionTerm<dim>>(*own, all, section, std::move(law),
+                                                                   section.peek("Type")));
+    } else
+      terms.push_back(std::make_unique<DiffusionTerm<dim>>(*own, all, std::move(law), section.peek("Type")));
     if (!source.is_zero())
       terms.push_back(std::make_unique<ReactionTerm<dim>>(*own, all, section, "Heat source", source));
     if (!is_transient(section))
       return;
-    const auto check_given = [&](const bool is_given, const std::string &entry) {
+    terms.push_back(std::make_unique<CapacityTerm<dim>>(
+        *own, all, section, contents(density, capacity, std::move(latent_heat), enthalpy), density));
+  }
+
+private:
+  void check_deforms(const std::vector<Field> &all) const
+  {
+    section.check(
+        std::any_of(all.begin(), all.end(), [](const Field &field) { return field.law == "solid"; }),
+        "Configuration", "is deformed, but the material has no solid law, by which it deforms.");
+    section.check(
+        section.top().peek("Geometry") != "plane stress", "Configuration",
+        "is deformed, which does not go with Geometry = plane stress. Use plane strain, or compute in "
+        "3D.");
+  }
+
+  Contents contents(const double density, const Expression &capacity,
+                    std::unique_ptr<const Content> latent_heat, const Expression &enthalpy) const
+  {
+    const auto check_given = [this](const bool is_given, const std::string &entry) {
       const bool is_set = section.is_set(entry);
       section.check(is_given, is_set ? entry : "",
                     (is_set ? "is zero" : "has no " + entry) +
@@ -79,16 +117,26 @@ public:
                         "times the rate of the temperature.");
     };
     check_given(density > 0, "Density");
+    Contents result;
+    if (!enthalpy.is_zero()) {
+      section.check(capacity.is_zero() && !latent_heat, "Enthalpy",
+                    "is the whole heat content: remove Heat capacity and Latent heat.");
+      result.push_back(content_of_formula("Enthalpy", enthalpy));
+      return result;
+    }
     check_given(!capacity.is_zero(), "Heat capacity");
-    terms.push_back(
-        std::make_unique<CapacityTerm<dim>>(*own, all, section, "Heat capacity", capacity, density));
+    result.push_back(content_of_capacity("Heat capacity", capacity));
+    if (latent_heat)
+      result.push_back(std::move(latent_heat));
+    return result;
   }
 
-private:
   const Section section;
 };
 
-[[maybe_unused]] const bool registered = add_material_part<Heat>(20);
+[[maybe_unused]] const bool registered =
+    add_material_part<Heat>(20) &&
+    add_names_in_toggles([](const Section & /*scene*/) { return std::vector<std::string>{"temperature"}; });
 
 } // namespace
 

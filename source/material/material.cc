@@ -35,6 +35,7 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
     const unsigned int first = term->field.first_component, end = first + term->field.n_components;
     needed_by.emplace_back();
     largest_order_in_time = std::max(largest_order_in_time, term->order_in_time());
+    has_past = has_past || term->sees_past();
     for (unsigned int c = first; c < end; ++c)
       orders_in_time[c] = std::max(orders_in_time[c], term->order_in_time());
     for (unsigned int d = 0; d < n; ++d) {
@@ -267,6 +268,30 @@ template <int dim>
 bool Material<dim>::depends_on_time() const
 {
   return std::any_of(terms.begin(), terms.end(), [](const auto &term) { return term->depends_on_time(); });
+}
+
+template <int dim>
+bool Material<dim>::stores_by_position() const
+{
+  return std::any_of(terms.begin(), terms.end(), [](const auto &term) { return term->stores_by_position(); });
+}
+
+template <int dim>
+double Material<dim>::content(const State<dim> &state, const unsigned int component) const
+{
+  for (const auto &term : terms)
+    if (term->field.has_component(component) && term->order_in_time() > 0)
+      return term->content(state);
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+template <int dim>
+double Material<dim>::liquid_fraction(const State<dim> &state, const unsigned int component) const
+{
+  for (const auto &term : terms)
+    if (term->field.has_component(component) && term->order_in_time() > 0)
+      return term->liquid_fraction(state);
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 template <int dim>

@@ -20,6 +20,9 @@
 #include <dovetail/material/reaction_term.h>
 #include <dovetail/material/transient.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/field_toggle.h>
+
+#include <deal.II/base/utilities.h>
 
 #include <algorithm>
 #include <cctype>
@@ -89,8 +92,11 @@ public:
       terms.push_back(std::make_unique<DiffusionTerm<dim>>(own, all, std::move(law), section.peek("Type")));
       if (!reaction.is_zero())
         terms.push_back(std::make_unique<ReactionTerm<dim>>(own, all, section, "Reaction", reaction));
-      if (is_transient(section) && !capacity.is_zero())
-        terms.push_back(std::make_unique<CapacityTerm<dim>>(own, all, section, "Capacity", capacity));
+      if (!is_transient(section) || capacity.is_zero())
+        continue;
+      Contents contents;
+      contents.push_back(content_of_capacity("Capacity", capacity));
+      terms.push_back(std::make_unique<CapacityTerm<dim>>(own, all, section, std::move(contents)));
     }
   }
 
@@ -110,7 +116,20 @@ private:
   const std::vector<std::string> names;
 };
 
-[[maybe_unused]] const bool registered = add_material_part<Species>(30);
+/// Those of all materials of a scene.
+std::vector<std::string> names_of_species(const Section &scene)
+{
+  std::vector<std::string> result;
+  for (const std::string &material : dealii::Utilities::split_string_list(scene.peek("Materials")))
+    for (const std::string &name :
+         dealii::Utilities::split_string_list(scene.peek("Material " + material, "Species")))
+      if (!name.empty())
+        result.push_back(symbol_of(name));
+  return result;
+}
+
+[[maybe_unused]] const bool registered =
+    add_material_part<Species>(30) && add_names_in_toggles(names_of_species);
 
 } // namespace
 

@@ -9,6 +9,7 @@
 #include <dovetail/run/saved_time.h>
 #include <dovetail/system/place.h>
 #include <dovetail/system/solve_groups.h>
+#include <dovetail/tie/point_toggle.h>
 
 #include <algorithm>
 #include <cmath>
@@ -36,6 +37,16 @@ std::vector<bool> active_toggles(const Model<dim> &model, const double t)
   return active;
 }
 
+/// Whether the step begins on another curve, since a toggle that looks at fields has switched.
+template <int dim>
+bool has_switched_by_fields(const Model<dim> &model)
+{
+  return std::any_of(model.interfaces.begin(), model.interfaces.end(), [](const auto &interface) {
+    const auto *follower = dynamic_cast<const FollowsFields *>(&interface->tie());
+    return follower != nullptr && follower->has_switched();
+  });
+}
+
 } // namespace
 
 template <int dim>
@@ -48,6 +59,8 @@ NonlinearStep<dim>::NonlinearStep(const Section &scene, Model<dim> &model, Phase
 {
   if (model.order_in_time() == 0 || finds_eigenmodes(scene))
     scheme.reset();
+  else if (model.sees_past())
+    scheme->show_past();
 }
 
 template <int dim>
@@ -272,6 +285,13 @@ template <int dim>
 void NonlinearStep<dim>::begin(const double t, const Vector &x)
 {
   begin(t, x, rates_to(t));
+  if (!has_switched_by_fields(model))
+    return;
+  predictor.forget();
+  if (scheme && scheme->order() > 1 && scheme->memory().last.size > 0 && !step_to(t).starts_anew) {
+    start_anew(t);
+    present_system->set_rates(rates_to(t));
+  }
 }
 
 template <int dim>

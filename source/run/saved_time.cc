@@ -58,6 +58,8 @@ void save_rates(const Rates &rates, SavedState &to)
     to.vectors["rest of rate"] = rates.rest;
   if (rates.has_second())
     to.vectors["rest of second rate"] = rates.second_rest;
+  to.numbers["weights of past"] = rates.weights;
+  save("past of rate", rates.past, to);
 }
 
 Rates saved_rates(const SavedState &from)
@@ -69,6 +71,8 @@ Rates saved_rates(const SavedState &from)
     rates.rest = rest->second;
   if (const auto rest = from.vectors.find("rest of second rate"); rest != from.vectors.end())
     rates.second_rest = rest->second;
+  rates.weights = from.numbers["weights of past"].get<std::vector<double>>();
+  rates.past = saved("past of rate", from);
   return rates;
 }
 

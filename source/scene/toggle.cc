@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/scene/field_toggle.h>
 #include <dovetail/scene/toggle.h>
 #include <dovetail/scene/undefined.h>
 
@@ -14,10 +15,9 @@ Toggles::Toggles(const Section &scene)
        scene.announce("Toggles", "Toggle",
                       "Names of conditions in time that switch interfaces and boundary conditions [-]")) {
     const Section section = scene.subsection("Toggle " + name);
-    const Expression condition = section.require_expression(
-        "Active while", {1},
-        "The toggle is on while this formula is not zero, for instance t >= 0.5 && t < 2 [-]");
-    section.check(!condition.depends_on_position(), "Active while", "may only depend on the time t.");
+    const Expression condition = formula_of_toggle(section, name);
+    section.check(condition.depends_on_scalars() || !condition.depends_on_position(), "Active while",
+                  "may only depend on the time t, unless it looks at a field.");
     active_while.emplace(name, condition);
   }
 }
@@ -39,6 +39,8 @@ std::string Toggles::read_reference(const Section &section) const
 bool Toggles::is_active(const std::string &name, const double t) const
 {
   if (name.empty())
+    return true;
+  if (active_while.at(name).depends_on_scalars()) // somewhere; who refers to it asks at points
     return true;
   const double condition = active_while.at(name).value(dealii::Point<3>(), t);
   if (std::isnan(condition)) // the same on all ranks

@@ -417,6 +417,9 @@ void BlockSystem<dim>::set_rates(const Rates &rates)
     step_rates.rest = ghosted(rates.rest);
   if (rates.has_second())
     step_rates.second_rest = ghosted(rates.second_rest);
+  step_rates.weights = rates.weights;
+  for (const Vector &state : rates.past)
+    step_rates.past.push_back(ghosted(state));
 }
 
 template <int dim>

@@ -3,6 +3,7 @@
 
 #include <dovetail/interface/make_cover.h>
 #include <dovetail/pairing/facing_boundaries.h>
+#include <dovetail/scene/field_toggle.h>
 #include <dovetail/system/joined_fields.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/rigid_motions.h>
@@ -108,7 +109,8 @@ void Model<dim>::check_ties(const double t) const
   when << "both are active at t = " << t;
   for (unsigned int i = 0; i < interfaces.size(); ++i)
     for (unsigned int j = 0; j < i; ++j)
-      if (interfaces[i]->is_active(t) && interfaces[j]->is_active(t))
+      if (interfaces[i]->is_active(t) && interfaces[j]->is_active(t) &&
+          !has_field_toggle(interfaces[i]->section) && !has_field_toggle(interfaces[j]->section))
         interfaces[i]->check_against(*interfaces[j], when.str());
   check_constants(t);
 }
@@ -396,6 +398,13 @@ unsigned int Model<dim>::order_in_time() const
   for (const auto &domain : domains)
     order = std::max(order, domain->material.order_in_time());
   return order;
+}
+
+template <int dim>
+bool Model<dim>::sees_past() const
+{
+  return std::any_of(domains.begin(), domains.end(),
+                     [](const auto &domain) { return domain->material.sees_past(); });
 }
 
 /// Of the fields, by name, for which @p is_asked.

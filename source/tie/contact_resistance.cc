@@ -188,7 +188,7 @@ template <int dim>
 bool ContactResistance<dim>::surely_holds(const TiedField &field, const double t) const
 {
   const Expression &h = law_of(field);
-  if (h.depends_on_position() || h.depends_on_scalars() || has_law(field))
+  if (h.depends_on_position() || h.depends_on_scalars() || has_law(field) || this->has_toggle_at_points())
     return false;
   for (unsigned int c = 0; c < h.n_components(); ++c)
     if (!(h.value(dealii::Point<dim>(), t, c) > 0))

@@ -22,6 +22,7 @@
 //     end
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/tie/point_toggle.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -35,11 +36,11 @@ namespace dovetail {
 namespace {
 
 template <int dim>
-class GapRadiation : public Tie<dim>, public PointTerms<dim>
+class GapRadiation : public Tie<dim>, public PointTerms<dim>, public FollowsFields
 {
 public:
   explicit GapRadiation(const Section &section)
-      : section(section),
+      : toggle(section), section(section),
         coefficient(section.require_expression(
             "Coefficient", {1},
             "Effective emissivity of the two faces times the Stefan-Boltzmann constant 5.670374e-8, per area "
@@ -56,6 +57,16 @@ public:
   void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
   void begin_step(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                   const MPI_Comm &communicator) override;
+
+  bool has_switched() const override { return toggle.has_switched(); }
+  std::vector<double> pack_points(const Interface<dim> &interface) const override
+  {
+    return toggle.pack(interface.pairing().n_points(), {});
+  }
+  void unpack_points(const Interface<dim> &interface, const std::vector<double> &numbers) override
+  {
+    toggle.unpack(interface.pairing().n_points(), numbers);
+  }
 
   bool is_symmetric() const override { return false; }
   bool is_linear() const override { return false; }
@@ -80,6 +91,7 @@ private:
   double slope(const double T) const { return 4 * std::pow(std::abs(T + offset), 3); }
   void check_coefficient(double c) const;
 
+  PointToggle<dim> toggle;
   const Section section; ///< for error messages
   const Expression coefficient;
   const double offset;
@@ -111,9 +123,10 @@ void GapRadiation<dim>::check_coefficient(const double c) const
 }
 
 template <int dim>
-void GapRadiation<dim>::begin_step(const Interface<dim> &interface, const double t, const ValuesOf &,
+void GapRadiation<dim>::begin_step(const Interface<dim> &interface, const double t, const ValuesOf &unknowns,
                                    const MPI_Comm &communicator)
 {
+  toggle.look(interface, t, unknowns, communicator);
   if (!coefficient.depends_on_position() && !coefficient.depends_on_time())
     return;
   std::array<double, 2> range = {{0, 0}};
@@ -138,6 +151,8 @@ bool GapRadiation<dim>::assemble(const Interface<dim> &interface, const typename
   for (const unsigned int side : {source, destination})
     first[side] = interface.first_unknown(side, field.first_component[side]);
   for (unsigned int q = group.begin; q < group.end; ++q) {
+    if (!toggle.is_on(q))
+      continue;
     const double c = pairing.weight(q) * coefficient.value(pairing.X(source, q), t);
     const std::array<const double *, 2> shapes = {
         {pairing.values(source, q) + field.first_shape[source],
@@ -168,7 +183,7 @@ void GapRadiation<dim>::numerical_flux(const Interface<dim> &interface, const Ti
                                        const std::vector<double> & /*jump*/,
                                        std::vector<double> &result) const
 {
-  const double c = coefficient.value(interface.pairing().X(source, q), state[source].t);
+  const double c = toggle.is_on(q) ? coefficient.value(interface.pairing().X(source, q), state[source].t) : 0;
   result[0] = -c * (emitted(state[source].value[field.first_component[source]]) -
                     emitted(state[destination].value[field.first_component[destination]]));
 }

@@ -68,7 +68,8 @@ Nitsche<dim>::Nitsche(const Section &section)
           "Variation", {"automatic", "current", "frozen"}, 0,
           "The variation of the mean flux, for Theta other than 0: current: at the present state, which "
           "takes second derivatives of the laws; frozen: at the beginning of the step, consistent but not "
-          "symmetric; automatic: frozen only for laws without second derivatives [-]"))
+          "symmetric; automatic: frozen only for laws without second derivatives [-]")),
+      toggle(section)
 {
   const unsigned int integrate_on = section.choose(
       "Integrate on", {"source", "destination", "both", "own sides"}, 0,
@@ -142,6 +143,7 @@ template <int dim>
 void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t, const ValuesOf &values_of,
                               const MPI_Comm &communicator)
 {
+  toggle.look(interface, t, values_of, communicator);
   freeze(interface, t, values_of, communicator);
   if (has_frozen_variation)
     freeze_variation(interface, t, values_of);
@@ -181,7 +183,9 @@ bool Nitsche<dim>::evaluate_memory(Interface<dim> &interface, const double t, co
       for (const unsigned int side : {source, destination}) {
         is_defined = sides.evaluate(interface, group, side, q, t, unknowns, false) && is_defined;
         interface.memory.set_trial(side, q, sides.state[side].memory.trial);
-        if (side == destination && interface.memory.has_joint())
+        if (side == destination && interface.memory.has_joint() && !toggle.is_on(q))
+          interface.memory.keep_joint(q);
+        else if (side == destination && interface.memory.has_joint())
           is_defined = remember_joint(interface, q, t, unknowns) && is_defined;
       }
   });
@@ -280,15 +284,18 @@ bool Nitsche<dim>::update_penalties(const Interface<dim> &interface, const doubl
 template <int dim>
 std::vector<double> Nitsche<dim>::pack_points(const Interface<dim> &interface) const
 {
-  if (penalty_at_points.is_constant(interface) || penalty_at_points.empty())
-    return {};
-  return penalty_at_points.pack(interface.pairing().n_points());
+  const unsigned int n_points = interface.pairing().n_points();
+  const bool follows = penalty_at_points.is_constant(interface) || penalty_at_points.empty();
+  return toggle.pack(n_points, follows ? std::vector<double>() : penalty_at_points.pack(n_points));
 }
 
 template <int dim>
 void Nitsche<dim>::unpack_points(const Interface<dim> &interface, const std::vector<double> &numbers)
 {
-  penalty_at_points.unpack(interface.pairing().n_points(), numbers);
+  const unsigned int n_points = interface.pairing().n_points();
+  if (const auto penalties = toggle.unpack(n_points, numbers);
+      !penalties.empty() || !toggle.is_given() || !penalty_at_points.is_constant(interface))
+    penalty_at_points.unpack(n_points, penalties);
 }
 
 /// Whether a side whose flux counts takes the gradient of the centre.
@@ -419,6 +426,10 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
                                   const std::array<std::vector<double>, 2> &flux,
                                   const std::vector<double> &jump, std::vector<double> &result) const
 {
+  if (!toggle.is_on(q)) {
+    std::fill(result.begin(), result.end(), 0.);
+    return;
+  }
   if (penalty_at_points.empty()) // the tie has not been active yet
     return Tie<dim>::numerical_flux(interface, field, q, side_states, flux, jump, result);
   const unsigned int i_at = field.index * interface.pairing().n_points() + q;
@@ -471,6 +482,8 @@ bool Nitsche<dim>::assemble(const Interface<dim> &interface, const typename Pair
 {
   const bool with_derivatives = tangent != nullptr || theta != 0;
   for (unsigned int q = group.begin; q < group.end; ++q) {
+    if (!toggle.is_on(q))
+      continue;
     if (!evaluate_sides(interface, group, q, t, unknowns, with_derivatives))
       return false;
     for (unsigned int f = 0; f < interface.fields.size(); ++f)

@@ -32,8 +32,7 @@ public:
     const double h = step.size;
     Rates result;
     result.by_value = 1 / h;
-    result.rest = memory().states[0];
-    result.rest *= -1 / h;
+    set_rest({-1 / h}, result);
     if (!memory().rates.empty()) {
       result.second_by_value = 1 / (h * h);
       result.second_rest = result.rest;

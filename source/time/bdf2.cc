@@ -41,7 +41,7 @@ Rates Bdf2::first_rates(const StepTime &step) const
   const double h = step.size, w = ratio(step);
   Rates result;
   result.by_value = (1 + 2 * w) / ((1 + w) * h);
-  result.rest = rest(memory().states, w, h);
+  set_rest({-(1 + w) / h, w * w / ((1 + w) * h)}, result);
   return result;
 }
 

@@ -34,6 +34,21 @@ void TimeScheme::accept_step(const StepTime &step, const Vector &x)
   remembered.last = step;
 }
 
+void TimeScheme::set_rest(const std::vector<double> &weights, Rates &rates) const
+{
+  rates.rest = remembered.states[0];
+  rates.rest *= weights[0];
+  for (unsigned int j = 0; j < weights.size(); ++j)
+    if (weights[j] != 0) {
+      if (j > 0)
+        rates.rest.add(weights[j], remembered.states[j]);
+      if (shows_past) {
+        rates.weights.push_back(weights[j]);
+        rates.past.push_back(remembered.states[j]);
+      }
+    }
+}
+
 void TimeScheme::find_rates(const StepTime &step, const Vector &x, Vector &rate,
                             std::vector<Vector> & /*second_rates*/) const
 {

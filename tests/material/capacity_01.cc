@@ -17,7 +17,7 @@ const std::string transient = "subsection Steps\nset Kind = transient\nset Inert
                   species = "set Species = a\nsubsection Species a\nset Type = Fick\nset Diffusivity = 1\n"
                             "set Capacity = 1 + T^2/4\nset Reaction = -T*a\nend\n";
 
-/// B' = 7 B + rest, B'' = 11 B + rest
+/// B' = 7 B - 9 p + 2 q, B'' = 11 B + rest with the values p and q of two steps before
 template <int dim>
 void set_rates(State<dim> &state)
 {
@@ -26,8 +26,12 @@ void set_rates(State<dim> &state)
   state.second_rate.resize(n);
   state.rate_by_value = 7;
   state.second_rate_by_value = 11;
+  state.past_weight = {-9, 2};
+  state.past = {std::vector<double>(n), std::vector<double>(n)};
   for (unsigned int c = 0; c < n; ++c) {
-    state.rate[c] = 7 * state.value[c] - 20 + c;
+    state.past[0][c] = 0.2 + 0.1 * c;
+    state.past[1][c] = 0.4 - 0.2 * c;
+    state.rate[c] = 7 * state.value[c] - 9 * state.past[0][c] + 2 * state.past[1][c];
     state.second_rate[c] = 11 * state.value[c] + 2 * c;
   }
 }
@@ -47,10 +51,14 @@ void check()
     material.evaluate(state, true, here);
     material.evaluate_storage(state, stored);
     const double T = state.value[dim], a = state.value[dim + 1];
-    value_error =
-        std::max({value_error, std::abs(here.source[0] - 1.5 * state.second_rate[0]),
-                  std::abs(here.source[dim] - 2 * (4 + state.X[0] * T + a * a + state.t) * state.rate[dim]),
-                  std::abs(here.source[dim + 1] - (1 + T * T / 4) * state.rate[dim + 1] - T * a)});
+    const auto rate_of = [&](const unsigned int c, const auto &content) {
+      return 7 * content(state.value[c]) - 9 * content(state.past[0][c]) + 2 * content(state.past[1][c]);
+    };
+    const auto H = [&](const double b) { return (4 + a * a + state.t) * b + state.X[0] * b * b / 2; };
+    const auto amount = [&](const double b) { return (1 + T * T / 4) * b; };
+    value_error = std::max({value_error, std::abs(here.source[0] - 1.5 * state.second_rate[0]),
+                            std::abs(here.source[dim] - 2 * rate_of(dim, H)),
+                            std::abs(here.source[dim + 1] - rate_of(dim + 1, amount) - T * a)});
     storage_error = std::max({storage_error, std::abs(here.source[0] - stored.source[0]),
                               std::abs(here.source[dim + 1] - stored.source[dim + 1] - T * a)});
     for (unsigned int d = 0; d < n; ++d) {

@@ -47,6 +47,9 @@ public:
   /// gradients.
   void reinit(const dealii::Point<dim> &X, const double *shape_values,
               const dealii::Tensor<1, dim> *shape_gradients, const std::vector<double> &unknowns);
+  /// The state gets the values and rates of node @p a of the cell, of each component that has it; its X and
+  /// gradients stay.
+  void move_to_node(unsigned int a, const std::vector<double> &unknowns);
   /// The response at the state; @return false if a law is not defined there.
   bool evaluate(const bool with_derivatives)
   {
@@ -75,13 +78,16 @@ public:
 
 private:
   void remember(); ///< at the state's X
-  void evaluate_rates(const double *shape_values);
+  /// Of each component that stores by @p at (numbers of the cell's unknowns, component).
+  template <typename Function>
+  void evaluate_rates(const Function &at);
 
   std::vector<double> shape;
   std::vector<dealii::Tensor<1, dim>> gradient;
   std::vector<double> trial_memory;
   typename dealii::Triangulation<dim>::active_cell_iterator cell; ///< of the point; only with memory
   std::vector<double> rest, second_rest;                          ///< of the rates of the cell's unknowns
+  std::vector<std::vector<double>> past;                          ///< of the cell's unknowns
 };
 
 } // namespace dovetail

@@ -106,10 +106,13 @@ private:
   void find_rates(const typename Domain<dim>::cell_iterator &cell);
   /// Where capacity is lumped the laws see no rates of scalars: see add_lumped_storage().
   void hide_lumped_rates();
-  /// S_(c,a) = m_a dB_(c,a)/dt with the row sums m_a = int C_c phi_a dV of the capacity C_c, the part of the
-  /// current point of them. @return false if a capacity is not defined there.
-  bool add_lumped_storage(double JxW, const std::vector<double> &unknowns, std::vector<double> &residual,
-                          dealii::FullMatrix<double> *tangent);
+  /// S_(c,a) = m_a S_c(B_a), what node a stores by itself with the row sums m_a = int phi_a dV, the part of
+  /// the current point of them; where the capacity depends on X, at that point. @return false if a capacity
+  /// is not defined there.
+  bool add_lumped_storage(unsigned int q, double JxW, const std::vector<double> &unknowns,
+                          std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
+  bool add_storage_of_node(unsigned int a, double weight, std::vector<double> &residual,
+                           dealii::FullMatrix<double> *tangent);
   /// The terms of the fluxes' derivatives, or those of the cell before if nothing can have changed.
   void add_tangent(dealii::FullMatrix<double> &tangent);
   void add_tangent_at_point(const Response<dim> &response, double JxW,
@@ -157,7 +160,7 @@ private:
   const Rates *rates = nullptr;
   const std::vector<unsigned int> lumped; ///< components whose capacity is
   Response<dim> lumped_response;
-  std::vector<double> lumped_rest;                   ///< of the rates of the cell's unknowns
+  std::vector<double> node_weights;                  ///< row sums of a cell
   dealii::FullMatrix<double> lumped_tangent;         ///< of a cell
   std::vector<dealii::types::global_dof_index> dofs; ///< scratch
   std::vector<double> shape;                         ///< at the current point, as the next two

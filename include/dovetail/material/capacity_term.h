@@ -5,42 +5,62 @@
 
 #pragma once
 
+#include <dovetail/material/content.h>
 #include <dovetail/material/diffusion_term.h>
 #include <dovetail/scene/section.h>
 
 namespace dovetail {
 
-/// S = rho c(scalars, X, t) dB/dt, where rho is a number: the heat stored per volume and time with the
-/// density and the heat capacity, or an amount with the capacity of a species. The form with c at the new
-/// state is consistent for any c and as exact as the scheme; the content per volume is the integral of rho c
-/// dB, from which the sum over the steps differs by the error of the scheme where c depends on scalars
+/// S = d(rho H)/dt, where rho is a number and H the sum of some contents: the heat stored per volume and time
+/// with the density and the enthalpy, or an amount with the capacity of a species. A scheme in time gives
+/// dB/dt = a B + sum_j w_j B_j with the values B_j of the steps before and a + sum_j w_j = 0, so
+/// @f[ S = -\rho \sum_j w_j\,(H(B) - H(B_j)) @f]
+/// with the other scalars, X and t as they are now: rho c dB/dt for a capacity c that depends on no scalar.
+/// What a step stores is the content that the next one finds, whatever c does in between
 /// (doc/theory/time.md).
 template <int dim>
 class CapacityTerm : public Term<dim>
 {
 public:
-  /// @param section and @p entry of the formula c, for messages
-  CapacityTerm(const Field &field, const std::vector<Field> &all, const Section &section,
-               const std::string &entry, const Expression &capacity, double density = 1);
+  /// @param section of the entries, for messages
+  CapacityTerm(const Field &field, const std::vector<Field> &all, const Section &section, Contents contents,
+               double density = 1);
 
   bool has_flux() const override { return false; }
   bool has_source() const override { return true; }
   unsigned int order_in_time() const override { return 1; }
   Coupling coupling(unsigned int c, unsigned int d) const override;
-  bool is_linear() const override { return !capacity.depends_on_scalars(); }
-  bool is_symmetric() const override { return !capacity.depends_on_scalar(own); } // else perhaps negative
-  bool depends_on_time() const override { return capacity.depends_on_time(); }
+  bool is_linear() const override { return is_affine; }
+  bool is_symmetric() const override { return true; } // and not negative
+  bool depends_on_time() const override;
+  bool stores_by_position() const override;
+  bool sees_past() const override { return !is_affine; }
   std::string description() const override { return "capacity"; }
 
   bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const override;
+  double content(const State<dim> &state) const override;
+  double liquid_fraction(const State<dim> &state) const override;
 
 private:
+  template <typename Predicate>
+  bool any(const Predicate &is) const;
+  ScalarState scalar_state(const State<dim> &state) const;
+  double change(const Content &content, const State<dim> &state, const ScalarState &scalars) const;
+  bool add_slopes(const Content &content, const State<dim> &state, const ScalarState &here,
+                  Response<dim> &response) const;
+  bool refuse(const Content &content, const State<dim> &state, const std::string &what,
+              const std::string &end = ".") const;
+  double past(const State<dim> &state, unsigned int j) const
+  {
+    return state.past[j][this->field.first_component];
+  }
+
   const Scalars scalars;
   const unsigned int own; ///< number of the scalar
   const Section section;
-  const std::string entry;
-  const Expression capacity;
+  const Contents contents;
   const double density;
+  const bool is_affine;
 };
 
 /// Reads the formula of a capacity, @p entry; an error if it is a negative number.

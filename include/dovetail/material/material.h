@@ -55,6 +55,10 @@ public:
   /// @pre likewise.
   dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;
 
+  /// What is stored of the field of a component, Term::content() and Term::liquid_fraction(); NaN if nothing.
+  double content(const State<dim> &state, unsigned int component) const;
+  double liquid_fraction(const State<dim> &state, unsigned int component) const;
+
   /// How component c depends on component d.
   const Coupling &coupling(const unsigned int c, const unsigned int d) const
   {
@@ -67,6 +71,8 @@ public:
   /// The highest order of the rates that the terms of a component's field ask for; 0 in static scenes.
   unsigned int order_in_time(const unsigned int component) const { return orders_in_time[component]; }
   unsigned int order_in_time() const { return largest_order_in_time; } ///< of all fields
+  bool sees_past() const { return has_past; }                          ///< a term asks for State::past
+  bool stores_by_position() const;                                     ///< what is stored depends on X itself
   bool is_linear(unsigned int field) const;       ///< affine in all fields, so constant derivatives
   bool has_linear_flux(unsigned int field) const; ///< the same of the flux alone
   bool has_large_strain() const;                  ///< a law knows the deformed body
@@ -100,6 +106,7 @@ private:
   std::vector<double> memory_at_start;
   std::vector<unsigned int> orders_in_time; ///< by component
   unsigned int largest_order_in_time = 0;
+  bool has_past = false;
 };
 
 } // namespace dovetail

@@ -12,6 +12,7 @@
 #include <deal.II/lac/full_matrix.h>
 
 #include <atomic>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,10 @@ struct State
   /// pictures.
   std::vector<double> rate, second_rate;
   double rate_by_value = 0, second_rate_by_value = 0;
+  /// Where a term stores nonlinearly: dB_c/dt = rate_by_value B_c + sum_j past_weight[j] past[j][c] with the
+  /// values of the steps before.
+  std::vector<double> past_weight;
+  std::vector<std::vector<double>> past;
 };
 
 /// What it answers: for each component c the flux A_c and the source S_c of the balance
@@ -114,6 +119,9 @@ public:
   /// Of the rates it asks for: 1 for State::rate, 2 for State::second_rate. Such a term is a source that
   /// stores; it is left out where the rates are not known.
   virtual unsigned int order_in_time() const { return 0; }
+  virtual bool sees_past() const { return false; } ///< it asks for State::past
+  /// Whether what it stores depends on X itself.
+  virtual bool stores_by_position() const { return false; }
   /// How component c of its field depends on component d of the material.
   virtual Coupling coupling(unsigned int c, unsigned int d) const = 0;
   virtual bool is_linear() const = 0;       ///< affine in all fields, so its derivatives are constant
@@ -141,6 +149,16 @@ public:
 
   /// What it stores per undeformed volume and gives back [J/m^3]; NaN where it is not defined.
   virtual double energy_density(const State<dim> & /*state*/) const { return 0; }
+  /// Of a term that stores a scalar: per undeformed volume what it contains above the value zero, and the
+  /// share that has melted; NaN where there is none.
+  virtual double content(const State<dim> & /*state*/) const
+  {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  virtual double liquid_fraction(const State<dim> & /*state*/) const
+  {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
 
 protected:
   // Rows of a curvature.

@@ -50,6 +50,7 @@ public:
   std::vector<std::vector<std::string>> field_groups() const;
 
   unsigned int order_in_time() const; ///< of the rates that materials ask for
+  bool sees_past() const;             ///< some material asks for the values of the steps before
   bool is_linear() const;             ///< one Newton iteration is exact
   bool
   is_linear(const std::vector<std::string> &fields) const; ///< likewise, for these fields of field_groups()

@@ -8,6 +8,7 @@
 #include <dovetail/tie/gradient_change.h>
 #include <dovetail/tie/joint_law.h>
 #include <dovetail/tie/penalty.h>
+#include <dovetail/tie/point_toggle.h>
 
 #include <limits>
 #include <map>
@@ -37,7 +38,7 @@ namespace dovetail {
 /// nonlinear law of a vector field, -1 takes the place of theta at points at which the penalty does not bound
 /// the tangent: the skew-symmetric form asks for no bound, and every theta is consistent.
 template <int dim>
-class Nitsche : public Tie<dim>, public PointTerms<dim>
+class Nitsche : public Tie<dim>, public PointTerms<dim>, public FollowsFields
 {
 public:
   explicit Nitsche(const Section &section);
@@ -57,10 +58,12 @@ public:
   bool is_balanced() const override { return !own_sides; }
   bool has_constant_tangent(const Interface<dim> &interface) const override
   {
-    return this->is_linear() && penalty_at_points.is_constant(interface);
+    return this->is_linear() && penalty_at_points.is_constant(interface) && !toggle.is_given();
   }
   std::string description() const override;
   bool allows_partition() const override { return true; }
+  bool has_switched() const override { return toggle.has_switched(); }
+  bool allows_jump(const TiedField & /*field*/) const override { return toggle.is_given(); }
   std::vector<std::string> left_out(const Interface<dim> &interface) const override;
   void begin_step(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                   const MPI_Comm &communicator) override;
@@ -84,6 +87,8 @@ public:
 
 protected:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+  bool has_toggle_at_points() const { return toggle.is_given(); }
 
   /// What lies between the two sides at a point.
   struct Joint
@@ -164,6 +169,7 @@ private:
   const unsigned int variation_rule; ///< automatic, current, frozen
   bool has_frozen_variation = false; ///< delta{A} is that at the beginning of the step
 
+  PointToggle<dim> toggle;
   GradientChange<dim> change; ///< since the last update
   /// Whether the next update may be found to be large, and since when the penalty joins the sides alone.
   bool may_predict = false, is_predicting = false;

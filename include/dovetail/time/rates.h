@@ -7,6 +7,8 @@
 
 #include <deal.II/lac/trilinos_parallel_block_vector.h>
 
+#include <vector>
+
 namespace dovetail {
 
 /// The rates of the unknowns x of a step,
@@ -19,6 +21,10 @@ struct Rates
 
   double by_value = 0, second_by_value = 0; ///< [1/s], [1/s^2]
   Vector rest, second_rest;
+  /// If asked for (TimeScheme::show_past()): rest = sum_j weights[j] past[j] with the states of the steps
+  /// before. The weights and by_value add up to zero.
+  std::vector<double> weights;
+  std::vector<Vector> past;
 
   bool has_first() const { return rest.n_blocks() > 0; }
   bool has_second() const { return second_rest.n_blocks() > 0; }

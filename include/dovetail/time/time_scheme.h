@@ -60,6 +60,8 @@ public:
   }
   /// Before start(): remember one more state than rates() asks for, which local_error() does.
   void estimate_errors() { estimates_errors = true; }
+  /// The rates tell of which states they are made.
+  void show_past() { shows_past = true; }
   /// Of a step that has led to @p x. With the divided difference x[...] of the k + 2 newest states, x among
   /// them, the error of backward differences of order k,
   /// @f[ x[t_{n+1}, \dots, t_{n-k}]\, \prod_{j=1}^{k} (t_{n+1} - t_{n+1-j}) / \mathrm{by\_value}, @f]
@@ -79,6 +81,8 @@ protected:
   virtual void find_rates(const StepTime &step, const Vector &x, Vector &rate,
                           std::vector<Vector> &second_rates) const;
   virtual unsigned int n_states() const = 0; ///< how many good steps rates() looks back on
+  /// The rest of first rates, rest = sum_j weights[j] states[j]. A weight of zero: that state may be missing.
+  void set_rest(const std::vector<double> &weights, Rates &rates) const;
   /// How many of them belong to the curve of a step.
   unsigned int n_known(const StepTime &step) const { return step.starts_anew ? 1 : remembered.states.size(); }
 
@@ -87,7 +91,7 @@ private:
   unsigned int n_remembered() const { return std::max(n_states(), estimates_errors ? order() + 1 : 0); }
 
   TimeMemory remembered;
-  bool estimates_errors = false;
+  bool estimates_errors = false, shows_past = false;
 };
 
 using TimeSchemeCatalogue = Catalogue<TimeScheme>;

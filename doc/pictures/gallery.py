@@ -43,7 +43,7 @@ PICTURES = {
                     map="Cool to Warm", factor=2, height=300),
     "laminated_beam": dict(array="Cauchy stress", component=0, title="stress along x [MPa]",
                            map="Cool to Warm", factor=10, height=380, symmetric=True),
-    "periodic_cell": dict(array="temperature", title="temperature [K]", map=HOT, height=700, copies=3),
+    "periodic_cell": dict(array="temperature", title="temperature [K]", map=HOT, height=580, copies=3),
     "01_two_blocks": dict(array="temperature", title="temperature [K]", map=HOT, height=620),
     "02_sandwich": dict(array="von Mises", formula='"von Mises"/1e6', title="von Mises stress [MPa]", map=STRESS, factor=1,
                         height=380, percentile=99),

@@ -3,6 +3,7 @@
 
 #include <dovetail/domain/mesh_examination.h>
 #include <dovetail/domain/mesh_file.h>
+#include <dovetail/domain/symmetric_eigenvalues.h>
 #include <dovetail/output/mesh_report.h>
 #include <dovetail/output/new_file.h>
 #include <dovetail/scene/input_file.h>
@@ -11,7 +12,6 @@
 #include <deal.II/base/geometry_info.h>
 #include <deal.II/base/numbers.h>
 #include <deal.II/base/quadrature_lib.h>
-#include <deal.II/base/symmetric_tensor.h>
 
 #include <algorithm>
 #include <array>
@@ -132,20 +132,9 @@ private:
 
   static double aspect_of(const Tensor<2, dim> &J)
   {
-    const auto C = dealii::symmetrize(dealii::transpose(J) * J);
-    if constexpr (dim == 2) { // dealii::eigenvalues is not a number where two equal ones differ by rounding
-      const double mean = dealii::trace(C) / 2, radius = std::hypot((C[0][0] - C[1][1]) / 2, C[0][1]);
-      return ratio(mean + radius, mean - radius);
-    } else {
-      const auto squares = dealii::eigenvalues(C);
-      return ratio(squares[0], squares[dim - 1]);
-    }
-  }
-
-  static double ratio(const double largest_square, const double smallest_square)
-  {
-    return smallest_square > 0 ? std::sqrt(largest_square / smallest_square)
-                               : std::numeric_limits<double>::infinity();
+    const auto squares = symmetric_eigenvalues(dealii::symmetrize(dealii::transpose(J) * J));
+    return squares[dim - 1] > 0 ? std::sqrt(squares[0] / squares[dim - 1])
+                                : std::numeric_limits<double>::infinity();
   }
 
   const MeshFile &mesh;

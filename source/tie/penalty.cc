@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/symmetric_eigenvalues.h>
 #include <dovetail/tie/penalty.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/symmetric_tensor.h>
 #include <deal.II/base/utilities.h>
 
 #include <algorithm>
@@ -192,7 +192,7 @@ double Penalty<dim>::stiffness(const Interface<dim> &interface, const TiedField 
   for (unsigned int c = 0; c < dim; ++c)
     for (unsigned int d = c; d < dim; ++d)
       acoustic[c][d] = (entry(c, d) + entry(d, c)) / 2;
-  return dealii::eigenvalues(acoustic)[0];
+  return symmetric_eigenvalues(acoustic)[0];
 }
 
 /// @return the penalty per unit of the multiplier.

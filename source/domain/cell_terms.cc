@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include "point_products.h"
+
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/scene/undefined.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <set>
+#include <utility>
 
 namespace dovetail {
 
@@ -39,8 +44,7 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
-      uniform_response(n), lumped(lumped_components(domain)), lumped_response(n), shape(layout.n_shapes()),
-      gradient(layout.n_shapes()), source_of_component(n)
+      uniform_response(n), lumped(lumped_components(domain)), lumped_response(n), source_of_component(n)
 {
   const auto &fields = domain.fields();
   for (unsigned int c = 0; c < n; ++c)
@@ -58,8 +62,6 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
   for (const auto &condition : domain.conditions())
     if (condition->adds_flux() || condition->is_weak())
       flux_conditions.push_back(condition.get());
-  for (auto &direction : gradient_of_direction)
-    direction.resize(layout.n_shapes());
 }
 
 template <int dim>
@@ -268,18 +270,6 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
 }
 
 template <int dim>
-void CellTerms<dim>::load_directions(const unsigned int q)
-{
-  for (unsigned int a = 0; a < layout.n_shapes(); ++a) {
-    const unsigned int i = layout.shape_index(a);
-    shape[a] = cell_values.shape_value(i, q);
-    gradient[a] = cell_values.shape_grad(i, q);
-    for (unsigned int d = 0; d < dim; ++d)
-      gradient_of_direction[d][a] = gradient[a][d];
-  }
-}
-
-template <int dim>
 bool CellTerms<dim>::has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const
 {
   for (const Pair &pair : pairs)
@@ -398,6 +388,103 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
   }
 }
 
+namespace {
+
+/// Gradients at the points of a cell of the shape functions of a component, and their values if asked for.
+template <int dim>
+void tabulate(const CellLayout<dim> &layout, const unsigned int component,
+              const dealii::FEValues<dim> &cell_values, const bool with_value, ShapeTable &table)
+{
+  table.reinit(cell_values.n_quadrature_points, dim + (with_value ? 1 : 0), layout.n_nodes(component));
+  for (const unsigned int q : cell_values.quadrature_point_indices())
+    for (unsigned int a = 0; a < layout.n_nodes(component); ++a) {
+      const unsigned int i = layout.shape_of_node(component, a);
+      const dealii::Tensor<1, dim> &gradient = cell_values.shape_grad(i, q);
+      for (unsigned int d = 0; d < dim; ++d)
+        table.row(q, d)[a] = gradient[d];
+      if (with_value)
+        table.row(q, dim)[a] = cell_values.shape_value(i, q);
+    }
+}
+
+/// The derivatives of a pair of components at a point, times JxW: of flux and source by gradient and value.
+template <int dim>
+void fill_derivatives(const Response<dim> &response, const unsigned int pair, const Coupling &coupling,
+                      const double JxW, const unsigned int n_rows, const unsigned int n_columns, double *D)
+{
+  std::fill_n(D, n_rows * n_columns, 0.);
+  for (unsigned int I = 0; I < dim; ++I) {
+    for (unsigned int J = 0; coupling.flux_by_gradient && J < dim; ++J)
+      D[I * n_columns + J] = JxW * response.by_gradient[pair][I][J];
+    if (coupling.flux_by_value)
+      D[I * n_columns + dim] = JxW * response.by_value[pair][I];
+    if (coupling.source_by_gradient)
+      D[dim * n_columns + I] = JxW * response.source_by_gradient[pair][I];
+  }
+  if (coupling.source_by_value)
+    D[dim * n_columns + dim] = JxW * response.source_by_value[pair];
+}
+
+/// What is needed of one cell after another.
+struct TangentScratch
+{
+  std::map<std::pair<unsigned int, bool>, ShapeTable> tables; ///< by first shape, with values
+  std::set<std::pair<unsigned int, bool>> of_this_cell;
+  std::vector<double> derivatives;
+
+  template <int dim>
+  const ShapeTable &table(const CellLayout<dim> &layout, const unsigned int component, const bool with_value,
+                          const dealii::FEValues<dim> &cell_values)
+  {
+    const std::pair<unsigned int, bool> key(layout.first_shape(component), with_value);
+    ShapeTable &result = tables[key];
+    if (of_this_cell.insert(key).second)
+      tabulate(layout, component, cell_values, with_value, result);
+    return result;
+  }
+};
+
+/// Whether both components belong to a field whose own tangent is symmetric.
+template <int dim>
+bool is_symmetric(const Domain<dim> &domain, const unsigned int c, const unsigned int d)
+{
+  for (unsigned int f = 0; f < domain.fields().size(); ++f)
+    if (domain.fields()[f].has_component(c))
+      return domain.fields()[f].has_component(d) && domain.material.is_symmetric(f);
+  return false;
+}
+
+/// K_(c,a)(d,b) = grad phi_a . ( dA_c/dgrad B_d . grad phi_b + dA_c/dB_d phi_b )
+///              + phi_a ( dS_c/dgrad B_d . grad phi_b + dS_c/dB_d phi_b )
+template <int dim, typename Pairs>
+void add_pairs(const Domain<dim> &domain, const Pairs &pairs, const std::vector<Response<dim>> &responses,
+               const dealii::FEValues<dim> &cell_values, dealii::FullMatrix<double> &tangent)
+{
+  static thread_local TangentScratch scratch;
+  const CellLayout<dim> &layout = domain.layout();
+  scratch.of_this_cell.clear();
+  for (const auto &[c, d, index, coupling] : pairs) {
+    const bool is_from_symmetry = is_symmetric(domain, c, d);
+    if (is_from_symmetry && d < c)
+      continue; // it has been copied
+    const ShapeTable &rows = scratch.table(layout, c, coupling.in_source(), cell_values),
+                     &columns = scratch.table(layout, d, coupling.flux_by_value || coupling.source_by_value,
+                                              cell_values);
+    const unsigned int n_entries = rows.n_directions * columns.n_directions;
+    scratch.derivatives.resize(responses.size() * n_entries);
+    for (unsigned int q = 0; q < responses.size(); ++q)
+      fill_derivatives(responses[q], index, coupling, domain.measure(cell_values, q), rows.n_directions,
+                       columns.n_directions, &scratch.derivatives[q * n_entries]);
+    add_cell_matrix(rows, columns, scratch.derivatives, is_from_symmetry && c == d,
+                    &tangent(layout.first(c), layout.first(d)), tangent.n());
+    for (unsigned int a = 0; is_from_symmetry && c != d && a < layout.n_nodes(c); ++a)
+      for (unsigned int b = 0; b < layout.n_nodes(d); ++b)
+        tangent(layout.index(d, b), layout.index(c, a)) = tangent(layout.index(c, a), layout.index(d, b));
+  }
+}
+
+} // namespace
+
 template <int dim>
 void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
 {
@@ -412,51 +499,11 @@ void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
     tangent = uniform_tangent;
     return;
   }
-  for (const unsigned int q : cell_values.quadrature_point_indices()) {
-    load_directions(q);
-    add_tangent_at_point(responses[q], domain.measure(cell_values, q), tangent);
-  }
+  add_pairs(domain, pairs, responses, cell_values, tangent);
   has_uniform_tangent = is_uniform;
   if (is_uniform) {
     uniform_tangent = tangent;
     uniform_response = responses[0];
-  }
-}
-
-/// K_(c,a)(d,b) = grad phi_a . ( dA_c/dgrad B_d . grad phi_b + dA_c/dB_d phi_b )
-///              + phi_a ( dS_c/dgrad B_d . grad phi_b + dS_c/dB_d phi_b )
-template <int dim>
-void CellTerms<dim>::add_tangent_at_point(const Response<dim> &response, const double JxW,
-                                          dealii::FullMatrix<double> &tangent) const
-{
-  for (const auto &[c, d, index, coupling] : pairs) {
-    const unsigned int row_nodes = layout.n_nodes(c), n_nodes = layout.n_nodes(d), at = layout.first_shape(d);
-    const double *x = gradient_of_direction[0].data() + at, *y = gradient_of_direction[1].data() + at,
-                 *z = gradient_of_direction[dim - 1].data() + at, *values = shape.data() + at;
-    for (unsigned int i = 0; i < row_nodes; ++i) {
-      const unsigned int a = layout.first_shape(c) + i;
-      dealii::Tensor<1, dim> g; // of grad phi_b, and v of phi_b
-      double v = 0;
-      if (coupling.flux_by_gradient)
-        g = JxW * (gradient[a] * response.by_gradient[index]);
-      if (coupling.flux_by_value)
-        v = JxW * (gradient[a] * response.by_value[index]);
-      if (coupling.source_by_gradient)
-        g += JxW * shape[a] * response.source_by_gradient[index];
-      if (coupling.source_by_value)
-        v += JxW * shape[a] * response.source_by_value[index];
-      double *row = &tangent(layout.index(c, i), layout.first(d));
-      if (coupling.flux_by_gradient || coupling.source_by_gradient) {
-        for (unsigned int b = 0; b < n_nodes; ++b)
-          if constexpr (dim == 3)
-            row[b] += g[0] * x[b] + g[1] * y[b] + g[2] * z[b];
-          else
-            row[b] += g[0] * x[b] + g[1] * y[b];
-      }
-      if (coupling.flux_by_value || coupling.source_by_value)
-        for (unsigned int b = 0; b < n_nodes; ++b)
-          row[b] += v * values[b];
-    }
   }
 }
 

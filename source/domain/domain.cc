@@ -20,6 +20,7 @@
 #include <deal.II/lac/affine_constraints.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <sstream>
 

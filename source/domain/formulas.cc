@@ -31,8 +31,10 @@ bool are_finite(const Domain<dim> &domain, const std::string &kind, const typena
         for (unsigned int c = 0; c < formula.n_components(); ++c) {
           formula.values(points.get_quadrature_points(), t, c, values);
           for (const unsigned int q : points.quadrature_point_indices())
-            if (!std::isfinite(finite(values[q], section, field, points.quadrature_point(q), t)))
+            if (!std::isfinite(values[q])) {
+              finite(values[q], section, field, points.quadrature_point(q), t);
               return false;
+            }
         }
     }
   return true;

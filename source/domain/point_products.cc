@@ -3,6 +3,8 @@
 
 #include "point_products.h"
 
+#include <algorithm>
+
 // One version for each generation of processors, of which the loader takes one. A sanitizer cannot look into
 // the choice, which is made before it has started.
 #if defined(__x86_64__) && defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
@@ -24,6 +26,84 @@ DOVETAIL_WIDEST_VECTORS void add_at_points(const std::vector<PointTerm> &terms, 
     for (std::size_t i = 0; i < n; ++i)
       to[i] += term.factor * a[i] * from[i];
   }
+}
+
+void ShapeTable::reinit(const unsigned int points, const unsigned int directions,
+                        const unsigned int functions)
+{
+  if (n_points == points && n_directions == directions && n_functions == functions)
+    return; // what fills up the rows is zero still
+  n_points = points;
+  n_directions = directions;
+  n_functions = functions;
+  stride = (functions + block - 1) / block * block;
+  values.assign(std::size_t(n_points) * n_directions * stride, 0.);
+}
+
+namespace {
+
+/// y = sum_I D_IJ phi_I for all directions J of the columns, at every point.
+DOVETAIL_WIDEST_VECTORS void multiply_rows(const std::size_t n_points, const std::size_t n_rows,
+                                           const std::size_t n_columns, const std::size_t n, const double *D,
+                                           const double *phi, double *y)
+{
+  for (std::size_t q = 0; q < n_points; ++q, phi += n_rows * n)
+    for (std::size_t J = 0; J < n_columns; ++J, y += n) {
+      double *const __restrict__ to = y;
+      for (std::size_t a = 0; a < n; ++a)
+        to[a] = 0;
+      for (std::size_t I = 0; I < n_rows; ++I) {
+        const double factor = D[(q * n_rows + I) * n_columns + J];
+        const double *const __restrict__ from = phi + I * n;
+        for (std::size_t a = 0; a < n; ++a)
+          to[a] += factor * from[a];
+      }
+    }
+}
+
+constexpr unsigned int n_rows_of_block = 4;
+
+/// sum_k x_k[a] y_k[b] of a block of a and b, where x_k and y_k begin so far apart.
+DOVETAIL_WIDEST_VECTORS void sum_block(const std::size_t n, const double *const __restrict__ x,
+                                       const std::size_t stride_of_x, const double *const __restrict__ y,
+                                       const std::size_t stride_of_y,
+                                       double (&__restrict__ sums)[n_rows_of_block][ShapeTable::block])
+{
+  double s[n_rows_of_block][ShapeTable::block] = {};
+  for (std::size_t k = 0; k < n; ++k)
+    for (unsigned int a = 0; a < n_rows_of_block; ++a)
+      for (unsigned int b = 0; b < ShapeTable::block; ++b)
+        s[a][b] += x[k * stride_of_x + a] * y[k * stride_of_y + b];
+  for (unsigned int a = 0; a < n_rows_of_block; ++a)
+    for (unsigned int b = 0; b < ShapeTable::block; ++b)
+      sums[a][b] = s[a][b];
+}
+
+} // namespace
+
+void add_cell_matrix(const ShapeTable &rows, const ShapeTable &columns, const std::vector<double> &D,
+                     const bool is_symmetric, double *const C, const std::size_t row_length)
+{
+  thread_local std::vector<double> D_rows;
+  const std::size_t n = std::size_t(rows.n_points) * columns.n_directions;
+  D_rows.resize(n * rows.stride);
+  multiply_rows(rows.n_points, rows.n_directions, columns.n_directions, rows.stride, D.data(),
+                rows.values.data(), D_rows.data());
+  double sums[n_rows_of_block][ShapeTable::block];
+  for (unsigned int a = 0; a < rows.n_functions; a += n_rows_of_block)
+    for (unsigned int b = 0; b < columns.n_functions; b += ShapeTable::block) {
+      if (is_symmetric && b + ShapeTable::block <= a)
+        continue;
+      sum_block(n, D_rows.data() + a, rows.stride, columns.values.data() + b, columns.stride, sums);
+      const unsigned int end_a = std::min(a + n_rows_of_block, rows.n_functions),
+                         end_b = std::min(b + ShapeTable::block, columns.n_functions);
+      for (unsigned int i = a; i < end_a; ++i)
+        for (unsigned int j = is_symmetric ? std::max(i, b) : b; j < end_b; ++j) {
+          C[i * row_length + j] += sums[i - a][j - b];
+          if (is_symmetric && i != j)
+            C[j * row_length + i] += sums[i - a][j - b];
+        }
+    }
 }
 
 } // namespace dovetail

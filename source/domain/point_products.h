@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Small matrices, one at each point, times small vectors, one at each point.
+// Small matrices, one at each point, times small vectors, one at each point, and a cell's matrix of them.
 
 #pragma once
 
@@ -22,5 +22,27 @@ struct PointTerm
 /// which deal.II's own loops do only where deal.II was built for that processor.
 void add_at_points(const std::vector<PointTerm> &terms, std::size_t n, const double *A, const double *x,
                    double *y);
+
+/// Shape functions at the points of a cell: [point][direction][function]; the last direction may be the value
+/// itself.
+struct ShapeTable
+{
+  static constexpr unsigned int block = 8; ///< what a row of functions is filled up to, with zeros
+
+  void reinit(unsigned int n_points, unsigned int n_directions, unsigned int n_functions);
+  double *row(const unsigned int q, const unsigned int direction)
+  {
+    return values.data() + (std::size_t(q) * n_directions + direction) * stride;
+  }
+
+  unsigned int n_points = 0, n_directions = 0, n_functions = 0, stride = 0;
+  std::vector<double> values;
+};
+
+/// C_ab += sum_q phi_a(q)^T D(q) phi_b(q), with @p D [point][direction of phi_a][direction of phi_b] and rows
+/// of C that begin @p row_length apart. @p is_symmetric: so is C, and each pair is computed once. The sums
+/// run over blocks of C that fit into the registers, with the widest vectors that the processor has.
+void add_cell_matrix(const ShapeTable &rows, const ShapeTable &columns, const std::vector<double> &D,
+                     bool is_symmetric, double *C, std::size_t row_length);
 
 } // namespace dovetail

@@ -3,6 +3,7 @@
 
 #include <dovetail/material/invariant_law.h>
 
+#include <boost/container/static_vector.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/tools/toms748_solve.hpp>
 
@@ -114,8 +115,8 @@ struct InvariantKinematics
   }
 
   const Tensor<2, 3> F, Q;
-  Tensor<2, 3> C, b; ///< of the second invariant only
-  std::vector<Invariant> invariants;
+  Tensor<2, 3> C, b;                                        ///< of the second invariant only
+  boost::container::static_vector<Invariant, 2> invariants; ///< an allocation takes as long as the rest
 };
 
 /// a_1 = J U', a_2 = J a_1', a_3 = J a_2', which are the derivatives by ln J.

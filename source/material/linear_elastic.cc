@@ -33,10 +33,12 @@ public:
   bool evaluate(const Tensor<2, 3> &H, double e, bool with_derivatives, Response &response) const override
   {
     const IsotropicModuli m = moduli.at(response);
-    response.P = m.shear * (H + transpose(H));
     const double pressure = m.lame() * trace(H) - 3 * m.bulk_of_stress() * e;
-    for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int i = 0; i < 3; ++i) {
+      for (unsigned int J = 0; J < 3; ++J)
+        response.P[i][J] = m.shear * (H[i][J] + H[J][i]);
       response.P[i][i] += pressure;
+    }
     if (with_derivatives) {
       set_derivatives(m, response);
     }

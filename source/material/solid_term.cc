@@ -76,8 +76,13 @@ template <int dim>
 bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, Response<dim> &response) const
 {
   const unsigned int n = state.value.size(), first = this->field.first_component;
-  SolidLaw::Response local;
+  thread_local SolidLaw::Response local; // its tensor of fourth order is not cleared where nobody asks for it
   static_cast<SolidLaw::Place &>(local) = place(state);
+  local.P = 0;
+  if (with_derivatives) {
+    local.dP_dF = 0;
+    local.dP_de = 0;
+  }
   if (!law->evaluate(displacement_gradient(state), thermal_strain(state), with_derivatives, local)) {
     std::string &reason = last_undefined().reason;
     reason = "material " + name_of_material + ", " + name_of_law + ": " + reason;

@@ -58,44 +58,25 @@ struct ExactSolution
   }
 };
 
-/// The share of one cell, for one field.
+/// The share of one point, for one field.
 template <int dim>
 void add_squares(const Domain<dim> &domain, const Field &field, const ExactSolution<dim> &exact,
-                 const dealii::FEValues<dim> &values, const std::vector<double> &unknowns, Squares &squares)
+                 const State<dim> &state, const dealii::FEValues<dim> &values, const unsigned int q,
+                 Squares &squares)
 {
-  const CellLayout<dim> &layout = domain.layout();
-  const unsigned int first = field.first_component;
-  const bool has_hoop = domain.measure.has_hoop_strain(field); // u_r/r belongs to the gradient
-  std::array<double, dim> error{};
-  std::array<dealii::Tensor<1, dim>, dim> error_of_gradient;
-  for (const unsigned int q : values.quadrature_point_indices()) {
-    const double dV = domain.measure(values, q), r = values.quadrature_point(q)[0];
-    for (unsigned int c = 0; c < field.n_components; ++c) {
-      const double B = exact.value[field.first_component + c][q];
-      const dealii::Tensor<1, dim> &gradient = exact.gradient[field.first_component + c][q];
-      error[c] = -B;
-      error_of_gradient[c] = -gradient;
-      squares.norm += B * B * dV;
-      squares.norm_of_gradient += gradient.norm_square() * dV;
-    }
-    for (unsigned int a = 0; a < layout.n_nodes(first); ++a) {
-      const unsigned int i = layout.shape_of_node(first, a);
-      const double shape = values.shape_value(i, q);
-      const dealii::Tensor<1, dim> &shape_gradient = values.shape_grad(i, q);
-      for (unsigned int c = 0; c < field.n_components; ++c) {
-        const double unknown = unknowns[layout.index(first + c, a)];
-        error[c] += unknown * shape;
-        error_of_gradient[c] += unknown * shape_gradient;
-      }
-    }
-    for (unsigned int c = 0; c < field.n_components; ++c) {
-      squares.error += error[c] * error[c] * dV;
-      squares.error_of_gradient += error_of_gradient[c].norm_square() * dV;
-    }
-    if (has_hoop) {
-      squares.norm_of_gradient += std::pow(exact.value[field.first_component][q] / r, 2) * dV;
-      squares.error_of_gradient += std::pow(error[0] / r, 2) * dV;
-    }
+  const double dV = domain.measure(values, q);
+  for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
+    const double B = exact.value[c][q], error = state.value[c] - B;
+    const dealii::Tensor<1, dim> &gradient = exact.gradient[c][q];
+    squares.norm += B * B * dV;
+    squares.error += error * error * dV;
+    squares.norm_of_gradient += gradient.norm_square() * dV;
+    squares.error_of_gradient += (state.gradient[c] - gradient).norm_square() * dV;
+  }
+  if (domain.measure.has_hoop_strain(field)) { // u_r/r belongs to the gradient
+    const double r = values.quadrature_point(q)[0], u = exact.value[field.first_component][q];
+    squares.norm_of_gradient += std::pow(u / r, 2) * dV;
+    squares.error_of_gradient += std::pow((state.value[field.first_component] - u) / r, 2) * dV;
   }
 }
 
@@ -105,7 +86,7 @@ template <int dim>
 class EnergySquares
 {
 public:
-  EnergySquares(const Domain<dim> &domain, const double t) : solution_point(domain, t), exact_point(domain, t)
+  EnergySquares(const Domain<dim> &domain, const double t) : exact_point(domain, t)
   {
     const auto &fields = domain.fields();
     for (unsigned int f = 0; f < fields.size(); ++f) {
@@ -114,61 +95,54 @@ public:
         if (domain.material.flux_depends(f, g) && domain.exact().find(fields[g].name) == nullptr)
           is_known = false;
       if (is_known)
-        known.push_back(&fields[f]);
+        known.push_back({&fields[f], 0., 0.});
     }
   }
 
   struct Squares
   {
-    double error = 0, norm = 0;
+    const Field *field;
+    double error, norm;
   };
-  std::vector<const Field *> known;
-  std::map<std::string, Squares> squares;
+  std::vector<Squares> known;
 
-  void add_cell(const dealii::FEValues<dim> &values, const ExactSolution<dim> &exact,
-                const std::vector<double> &unknowns)
+  void add_point(const dealii::FEValues<dim> &values, const unsigned int q, const ExactSolution<dim> &exact,
+                 CellPoints<dim> &solution_point)
   {
-    for (const unsigned int q : values.quadrature_point_indices()) {
-      solution_point.reinit(values, q, unknowns);
-      exact_point.state.X = solution_point.state.X;
-      set_exact_state(exact, q);
-      bool is_defined = solution_point.evaluate(false);
-      is_defined = exact_point.evaluate(false) && is_defined;
-      for (const Field *field : known)
-        add_point(*field, is_defined ? exact_point.domain.measure(values, q)
-                                     : std::numeric_limits<double>::quiet_NaN());
-    }
-  }
-
-private:
-  void set_exact_state(const ExactSolution<dim> &exact, const unsigned int q)
-  {
+    exact_point.state.X = solution_point.state.X;
     for (unsigned int i = 0; i < exact.value.size(); ++i)
       if (!exact.value[i].empty()) {
         exact_point.state.value[i] = exact.value[i][q];
         exact_point.state.gradient[i] = exact.gradient[i][q];
       }
+    bool is_defined = solution_point.evaluate(false);
+    is_defined = exact_point.evaluate(false) && is_defined;
+    const double JxW =
+        is_defined ? exact_point.domain.measure(values, q) : std::numeric_limits<double>::quiet_NaN();
+    for (Squares &of_field : known)
+      add(solution_point, JxW, of_field);
   }
 
-  void add_point(const Field &field, const double JxW)
+private:
+  void add(const CellPoints<dim> &solution_point, const double JxW, Squares &squares) const
   {
-    Squares &field_numbers = squares[field.name];
+    const Field &field = *squares.field;
     for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
       const auto &exact_flux = exact_point.response.flux[c], &exact_gradient = exact_point.state.gradient[c];
-      field_numbers.error += (solution_point.response.flux[c] - exact_flux) *
-                             (solution_point.state.gradient[c] - exact_gradient) * JxW;
-      field_numbers.norm += exact_flux * exact_gradient * JxW;
+      squares.error += (solution_point.response.flux[c] - exact_flux) *
+                       (solution_point.state.gradient[c] - exact_gradient) * JxW;
+      squares.norm += exact_flux * exact_gradient * JxW;
     }
     if (exact_point.domain.measure.has_hoop_strain(field)) {
       const unsigned int radial = field.first_component;
       const double S = exact_point.response.source[radial], u = exact_point.state.value[radial];
-      field_numbers.error +=
+      squares.error +=
           (solution_point.response.source[radial] - S) * (solution_point.state.value[radial] - u) * JxW;
-      field_numbers.norm += S * u * JxW;
+      squares.norm += S * u * JxW;
     }
   }
 
-  CellPoints<dim> solution_point, exact_point;
+  CellPoints<dim> exact_point;
 };
 
 /// Adds "errors" and "norms" if the domain has an exact solution.
@@ -182,8 +156,10 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
                                gauss_rule<dim>(domain.cell_shape(), domain.degree + 3),
                                dealii::update_values | dealii::update_gradients |
                                    dealii::update_quadrature_points | dealii::update_JxW_values);
-  std::map<std::string, Squares> squares;
+  const auto &fields = domain.fields();
+  std::vector<Squares> squares(fields.size());
   ExactSolution<dim> exact;
+  CellPoints<dim> point(domain, t);
   EnergySquares<dim> energy(domain, t);
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;
@@ -193,28 +169,28 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
       domain.cell_dofs(cell, dofs);
       gather(solution, dofs, unknowns);
       exact.evaluate(domain, values.get_quadrature_points(), t);
-      for (const Field &field : domain.fields())
-        if (domain.exact().find(field.name) != nullptr)
-          add_squares(domain, field, exact, values, unknowns, squares[field.name]);
-      if (!energy.known.empty())
-        energy.add_cell(values, exact, unknowns);
+      for (const unsigned int q : values.quadrature_point_indices()) {
+        point.reinit(values, q, unknowns);
+        for (unsigned int f = 0; f < fields.size(); ++f)
+          if (!exact.value[fields[f].first_component].empty())
+            add_squares(domain, fields[f], exact, point.state, values, q, squares[f]);
+        if (!energy.known.empty())
+          energy.add_point(values, q, exact, point);
+      }
     }
 
   // coupled or at finite strain, the products of fluxes and gradients may be negative
   const auto norm = [&](const double square) {
     return std::sqrt(std::abs(sum_over_ranks(square, communicator)));
   };
-  for (const Field &field : domain.fields())
-    if (domain.exact().find(field.name) != nullptr) {
-      const Squares &field_numbers = squares[field.name];
-      result["errors"][field.name] = {{"L2", norm(field_numbers.error)},
-                                      {"H1", norm(field_numbers.error_of_gradient)}};
-      result["norms"][field.name] = {{"L2", norm(field_numbers.norm)},
-                                     {"H1", norm(field_numbers.norm_of_gradient)}};
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    if (const std::string &field = fields[f].name; domain.exact().find(field) != nullptr) {
+      result["errors"][field] = {{"L2", norm(squares[f].error)}, {"H1", norm(squares[f].error_of_gradient)}};
+      result["norms"][field] = {{"L2", norm(squares[f].norm)}, {"H1", norm(squares[f].norm_of_gradient)}};
     }
-  for (const Field *field : energy.known) {
-    result["errors"][field->name]["energy"] = norm(energy.squares[field->name].error);
-    result["norms"][field->name]["energy"] = norm(energy.squares[field->name].norm);
+  for (const auto &[field, error, magnitude] : energy.known) {
+    result["errors"][field->name]["energy"] = norm(error);
+    result["norms"][field->name]["energy"] = norm(magnitude);
   }
 }
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 
 namespace dovetail {
 
@@ -85,7 +87,8 @@ Tape::Number Tape::add_node(Node node)
     for (const Number operand : {node.first, node.second, node.third})
       for (unsigned int v = 0; v < names.size(); ++v)
         node.depends[v] = node.depends[v] || nodes[operand].depends[v];
-  node.last_argument = std::nan("");
+  if (node.operation == Operation::function)
+    node.known.assign(1u << log2_of_n_known, {std::nan(""), 0.});
   nodes.push_back(node);
   return nodes.size() - 1;
 }
@@ -254,7 +257,8 @@ Tape::Number Tape::derivative_of_power(const Number number, const unsigned int v
 const double *Tape::values(const unsigned int formula, const std::vector<double> &variables,
                            const unsigned int n_points)
 {
-  if (n != n_points || variables != present) {
+  if (n != n_points || variables.size() != present.size() ||
+      std::memcmp(variables.data(), present.data(), variables.size() * sizeof(double)) != 0) {
     present = variables;
     n = n_points;
     ++evaluation;
@@ -305,15 +309,22 @@ void Tape::evaluate(Node &node)
   }
 }
 
+/// From the bits of the argument, mixed by the golden ratio (Knuth 1973, section 6.4).
+std::size_t Tape::place_of(const double argument)
+{
+  std::uint64_t bits;
+  std::memcpy(&bits, &argument, sizeof bits);
+  return (bits * 0x9E3779B97F4A7C15u) >> (64 - log2_of_n_known);
+}
+
 void Tape::evaluate_function(Node &node, const std::vector<double> &arguments)
 {
   for (unsigned int i = 0; i < n; ++i) {
-    if (arguments[i] != node.last_argument) {
-      node.last_argument = arguments[i];
-      node.last_value = node.table ? node.table->derivative(std::lround(node.constant), arguments[i])
-                                   : node.function->value(arguments[i]);
-    }
-    node.values[i] = node.last_value;
+    Known &known = node.known[place_of(arguments[i])];
+    if (known.argument != arguments[i])
+      known = {arguments[i], node.table ? node.table->derivative(std::lround(node.constant), arguments[i])
+                                        : node.function->value(arguments[i])};
+    node.values[i] = known.value;
   }
 }
 

@@ -16,7 +16,7 @@ namespace dovetail {
 
 /// Several formulas in common variables as one list of operations, each of which stands there once: what
 /// formulas share (sin(pi*x) in all components of a force) is computed once per point, and a function whose
-/// argument is that of the point before (points of a tensor product share coordinates) is not computed again.
+/// argument it had lately (points of a tensor product share coordinates) is not computed again.
 ///
 /// A derivative is a formula as well: differentiate() appends its operations to the list, so derivatives of
 /// any order are exact. Functions with jumps (sign, floor, comparisons) have the derivative 0 beside them.
@@ -74,6 +74,12 @@ private:
     Number (*slope)(Tape &tape, Number a);
   };
 
+  /// What a function was last at an argument.
+  struct Known
+  {
+    double argument, value;
+  };
+
   struct Node
   {
     Operation operation = Operation::constant;
@@ -82,7 +88,7 @@ private:
     const Function *function = nullptr;
     std::shared_ptr<const MonotoneCubic> table; ///< that the function interpolates in
     std::vector<bool> depends;                  ///< on each variable
-    double last_argument = 0, last_value = 0;   ///< of a function, where it was evaluated last
+    std::vector<Known> known;                   ///< of a function, at a place that the argument tells
     unsigned long evaluation = 0;               ///< the last one that it took part in
     std::vector<double> values;                 ///< [point]
   };
@@ -93,6 +99,9 @@ private:
     std::vector<Number> needed;                           ///< nodes in the order of their evaluation
     std::vector<std::optional<unsigned int>> derivatives; ///< numbers of formulas, by variable
   };
+
+  static constexpr unsigned int log2_of_n_known = 5;
+  static std::size_t place_of(double argument); ///< among what is known
 
   unsigned int add_formula(Number node);
   Number add_node(Node node);

@@ -97,6 +97,14 @@ void BlockMatrix::reinit(const std::vector<dealii::IndexSet> &owned_sets,
     numberings.emplace_back(owned, blocks, communicator);
   find_blocks(pattern, communicator);
   parts.resize(numberings.size());
+  // the only part keeps the order of the system unless several ranks own unknowns of several blocks
+  if (parts.size() == 1 &&
+      (owned.size() == 1 || dealii::Utilities::MPI::n_mpi_processes(communicator) == 1)) {
+    parts[0][0] = std::make_unique<Part>();
+    parts[0][0]->reinit(numberings[0].owned(), numberings[0].owned(), pattern, communicator, false);
+    pattern.reinit(0, 0);
+    return;
+  }
   for (unsigned int p = 0; p < parts.size(); ++p) {
     auto patterns = split_rows(p, pattern);
     for (auto &[q, part_pattern] : patterns) {
@@ -447,12 +455,118 @@ double BlockMatrix::el(const size_type row, const size_type column) const
   return entry == columns.end() ? 0. : values[entry - columns.begin()];
 }
 
+namespace {
+
+/// The unknowns of a local matrix that are columns of one part.
+struct PartColumns
+{
+  struct Column
+  {
+    int number;         ///< in the rows that this rank owns; negative: they have none
+    unsigned int local; ///< in the local matrix
+  };
+  std::vector<Column> columns; ///< ascending
+
+  PartColumns(const BlockMatrix &matrix, const unsigned int p, const unsigned int q,
+              const std::vector<std::pair<unsigned int, Index>> &rows)
+  {
+    const Epetra_Map &map = matrix.part(p, q).trilinos_matrix().ColMap();
+    for (unsigned int k = 0; k < rows.size(); ++k)
+      if (rows[k].first == q)
+        columns.push_back({map.LID(static_cast<int>(rows[k].second)), k});
+    std::sort(columns.begin(), columns.end(),
+              [](const Column &a, const Column &b) { return a.number < b.number; });
+  }
+
+  /// The positions in the row before are tried first: the unknowns at a node have the same columns.
+  void add(const Epetra_CrsMatrix &matrix, const int row, const double *values)
+  {
+    const RowView view(matrix, row);
+    positions.resize(columns.size(), 0);
+    int next = 0;
+    for (unsigned int k = 0; k < columns.size(); ++k) {
+      const auto [number, local] = columns[k];
+      int &position = positions[k];
+      if (position >= view.n || view.columns[position] != number)
+        position = next < view.n && view.columns[next] == number
+                       ? next
+                       : std::lower_bound(view.columns, view.columns + view.n, number) - view.columns;
+      const bool exists = position < view.n && view.columns[position] == number;
+      AssertThrow(exists || values[local] == 0,
+                  dealii::ExcMessage("a sum has a term that is not in the pattern of the matrix"));
+      if (exists) {
+        view.values[position] += values[local];
+        next = position + 1;
+      }
+    }
+  }
+
+private:
+  std::vector<int> positions;
+};
+
+/// Rows of one part that this rank owns, and columns of one part. The places of columns are looked up once.
+void add_own_rows(const unsigned int p, const unsigned int q,
+                  const std::vector<std::pair<unsigned int, Index>> &rows,
+                  const dealii::FullMatrix<double> &local_matrix, const BlockMatrix &matrix)
+{
+  const Epetra_CrsMatrix &part = matrix.part(p, q).trilinos_matrix();
+  PartColumns columns(matrix, p, q, rows);
+  std::vector<std::pair<int, unsigned int>> own_rows; // in the part, in the local matrix
+  for (unsigned int i = 0; i < rows.size(); ++i)
+    if (rows[i].first == p)
+      own_rows.emplace_back(part.LRID(static_cast<int>(rows[i].second)), i);
+  std::sort(own_rows.begin(), own_rows.end());
+  for (const auto &[row, i] : own_rows)
+    columns.add(part, row, &local_matrix(i, 0));
+}
+
+/// The part of each unknown, and its row there; nothing if a constraint or a part without entries needs the
+/// general way, or another rank owns one.
+bool find_rows(const dealii::AffineConstraints<double> &constraints, const std::vector<Index> &dofs,
+               const BlockMatrix &matrix, std::vector<std::pair<unsigned int, Index>> &rows)
+{
+  BlockSearch find(matrix.get_row_indices());
+  rows.clear();
+  for (const Index dof : dofs) {
+    if (constraints.is_constrained(dof))
+      return false;
+    const auto [block, index] = find(dof);
+    if (!matrix.owned_unknowns()[block].is_element(index))
+      return false;
+    const unsigned int part = matrix.part_of(block);
+    const RowNumbering &numbering = matrix.numbering(part);
+    const auto &blocks = numbering.blocks();
+    rows.emplace_back(part,
+                      numbering.row(std::find(blocks.begin(), blocks.end(), block) - blocks.begin(), index));
+  }
+  return std::all_of(rows.begin(), rows.end(), [&](const auto &a) { // most have the part of the first one
+    return a.first == rows[0].first || std::all_of(rows.begin(), rows.end(), [&](const auto &b) {
+             return matrix.has_part(a.first, b.first) && matrix.has_part(b.first, a.first);
+           });
+  });
+}
+
+} // namespace
+
 void distribute_local_to_global(const dealii::AffineConstraints<double> &constraints,
                                 const dealii::FullMatrix<double> &local_matrix,
                                 const dealii::Vector<double> &local_vector, const std::vector<Index> &dofs,
                                 BlockMatrix &matrix, BlockMatrix::Vector &vector)
 {
-  constraints.distribute_local_to_global(local_matrix, local_vector, dofs, matrix, vector);
+  thread_local std::vector<std::pair<unsigned int, Index>> rows;
+  if (!find_rows(constraints, dofs, matrix, rows)) {
+    constraints.distribute_local_to_global(local_matrix, local_vector, dofs, matrix, vector);
+    return;
+  }
+  std::set<unsigned int> parts;
+  for (const auto &row : rows)
+    parts.insert(row.first);
+  for (const unsigned int p : parts)
+    for (const unsigned int q : parts)
+      add_own_rows(p, q, rows, local_matrix, matrix);
+  for (unsigned int i = 0; i < dofs.size(); ++i)
+    vector(dofs[i]) += local_vector[i];
 }
 
 } // namespace dovetail

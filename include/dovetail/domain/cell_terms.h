@@ -13,7 +13,6 @@
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/full_matrix.h>
 
-#include <array>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -115,8 +114,6 @@ private:
                            dealii::FullMatrix<double> *tangent);
   /// The terms of the fluxes' derivatives, or those of the cell before if nothing can have changed.
   void add_tangent(dealii::FullMatrix<double> &tangent);
-  void add_tangent_at_point(const Response<dim> &response, double JxW,
-                            dealii::FullMatrix<double> &tangent) const;
   bool has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const;
   bool has_operator(unsigned int component) const;
   template <typename Visit>
@@ -135,7 +132,6 @@ private:
   void add_weak_tangent(const Field &field, const std::vector<double> &factor,
                         const std::vector<double> &mismatch, const typename OpenBoundary<dim>::Point &point,
                         double gamma, dealii::FullMatrix<double> &tangent);
-  void load_directions(unsigned int q);
 
   const Domain<dim> &domain;
   const CellLayout<dim> &layout;
@@ -163,9 +159,6 @@ private:
   std::vector<double> node_weights;                  ///< row sums of a cell
   dealii::FullMatrix<double> lumped_tangent;         ///< of a cell
   std::vector<dealii::types::global_dof_index> dofs; ///< scratch
-  std::vector<double> shape;                         ///< at the current point, as the next two
-  std::vector<dealii::Tensor<1, dim>> gradient;
-  std::array<std::vector<double>, dim> gradient_of_direction; ///< the same by direction, for the inner loop
   std::vector<const Condition<dim> *> flux_conditions;
   std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
   std::vector<double> source_at_points, size_of_value; // scratch

@@ -28,7 +28,7 @@ struct RecordFile
   using Records = std::map<std::string, std::string>;
 
   static constexpr const char *first_words = "Dovetail checkpoint";
-  static constexpr unsigned int format = 1;
+  static constexpr unsigned int format = 2;
 
   /// Whole or not at all (NewFile). Collective; all ranks have the same header and the same names.
   static Obstacle write(const std::string &name, nlohmann::ordered_json header, const Records &records,

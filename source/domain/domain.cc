@@ -265,7 +265,8 @@ void Domain<dim>::check_conditions() const
       std::vector<unsigned int> components = condition->prescribed_components();
       if (condition->adds_flux())
         for (unsigned int c = 0; c < condition->field.n_components; ++c)
-          components.push_back(c);
+          if (condition->adds_flux_to(c))
+            components.push_back(c);
       for (const unsigned int c : components) {
         const Part part = {condition->field.name, c, id};
         std::string other;

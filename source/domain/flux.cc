@@ -31,6 +31,7 @@ public:
   }
 
   bool adds_flux() const override { return true; }
+  bool adds_flux_to(const unsigned int component) const override { return !expression.is_zero(component); }
   bool has_tangent() const override { return false; }
   bool has_constant_tangent() const override { return true; }
 

@@ -330,10 +330,15 @@ bool Expression::is_affine_in_scalars() const
 
 bool Expression::is_zero() const
 {
-  for (const auto &component : implementation->components)
-    if (component.constant != 0.)
+  for (unsigned int c = 0; c < n_components(); ++c)
+    if (!is_zero(c))
       return false;
   return true;
+}
+
+bool Expression::is_zero(const unsigned int component) const
+{
+  return implementation->components[component].constant == 0.;
 }
 
 template <int dim>

@@ -87,6 +87,8 @@ public:
   virtual NoteList notes() const { return {}; }
 
   virtual bool adds_flux() const { return false; }
+  /// Whether it may, to a component of the field.
+  virtual bool adds_flux_to(unsigned int /*component*/) const { return adds_flux(); }
   /// The influx and its derivatives at a state of the domain, all components of which are known, on a
   /// boundary with the outward normal @p N. All come in as zero. Derivatives by a component are taken only
   /// where the fluxes of its field depend on that component's field (Material::depends).

@@ -65,6 +65,7 @@ public:
   bool depends_on_scalar(unsigned int scalar) const;
   bool is_affine_in_scalars() const; ///< whether its derivatives by the scalars depend on none of them
   bool is_zero() const;              ///< every component is the constant 0
+  bool is_zero(unsigned int component) const;
 
   /// @p scalars may be missing if it does not depend on them.
   template <int dim>

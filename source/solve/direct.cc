@@ -33,13 +33,13 @@ namespace dovetail {
 namespace {
 
 /// The factors of one matrix after the other of the same structure. Functions are collective.
-class Factors
+class MumpsFactors
 {
 public:
-  Factors(const MPI_Comm &communicator, bool is_symmetric, bool has_small_pivots);
-  ~Factors() { call(-2); }
-  Factors(const Factors &) = delete;
-  Factors &operator=(const Factors &) = delete;
+  MumpsFactors(const MPI_Comm &communicator, bool is_symmetric, bool has_small_pivots);
+  ~MumpsFactors() { call(-2); }
+  MumpsFactors(const MumpsFactors &) = delete;
+  MumpsFactors &operator=(const MumpsFactors &) = delete;
 
   /// Take the entries of the own rows. @return whether their pattern is that of the last analysis; not
   /// collective
@@ -80,7 +80,7 @@ int &control(DMUMPS_STRUC_C &mumps, const int k)
   return mumps.icntl[k - 1];
 }
 
-Factors::Factors(const MPI_Comm &communicator, const bool is_symmetric, const bool has_small_pivots)
+MumpsFactors::MumpsFactors(const MPI_Comm &communicator, const bool is_symmetric, const bool has_small_pivots)
     : communicator(communicator), is_symmetric(is_symmetric),
       is_first(dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
 {
@@ -98,7 +98,7 @@ Factors::Factors(const MPI_Comm &communicator, const bool is_symmetric, const bo
       has_small_pivots ? 100 : 20; // more than estimated, in per cent, for pivots off the diagonal
 }
 
-bool Factors::take(const Epetra_CrsMatrix &A)
+bool MumpsFactors::take(const Epetra_CrsMatrix &A)
 {
   std::vector<int> new_rows, new_columns;
   entries.clear();
@@ -125,7 +125,7 @@ bool Factors::take(const Epetra_CrsMatrix &A)
   return is_same && is_analysed;
 }
 
-void Factors::analyse()
+void MumpsFactors::analyse()
 {
   is_analysed = false;
   n_of_rank = dealii::Utilities::MPI::all_gather(communicator, n_own);
@@ -137,7 +137,7 @@ void Factors::analyse()
   is_analysed = true;
 }
 
-void Factors::factorise()
+void MumpsFactors::factorise()
 {
   const int workspace_is_too_small = -9, integers_are_too_small = -8;
   for (unsigned int attempt = 0; attempt < 3; ++attempt) {
@@ -150,7 +150,7 @@ void Factors::factorise()
   check();
 }
 
-void Factors::solve(double *x, const double *b)
+void MumpsFactors::solve(double *x, const double *b)
 {
   std::vector<double> all(is_first ? mumps.n : 0);
   MPI_Gatherv(b, n_own, MPI_DOUBLE, all.data(), n_of_rank.data(), first_of_rank.data(), MPI_DOUBLE, 0,
@@ -202,7 +202,7 @@ private:
 
   const GroupFacts &facts;
   const double largest_memory; ///< MiB
-  std::unique_ptr<Factors> factors;
+  std::unique_ptr<MumpsFactors> factors;
   std::string missing;
 };
 
@@ -224,8 +224,8 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
   ++preparations.made;
   if (!factors || factors->are_symmetric() != facts.is_positive_definite())
     ranks.run("factorisation", [&]() {
-      factors =
-          std::make_unique<Factors>(ranks.communicator, facts.is_positive_definite(), facts.has_multipliers);
+      factors = std::make_unique<MumpsFactors>(ranks.communicator, facts.is_positive_definite(),
+                                               facts.has_multipliers);
     });
   ranks.run("entries", [&]() { is_same = factors->take(A); });
   if (dealii::Utilities::MPI::min(static_cast<int>(is_same), ranks.communicator) == 0) {

@@ -4,6 +4,7 @@
 #include <dovetail/run/cost_estimate.h>
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/domain/weak_penalties.h>
 #include <dovetail/output/phases.h>
 #include <dovetail/run/initial_values.h>
 
@@ -95,72 +96,78 @@ cells_around(const typename Domain<dim>::cell_iterator &middle)
   return cells;
 }
 
-/// By field: with how many nodes of its body a node shares a cell, on the mean over those of the samples. A
-/// node that several cells share is met as often.
+/// [f][g]: with how many nodes of field g of its body a node of field f shares a cell, on the mean over those
+/// of the samples of all ranks. A node that several cells share is met as often. Collective.
 template <int dim>
-std::vector<double> count_neighbours(const Domain<dim> &domain,
-                                     const std::vector<typename Domain<dim>::cell_iterator> &samples)
+std::vector<std::vector<double>>
+count_neighbours(const Domain<dim> &domain, const std::vector<typename Domain<dim>::cell_iterator> &samples,
+                 const MPI_Comm &communicator)
 {
-  const unsigned int n_fields = domain.fields().size();
-  std::vector<double> sum(n_fields, 0.), n_nodes(n_fields, 0.);
-  std::vector<dealii::types::global_dof_index> own, all;
+  const CellLayout<dim> &layout = domain.layout();
+  const auto &fields = domain.fields();
+  const unsigned int n_fields = fields.size();
+  const auto first = [&](const unsigned int f) { return layout.first(fields[f].first_component); };
+  const auto n_nodes = [&](const unsigned int f) { return layout.n_nodes(fields[f].first_component); };
+  std::vector<double> sums(n_fields * n_fields, 0.), weights(n_fields, 0.);
+  std::vector<dealii::types::global_dof_index> own;
   for (const auto &cell : samples) {
     domain.cell_dofs(cell, own);
-    const auto around = cells_around<dim>(cell);
-    for (unsigned int f = 0; f < n_fields; ++f) {
-      const unsigned int c = domain.fields()[f].first_component, first = domain.layout().first(c),
-                         n = domain.layout().n_nodes(c);
-      std::vector<std::set<dealii::types::global_dof_index>> neighbours(n);
-      std::vector<unsigned int> n_cells(n, 0);
-      for (const auto &other : around) {
-        domain.cell_dofs(other, all);
-        for (unsigned int a = 0; a < n; ++a)
-          if (std::find(all.begin() + first, all.begin() + first + n, own[first + a]) !=
-              all.begin() + first + n) {
-            neighbours[a].insert(all.begin() + first, all.begin() + first + n);
-            ++n_cells[a];
-          }
+    std::vector<std::vector<dealii::types::global_dof_index>> around;
+    for (const auto &other : cells_around<dim>(cell))
+      domain.cell_dofs(other, around.emplace_back());
+    for (unsigned int f = 0; f < n_fields; ++f)
+      for (unsigned int a = 0; a < n_nodes(f); ++a) {
+        std::vector<std::set<dealii::types::global_dof_index>> neighbours(n_fields);
+        unsigned int n_cells = 0;
+        for (const auto &dofs : around) {
+          const auto begin = dofs.begin() + first(f), end = begin + n_nodes(f);
+          if (std::find(begin, end, own[first(f) + a]) == end)
+            continue;
+          ++n_cells;
+          for (unsigned int g = 0; g < n_fields; ++g)
+            neighbours[g].insert(dofs.begin() + first(g), dofs.begin() + first(g) + n_nodes(g));
+        }
+        weights[f] += 1. / n_cells;
+        for (unsigned int g = 0; g < n_fields; ++g)
+          sums[f * n_fields + g] += static_cast<double>(neighbours[g].size()) / n_cells;
       }
-      for (unsigned int a = 0; a < n; ++a) {
-        sum[f] += static_cast<double>(neighbours[a].size()) / n_cells[a];
-        n_nodes[f] += 1. / n_cells[a];
-      }
-    }
   }
+  dealii::Utilities::MPI::sum(sums, communicator, sums);
+  dealii::Utilities::MPI::sum(weights, communicator, weights);
+  std::vector<std::vector<double>> result(n_fields, std::vector<double>(n_fields, 0.));
   for (unsigned int f = 0; f < n_fields; ++f)
-    sum[f] = n_nodes[f] > 0 ? sum[f] / n_nodes[f] : 0;
-  return sum;
+    for (unsigned int g = 0; g < n_fields && weights[f] > 0; ++g)
+      result[f][g] = sums[f * n_fields + g] / weights[f];
+  return result;
 }
 
-/// One assembly of the cells of this rank, with the tangent or without.
+/// One assembly of the cells of this rank, with the tangent or without, at a ghosted state @p x.
 template <int dim>
-double seconds_of_cells(const Domain<dim> &domain,
-                        const std::vector<typename Domain<dim>::cell_iterator> &samples, const Vector &x,
-                        const bool has_entries)
+double seconds_of_cells(Domain<dim> &domain, const std::vector<typename Domain<dim>::cell_iterator> &samples,
+                        const double t, const Vector &x, const bool has_entries)
 {
-  const dealii::IndexSet own = x.locally_owned_elements();
+  const auto values_of = [&x](const std::vector<dealii::types::global_dof_index> &dofs,
+                              std::vector<double> &values) {
+    values.resize(dofs.size());
+    x.extract_subvector_to(dofs.begin(), dofs.end(), values.begin());
+  };
+  freeze_weak_penalties<dim>(domain, t, values_of);
   CellTerms<dim> terms(domain);
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns, residual(domain.dofs_per_cell());
   dealii::FullMatrix<double> tangent(domain.dofs_per_cell());
-  const auto assemble = [&](const auto &cell) {
-    domain.cell_dofs(cell, dofs);
-    unknowns.assign(dofs.size(), 0.);
-    for (unsigned int i = 0; i < dofs.size(); ++i)
-      if (own.is_element(dofs[i]))
-        unknowns[i] = x(dofs[i]);
-    terms.assemble(cell, 0., unknowns, residual, has_entries ? &tangent : nullptr);
-  };
-  if (samples.empty())
-    return 0;
-  assemble(samples[0]); // what is made once
   std::vector<double> seconds;
   dealii::Timer all;
-  while (seconds.size() < samples.size() && (seconds.empty() || all.wall_time() < longest_sample)) {
+  for (unsigned int i = 0; i < samples.size() && (seconds.size() < 2 || all.wall_time() < longest_sample);
+       ++i) {
+    domain.cell_dofs(samples[i], dofs);
+    values_of(dofs, unknowns);
     dealii::Timer one;
-    assemble(samples[seconds.size()]);
-    seconds.push_back(one.wall_time());
+    if (terms.assemble(samples[i], t, unknowns, residual, has_entries ? &tangent : nullptr))
+      seconds.push_back(one.wall_time());
   }
+  if (seconds.empty())
+    return 0;
   std::nth_element(seconds.begin(), seconds.begin() + seconds.size() / 2, seconds.end());
   const double of_products = has_entries ? 1 : 2; // derivatives at points in place of a matrix
   return of_products * seconds[seconds.size() / 2] * domain.mesh().n_locally_owned_active_cells();
@@ -184,7 +191,7 @@ double seconds_of_interfaces(const Model<dim> &model)
 /// The unknowns of a field of a body and their entries in the matrix of its group.
 template <int dim>
 void add_to(GroupSize &size, const Block &block, const Domain<dim> &domain,
-            const std::vector<double> &neighbours, const std::vector<std::string> &group)
+            const std::vector<std::vector<double>> &neighbours, const std::vector<std::string> &group)
 {
   const auto &fields = domain.fields();
   const unsigned int f = block.field_index;
@@ -195,14 +202,14 @@ void add_to(GroupSize &size, const Block &block, const Domain<dim> &domain,
   for (unsigned int g = 0; g < fields.size(); ++g)
     if (std::find(group.begin(), group.end(), fields[g].name) != group.end() &&
         (f == g || domain.material.depends(f, g)))
-      size.n_entries += n_unknowns * neighbours[f] * fields[g].n_components;
+      size.n_entries += n_unknowns * neighbours[f][g] * fields[g].n_components;
 }
 
 std::string two_digits(const double number)
 {
   char text[32];
   std::snprintf(text, sizeof(text), "%.2g", number);
-  return number >= 100 ? std::to_string(static_cast<long>(number)) : text;
+  return number >= 99.5 ? std::to_string(std::lround(number)) : text;
 }
 
 } // namespace
@@ -232,14 +239,17 @@ CostEstimate estimate_cost(const Model<dim> &model, const LinearSolver &solver, 
 
   Vector x(model.numbering->split(model.numbering->owned), communicator);
   set_initial_values(model, steps.size(), x);
+  Vector ghosted(model.numbering->split(model.numbering->owned),
+                 model.numbering->split(model.numbering->relevant), communicator);
+  ghosted = x;
   std::vector<GroupSize> sizes(groups.size());
   const bool has_entries = std::find(needs_entries.begin(), needs_entries.end(), true) != needs_entries.end();
-  std::vector<std::vector<double>> neighbours; // by domain
+  std::vector<std::vector<std::vector<double>>> neighbours; // by domain
   double assembly = seconds_of_interfaces(model);
   for (const auto &domain : model.domains) {
     const auto samples = sample_cells(*domain);
-    assembly += seconds_of_cells(*domain, samples, x, has_entries);
-    neighbours.push_back(count_neighbours(*domain, samples));
+    assembly += seconds_of_cells(*domain, samples, steps.size(), ghosted, has_entries);
+    neighbours.push_back(count_neighbours(*domain, samples, communicator));
   }
   for (const Block &block : model.numbering->blocks())
     for (unsigned int g = 0; g < groups.size() && !block.is_of_multipliers; ++g)
@@ -255,7 +265,7 @@ CostEstimate estimate_cost(const Model<dim> &model, const LinearSolver &solver, 
     result.setup += setup_of_entry * unit * n_kept / n_ranks;
     result.assembly += n_tangents * scatter_of_entry * unit * n_kept / n_ranks;
     bytes += bytes_of_entry * n_kept;
-    result.n_entries += dealii::Utilities::MPI::max(size.n_entries, communicator);
+    result.n_entries += size.n_entries;
     const auto cost = solver.expected_cost(g, size);
     result.knows_solver = result.knows_solver && cost.has_value();
     if (cost) {
@@ -267,7 +277,7 @@ CostEstimate estimate_cost(const Model<dim> &model, const LinearSolver &solver, 
                   (seconds_of_output + seconds_of_unknown_in_output * model.numbering->n_dofs() / n_ranks);
   for (double *seconds : {&result.setup, &result.assembly, &result.solve, &result.output})
     *seconds = dealii::Utilities::MPI::max(*seconds, communicator);
-  result.memory = memory_before + dealii::Utilities::MPI::max(bytes, communicator) / (1024 * 1024);
+  result.memory = memory_before + bytes / (1024 * 1024);
   return result;
 }
 

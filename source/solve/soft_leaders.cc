@@ -68,7 +68,7 @@ std::unique_ptr<Epetra_CrsMatrix> make_followers(const Epetra_Map &rows, const S
 /// P^T without small weights, with sums of one (of absolute values) in each row.
 std::unique_ptr<Epetra_CrsMatrix> make_reverse(const Epetra_CrsMatrix &P)
 {
-  const double least_share = 0.25;
+  const double least_share = 0.2;
   EpetraExt::RowMatrix_Transpose transposer;
   const auto &transposed = dynamic_cast<Epetra_CrsMatrix &>(transposer(const_cast<Epetra_CrsMatrix &>(P)));
   auto Q = std::make_unique<Epetra_CrsMatrix>(Copy, P.RowMap(), 0);
@@ -162,7 +162,7 @@ void LeadersFirst::solve_for_leaders(double *x, const double *b, const bool is_z
 std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Epetra_Map &rows)
 {
   const int most_leaders = 50000;
-  const double largest_ratio = 1.5; // of followers to leaders: on a much finer side no P u_s is zero
+  const double largest_ratio = 1; // of followers to leaders: on a finer side hardly a P u_s is zero
   if (!facts.linear_part || !facts.stiffness_of_row)
     return nullptr;
   const std::vector<double> stiffness = facts.stiffness_of_row();

@@ -23,8 +23,9 @@ namespace dovetail {
 ///
 /// - u_s alone. The block of these rows is factorised.
 /// - functions in which u_s follows, u_s = Q y, with one y for each unknown u_d, and all that is not on the
-///   face. Q is P^T without its small weights, with rows whose sum is one. The stiff body leads there, as if
-///   it were the source, and multigrid serves as usual. In the near-null space, y solves P Q y = u_d.
+///   face. Q is P^T without its small weights, with rows whose absolute values sum to one. The stiff body
+///   leads there, as if it were the source, and multigrid serves as usual. In the near-null space, y solves P
+///   Q y = u_d.
 ///
 /// J. Xu: Iterative methods by space decomposition and subspace correction, 1992.
 class SoftLeaders

@@ -191,7 +191,8 @@ bool FormulaJoint::evaluate(const JointPlace &place, const Tensor<1, 3> &opening
     response.by_opening[0] = Tensor<1, 3>();
     response.by_opening[0][0] = place.stiffness[0];
   }
-  return std::isfinite(response.traction.norm()) && std::isfinite(response.by_opening.norm());
+  return std::isfinite(response.traction.norm()) && std::isfinite(response.by_opening.norm()) &&
+         std::isfinite(place.memory.trial[2]);
 }
 
 [[maybe_unused]] const bool registered = JointCatalogue::add<FormulaJoint>(

@@ -166,11 +166,7 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
     read_partition();
     return;
   }
-  section.check(
-      !has_field_toggle(section) || method->parts().point_terms != nullptr, "Toggle",
-      "names '" + toggle +
-          "', which looks at fields and switches point by point, but Type = " + section.peek("Type") +
-          " ties node by node. Use Nitsche, contact resistance or gap radiation, or a toggle of t.");
+  check_toggle();
   check_not_to_itself();
   options.integrate_on = method->integrates_on();
   read_fields();
@@ -178,6 +174,28 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
   read_partition();
   method->set_fields(section, fields);
   find_components();
+}
+
+/// One that looks at fields asks for points, and for a side that has each of them.
+template <int dim>
+void Interface<dim>::check_toggle() const
+{
+  section.check(
+      !has_field_toggle(section) || method->follows_fields(), "Toggle",
+      "names '" + toggle +
+          "', which looks at fields and switches point by point, but Type = " + section.peek("Type") +
+          " ties node by node. Use Nitsche, contact resistance or gap radiation, or a toggle of t.");
+  for (const std::string &name : names_in_toggle(section)) {
+    const bool is_there = std::any_of(sides.begin(), sides.end(), [&name](const auto &side) {
+      const auto &all = side.domain->fields();
+      return std::any_of(all.begin(), all.end(),
+                         [&name](const Field &field) { return name_in_toggles(field.name) == name; });
+    });
+    section.check(is_there, "Toggle",
+                  "names '" + toggle + "', which looks at the " + name + ", but neither " +
+                      sides[source].domain->name + " nor " + sides[destination].domain->name +
+                      " has this field. Take a toggle of fields that a side has.");
+  }
 }
 
 /// No face may be on both sides.
@@ -350,10 +368,12 @@ double Interface<dim>::prescribed_jump(const dealii::Point<dim> &X, const double
 template <int dim>
 void Interface<dim>::find_components()
 {
+  const std::vector<std::string> in_toggle = names_in_toggle(section);
   for (const unsigned int side : {source, destination})
     for (unsigned int g = 0; g < sides[side].domain->fields().size(); ++g) {
       const Field &field = sides[side].domain->fields()[g];
-      bool is_needed = false;
+      bool is_needed = std::find(in_toggle.begin(), in_toggle.end(), name_in_toggles(field.name)) !=
+                       in_toggle.end(); // if only to look at it
       for (const TiedField &tied : fields)
         is_needed = is_needed || tied.field[side] == g ||
                     sides[side].domain->material.flux_depends(tied.field[side], g);

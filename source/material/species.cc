@@ -39,6 +39,18 @@ std::string symbol_of(std::string name)
   return name;
 }
 
+bool is_good_name(const std::string &name)
+{
+  for (const std::string reserved :
+       {"x", "y", "z", "t", "T", "pi", "inf", "displacement", "velocity", "temperature"})
+    if (name == reserved)
+      return false;
+  return std::isalpha(static_cast<unsigned char>(name[0])) &&
+         std::all_of(name.begin(), name.end(), [](const char letter) {
+           return std::isalnum(static_cast<unsigned char>(letter)) || letter == '_' || letter == ' ';
+         });
+}
+
 template <int dim>
 class Species : public MaterialPart<dim>
 {
@@ -101,29 +113,17 @@ public:
   }
 
 private:
-  static bool is_good_name(const std::string &name)
-  {
-    for (const std::string reserved :
-         {"x", "y", "z", "t", "T", "pi", "inf", "displacement", "velocity", "temperature"})
-      if (name == reserved)
-        return false;
-    return std::isalpha(static_cast<unsigned char>(name[0])) &&
-           std::all_of(name.begin(), name.end(), [](const char letter) {
-             return std::isalnum(static_cast<unsigned char>(letter)) || letter == '_' || letter == ' ';
-           });
-  }
-
   const std::vector<std::string> names;
 };
 
-/// Those of all materials of a scene.
+/// Those of all materials of a scene; bad ones are refused where they are read.
 std::vector<std::string> names_of_species(const Section &scene)
 {
   std::vector<std::string> result;
   for (const std::string &material : dealii::Utilities::split_string_list(scene.peek("Materials")))
     for (const std::string &name :
          dealii::Utilities::split_string_list(scene.peek("Material " + material, "Species")))
-      if (!name.empty())
+      if (is_good_name(name))
         result.push_back(symbol_of(name));
   return result;
 }

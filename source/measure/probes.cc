@@ -248,10 +248,14 @@ std::string why_no_dual_problem(const Model<dim> &model)
       return "elements of one degree more are needed, and the triangles or tetrahedra of " + domain->name +
              " have the largest degree already. Remove it, or set a lower Degree";
   }
-  for (const auto &interface : model.interfaces)
+  for (const auto &interface : model.interfaces) {
+    if (interface->tie().follows_fields())
+      return "the toggle of the interface " + interface->name +
+             " looks at fields, and would be asked anew on each mesh. Remove it, or take a toggle of t";
     if (!interface->tie().internal_variables().empty())
       return "the joint of the interface " + interface->name +
              " remembers the steps before. Remove it, or set Joint = none there";
+  }
   for (const Block &block : model.numbering->blocks())
     if (block.is_of_multipliers && block.end > block.begin)
       return "the multipliers of the interface " + block.name +

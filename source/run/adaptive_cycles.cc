@@ -44,11 +44,16 @@ AdaptiveCycles<dim>::AdaptiveCycles(const Section &scene, Model<dim> &model, con
       "cannot be done in a transient scene, since they solve the end time again, but the steps before "
       "it would stay on the coarse meshes, nor for eigenmodes. Remove the entry and set Refinements of "
       "the meshes.");
-  for (const auto &interface : model.interfaces)
+  for (const auto &interface : model.interfaces) {
+    scene.check(n_cycles == 0 || !interface->tie().follows_fields(), "Adaptive cycles",
+                "cannot be done with the toggle of the interface " + interface->name +
+                    ", which looks at fields: they solve the end time again, but the toggle would be asked "
+                    "anew in each of them. Remove the entry and set Refinements of the meshes.");
     scene.check(n_cycles == 0 || interface->tie().internal_variables().empty(), "Adaptive cycles",
                 "cannot be done with the joint of the interface " + interface->name +
                     ": they solve the end time again, but what the joint remembers would stay that of the "
                     "coarse meshes. Remove the entry and set Refinements of the meshes.");
+  }
   if (probes.has_tolerance() && n_cycles == 0)
     n_cycles = can_refine() ? cycles_to_tolerance : 0;
 }

@@ -9,7 +9,6 @@
 #include <dovetail/run/saved_time.h>
 #include <dovetail/system/place.h>
 #include <dovetail/system/solve_groups.h>
-#include <dovetail/tie/point_toggle.h>
 
 #include <algorithm>
 #include <cmath>
@@ -37,14 +36,19 @@ std::vector<bool> active_toggles(const Model<dim> &model, const double t)
   return active;
 }
 
+template <int dim>
+bool follows_fields(const Model<dim> &model)
+{
+  return std::any_of(model.interfaces.begin(), model.interfaces.end(),
+                     [](const auto &interface) { return interface->tie().follows_fields(); });
+}
+
 /// Whether the step begins on another curve, since a toggle that looks at fields has switched.
 template <int dim>
 bool has_switched_by_fields(const Model<dim> &model)
 {
-  return std::any_of(model.interfaces.begin(), model.interfaces.end(), [](const auto &interface) {
-    const auto *follower = dynamic_cast<const FollowsFields *>(&interface->tie());
-    return follower != nullptr && follower->has_switched();
-  });
+  return std::any_of(model.interfaces.begin(), model.interfaces.end(),
+                     [](const auto &interface) { return interface->tie().has_switched(); });
 }
 
 } // namespace
@@ -274,7 +278,8 @@ void NonlinearStep<dim>::add_notes()
 template <int dim>
 bool NonlinearStep<dim>::is_solution(const double t, const Vector &x)
 {
-  if (has_rates() || model.is_linear() || model.interfaces.empty() || present_system->is_outdated(t))
+  if (has_rates() || model.is_linear() || model.interfaces.empty() || present_system->is_outdated(t) ||
+      follows_fields(model))
     return false;
   present_system->set_time(t);
   problem->begin_step(t, x);

@@ -202,7 +202,8 @@ void Expression::Implementation::note_used_variables(const mu::Parser &parser)
   }
 }
 
-/// muParser says what a formula means: the tape must agree.
+/// muParser says what a formula means: the tape must agree, or say that an operand is no number, which
+/// muParser's comparisons do not see.
 unsigned int Expression::Implementation::add_to_tape(const std::string &formula, const mu::Parser &parser)
 {
   const auto number = tape.add(formula);
@@ -221,7 +222,7 @@ unsigned int Expression::Implementation::add_to_tape(const std::string &formula,
     for (unsigned int i = 0; i < known.scalars.size(); ++i)
       for_tape[variable(i)] = 0.9 + 0.17 * i + sample;
     const double expected = parser.Eval(), value = *tape.values(*number, for_tape, 1);
-    const bool agrees = std::isfinite(expected)
+    const bool agrees = std::isfinite(expected) && !std::isnan(value)
                             ? std::abs(value - expected) <= 1e-10 * std::abs(expected) + 1e-14
                             : !std::isfinite(value);
     if (!agrees)
@@ -244,7 +245,7 @@ const std::vector<std::pair<std::string, std::string>> &Expression::functions()
 {
   static const std::vector<std::pair<std::string, std::string>> all = {
       {"+, -, *, /, ^", "as usual; ^ associates to the right, and -x^2 is -(x^2)"},
-      {"<, <=, >, >=, ==, !=", "1 where it holds, else 0"},
+      {"<, <=, >, >=, ==, !=", "1 where it holds, else 0; not a number where an operand is none"},
       {"&&, ||", "and, or"},
       {"a ? b : c", "b where a is not 0, else c"},
       {"if(a, b, c)", "the same"},

@@ -46,11 +46,29 @@ Expression formula_of_toggle(const Section &section, const std::string &toggle)
                           names_in_toggles(scene));
 }
 
-bool has_field_toggle(const Section &section)
+std::vector<std::string> names_in_toggle(const Section &section)
 {
   const std::string toggle = section.peek("Toggle");
-  return !section.documenting() && !toggle.empty() && section.top().has_subsection("Toggle " + toggle) &&
-         formula_of_toggle(section, toggle).depends_on_scalars();
+  if (section.documenting() || toggle.empty() || !section.top().has_subsection("Toggle " + toggle))
+    return {};
+  const Expression formula = formula_of_toggle(section, toggle);
+  const std::vector<std::string> names = names_in_toggles(section.top());
+  std::vector<std::string> result;
+  for (unsigned int s = 0; s < names.size(); ++s)
+    if (formula.depends_on_scalar(s))
+      result.push_back(names[s]);
+  return result;
+}
+
+bool has_field_toggle(const Section &section)
+{
+  return !names_in_toggle(section).empty();
+}
+
+std::string name_in_toggles(std::string field)
+{
+  std::replace(field.begin(), field.end(), ' ', '_');
+  return field;
 }
 
 } // namespace dovetail

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 namespace dovetail {
 
@@ -43,6 +44,7 @@ bool Tape::is_constant(const Number node, const double value) const
 
 double Tape::value_of(const Operation operation, const double first, const double second)
 {
+  constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
   switch (operation) {
   case Operation::sum:
     return first + second;
@@ -57,15 +59,17 @@ double Tape::value_of(const Operation operation, const double first, const doubl
   case Operation::angle:
     return std::atan2(first, second);
   case Operation::less:
-    return first < second ? 1 : 0;
+    return std::isunordered(first, second) ? not_a_number : first < second ? 1 : 0;
   case Operation::not_greater:
-    return first <= second ? 1 : 0;
+    return std::isunordered(first, second) ? not_a_number : first <= second ? 1 : 0;
   case Operation::equal:
-    return first == second ? 1 : 0;
-  case Operation::both:
-    return first != 0 && second != 0 ? 1 : 0;
+    return std::isunordered(first, second) ? not_a_number : first == second ? 1 : 0;
+  case Operation::both: // what one operand decides does not ask the other: x > 0 && ln(x) < 1
+    return first == 0 || second == 0 ? 0 : std::isunordered(first, second) ? not_a_number : 1;
   default:
-    return first != 0 || second != 0 ? 1 : 0;
+    return (first != 0 && !std::isnan(first)) || (second != 0 && !std::isnan(second)) ? 1
+           : std::isunordered(first, second)                                          ? not_a_number
+                                                                                      : 0;
   }
 }
 
@@ -132,7 +136,9 @@ Tape::Number Tape::apply(const std::string &name, const Number argument)
 Tape::Number Tape::choose(const Number condition, const Number then, const Number otherwise)
 {
   if (nodes[condition].operation == Operation::constant)
-    return nodes[condition].constant != 0 ? then : otherwise;
+    return std::isnan(nodes[condition].constant) ? condition
+           : nodes[condition].constant != 0      ? then
+                                                 : otherwise;
   if (then == otherwise)
     return then;
   Node node;
@@ -301,7 +307,7 @@ void Tape::evaluate(Node &node)
     break;
   case Operation::choice:
     for (unsigned int i = 0; i < n; ++i)
-      value[i] = a[i] != 0 ? b[i] : nodes[node.third].values[i];
+      value[i] = std::isnan(a[i]) ? a[i] : a[i] != 0 ? b[i] : nodes[node.third].values[i];
     break;
   default:
     for (unsigned int i = 0; i < n; ++i)

@@ -56,7 +56,7 @@ private:
     quotient,
     power,
     angle, ///< atan2
-    less,  ///< this and the next four are 1 where they hold, else 0
+    less,  ///< this and the next four are 1 where they hold, else 0, and NaN where NaN leaves that open
     not_greater,
     equal,
     both,

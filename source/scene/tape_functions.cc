@@ -82,7 +82,7 @@ std::vector<Tape::Function> Tape::step_functions()
        [](Tape &tape, Number a) { return tape.apply("sign", a); }},
       {"sign", [](double a) { return a < 0   ? -1.
                                      : a > 0 ? 1.
-                                             : 0.; }, zero},
+                                             : a; }, zero}, // 0 or NaN
       {"rint", [](double a) { return std::floor(a + 0.5); }, zero},
       {"floor", [](double a) { return std::floor(a); }, zero},
       {"ceil", [](double a) { return std::ceil(a); }, zero},

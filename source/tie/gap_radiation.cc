@@ -36,7 +36,7 @@ namespace dovetail {
 namespace {
 
 template <int dim>
-class GapRadiation : public Tie<dim>, public PointTerms<dim>, public FollowsFields
+class GapRadiation : public Tie<dim>, public PointTerms<dim>
 {
 public:
   explicit GapRadiation(const Section &section)
@@ -58,6 +58,7 @@ public:
   void begin_step(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
                   const MPI_Comm &communicator) override;
 
+  bool follows_fields() const override { return toggle.is_given(); }
   bool has_switched() const override { return toggle.has_switched(); }
   std::vector<double> pack_points(const Interface<dim> &interface) const override
   {

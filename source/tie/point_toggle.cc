@@ -21,26 +21,18 @@ PointToggle<dim>::PointToggle(const Section &section) : section(section)
   formula = formula_of_toggle(section, section.peek("Toggle"));
 }
 
-/// Of each name the component of each side that has the field. An error if the interface does not know it.
+/// Of each name the component of each side that has the field.
 template <int dim>
 std::vector<std::array<std::optional<unsigned int>, 2>>
 PointToggle<dim>::components_of_names(const Interface<dim> &interface) const
 {
   std::vector<std::array<Component, 2>> result(names.size());
-  for (unsigned int s = 0; s < names.size(); ++s) {
-    if (!formula->depends_on_scalar(s))
-      continue;
-    for (const unsigned int side : {source, destination})
-      for (const Field &field : interface.sides[side].domain->fields()) {
-        std::string name = field.name;
-        std::replace(name.begin(), name.end(), ' ', '_');
-        const auto &known = interface.components[side];
-        if (name == names[s] && std::find(known.begin(), known.end(), field.first_component) != known.end())
-          result[s][side] = field.first_component;
-      }
-    section.check(result[s][source] || result[s][destination], "Toggle",
-                  "looks at the " + names[s] + ", which neither is tied here nor changes what is tied.");
-  }
+  for (unsigned int s = 0; s < names.size(); ++s)
+    if (formula->depends_on_scalar(s))
+      for (const unsigned int side : {source, destination})
+        for (const Field &field : interface.sides[side].domain->fields())
+          if (name_in_toggles(field.name) == names[s])
+            result[s][side] = field.first_component;
   return result;
 }
 

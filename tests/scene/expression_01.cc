@@ -49,6 +49,20 @@ void values()
             << Expression("1", {}).is_zero() << '\n';
 }
 
+/// An operand that is no number makes comparisons and choices no number, unless another one decides alone.
+void not_a_number()
+{
+  std::cout << "not a number:\n";
+  for (const char *formula :
+       {"sqrt(1 - x) < 5", "sqrt(1 - x) >= 5", "sqrt(1 - x) == 1", "sqrt(1 - x) != 1", "sqrt(-1) < 5",
+        "x > 3 && sqrt(1 - x) < 5", "x > 1 && sqrt(1 - x) < 5", "sqrt(1 - x) < 5 || x > 1",
+        "sqrt(1 - x) < 5 || x > 3", "sqrt(1 - x) && 1", "min(x, sqrt(1 - x))", "max(sqrt(1 - x), x)",
+        "if(sqrt(1 - x) < 5, 1, 2)", "if(x > 1, 4, sqrt(1 - x))", "sign(sqrt(1 - x))"}) {
+    const double value = Expression(formula, {3, {}}).value(Point<3>(2, 3, 5), 7);
+    std::cout << formula << " = " << (std::isnan(value) ? "none" : value == 0 ? "0" : "not 0") << '\n';
+  }
+}
+
 void dependence()
 {
   std::cout << "depends on position, time, temperature:\n";
@@ -183,6 +197,7 @@ int main()
 {
   std::cout << std::setprecision(7);
   values();
+  not_a_number();
   dependence();
   derivatives();
   derivatives_of_functions();

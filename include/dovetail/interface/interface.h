@@ -98,6 +98,7 @@ public:
   }
 
 private:
+  void check_toggle() const;
   void check_not_to_itself() const;
   void read_fields();
   void check_co_fields(const std::array<std::string, 2> &names) const;

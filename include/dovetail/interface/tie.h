@@ -253,6 +253,11 @@ public:
   virtual bool is_symmetric() const { return true; } ///< if the laws are; on this rank, in this step
   virtual bool is_linear() const { return true; }    ///< the terms are affine in the unknowns if the laws are
 
+  /// Whether a toggle that looks at fields switches its points between steps; and whether it has done so at
+  /// the beginning of this step, on any rank: then the fluxes are on another curve.
+  virtual bool follows_fields() const { return false; }
+  virtual bool has_switched() const { return false; }
+
   /// Whether a constant of the field that one side has and the other not costs anything: then what keeps one
   /// side from drifting keeps the other, too.
   virtual bool holds(const TiedField & /*field*/) const { return true; }

@@ -73,7 +73,8 @@ public:
   void note_inexact_step(double t, double relative_error, bool is_of_mesh);
 
   /// Whether @p x solves the equations of time @p t as it is. Newton's method sees that for itself, unless
-  /// weights and penalties of ties are frozen anew in each step: here they stay as they are. Collective.
+  /// weights and penalties of ties are frozen anew in each step: here they stay as they are. Never where a
+  /// tie follows fields, which only a step that begins asks. Collective.
   bool is_solution(double t, const Vector &x);
   /// A step to time @p t from @p x begins.
   void begin(double t, const Vector &x);

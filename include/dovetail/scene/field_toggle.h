@@ -20,7 +20,11 @@ bool add_names_in_toggles(const std::function<std::vector<std::string>(const Sec
 
 /// The formula of a toggle in these names, of the scene of any section.
 Expression formula_of_toggle(const Section &section, const std::string &toggle);
+/// The names of the fields that the toggle of a section, if it has any, looks at.
+std::vector<std::string> names_in_toggle(const Section &section);
 /// Whether the entry Toggle of a section names one that looks at fields.
 bool has_field_toggle(const Section &section);
+/// As toggles write it: they know no spaces.
+std::string name_in_toggles(std::string field);
 
 } // namespace dovetail

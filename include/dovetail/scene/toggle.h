@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Named conditions in time that switch interfaces and boundary conditions on and off.
+// Named conditions, in time or by fields, that switch interfaces and boundary conditions on and off.
 
 #pragma once
 
@@ -22,7 +22,7 @@ public:
   /// Read the entry `Toggle` of @p section: the name of a toggle, or empty for "always on".
   std::string read_reference(const Section &section) const;
 
-  /// Whether @p name is on at time @p t; the empty name always is.
+  /// Whether @p name is on at time @p t; always if it is empty, or looks at fields (it may be on somewhere).
   bool is_active(const std::string &name, double t) const;
 
 private:

@@ -38,7 +38,7 @@ namespace dovetail {
 /// nonlinear law of a vector field, -1 takes the place of theta at points at which the penalty does not bound
 /// the tangent: the skew-symmetric form asks for no bound, and every theta is consistent.
 template <int dim>
-class Nitsche : public Tie<dim>, public PointTerms<dim>, public FollowsFields
+class Nitsche : public Tie<dim>, public PointTerms<dim>
 {
 public:
   explicit Nitsche(const Section &section);
@@ -62,6 +62,7 @@ public:
   }
   std::string description() const override;
   bool allows_partition() const override { return true; }
+  bool follows_fields() const override { return toggle.is_given(); }
   bool has_switched() const override { return toggle.has_switched(); }
   bool allows_jump(const TiedField & /*field*/) const override { return toggle.is_given(); }
   std::vector<std::string> left_out(const Interface<dim> &interface) const override;

@@ -14,14 +14,6 @@
 
 namespace dovetail {
 
-/// A tie whose points a toggle may switch between two steps: its fluxes are on another curve afterwards.
-class FollowsFields
-{
-public:
-  virtual ~FollowsFields() = default;
-  virtual bool has_switched() const = 0; ///< at the beginning of this step, on any rank
-};
-
 /// At which points an interface is tied in a step: where the formula of its toggle is not zero at the last
 /// good state, in the means of the scalars of both sides (of one side if the other has no such field), at the
 /// source and at the time of the step. So during a step nothing switches, and its equations are as smooth as

@@ -12,9 +12,9 @@ namespace dovetail {
 
 template <int dim>
 CapacityTerm<dim>::CapacityTerm(const Field &field, const std::vector<Field> &all, const Section &section,
-                                Contents parts, const double density)
+                                Contents parts, const double density, const double reference)
     : Term<dim>(field), scalars(all), own(scalars.number(field.first_component)), section(section),
-      contents(std::move(parts)), density(density),
+      contents(std::move(parts)), density(density), reference(reference),
       is_affine(!any([](const Content &content) { return !content.is_linear(); }))
 {
 }
@@ -98,6 +98,9 @@ bool CapacityTerm<dim>::add(const State<dim> &state, const bool with_derivatives
                     ", but must be positive.");
     if (!std::isfinite(source))
       return refuse(*content, state, "has an integral from the last state that is not a finite number");
+    if (capacity == 0 && source == 0 && content->is_flat(here))
+      return refuse(*content, state, "does not grow around " + in_words(here.value()),
+                    ". Does its table begin above, or end below?");
     response.source[c] += density * source;
     if (!with_derivatives)
       continue;
@@ -132,8 +135,8 @@ double CapacityTerm<dim>::content(const State<dim> &state) const
   const ScalarState here = scalar_state(state);
   double sum = 0;
   for (const auto &content : contents)
-    sum += density * content->change(here, 0);
-  return sum;
+    sum += density * content->change(here, reference);
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::quiet_NaN();
 }
 
 template <int dim>
@@ -144,6 +147,15 @@ double CapacityTerm<dim>::liquid_fraction(const State<dim> &state) const
     if (const double fraction = content->liquid_fraction(here); !std::isnan(fraction))
       return fraction;
   return std::numeric_limits<double>::quiet_NaN();
+}
+
+bool depends_on_others(const Expression &formula, const Field &own, const std::vector<Field> &all)
+{
+  const Scalars scalars(all);
+  for (unsigned int s = 0; s < scalars.size(); ++s)
+    if (scalars.component(s) != own.first_component && formula.depends_on_scalar(s))
+      return true;
+  return false;
 }
 
 Expression read_capacity(const Section &section, const std::string &entry, const std::string &default_text,

@@ -69,9 +69,12 @@ public:
     auto latent_heat = read_latent_heat(section);
     const Expression enthalpy = section.read_expression(
         "Enthalpy", "0", {1},
-        "Heat content per mass, which may depend on x, y, z, t and every scalar of the material, in place of "
-        "Heat capacity and Latent heat, for transient scenes [J/kg]",
+        "Heat content per mass, of x, y, z and T only, in place of Heat capacity and Latent heat, for "
+        "transient scenes [J/kg]",
         symbols_of(all));
+    const double reference = section.read<double>(
+        "Reference temperature of enthalpy", 0,
+        "Temperature at which the quantity enthalpy is zero; the solution does not depend on it [K]");
     const Expression source = section.read_expression("Heat source", "0", {1},
                                                       "Heat produced in the material, which may depend on x, "
                                                       "y, z, t and every scalar of the material [W/m^3]",
@@ -88,10 +91,16 @@ public:
       terms.push_back(std::make_unique<DiffusionTerm<dim>>(*own, all, std::move(law), section.peek("Type")));
     if (!source.is_zero())
       terms.push_back(std::make_unique<ReactionTerm<dim>>(*own, all, section, "Heat source", source));
+    section.check(
+        !enthalpy.depends_on_time() && !depends_on_others(enthalpy, *own, all), "Enthalpy",
+        "depends on t or on another scalar than T. The heat content of a material is a formula of T "
+        "and of the position; heat that appears in other ways is a Heat source.");
     if (!is_transient(section))
       return;
     terms.push_back(std::make_unique<CapacityTerm<dim>>(
-        *own, all, section, contents(density, capacity, std::move(latent_heat), enthalpy), density));
+        *own, all, section,
+        contents(density, capacity, std::move(latent_heat), enthalpy, depends_on_others(capacity, *own, all)),
+        density, reference));
   }
 
 private:
@@ -107,14 +116,15 @@ private:
   }
 
   Contents contents(const double density, const Expression &capacity,
-                    std::unique_ptr<const Content> latent_heat, const Expression &enthalpy) const
+                    std::unique_ptr<const Content> latent_heat, const Expression &enthalpy,
+                    const bool capacity_depends_on_others) const
   {
     const auto check_given = [this](const bool is_given, const std::string &entry) {
       const bool is_set = section.is_set(entry);
       section.check(is_given, is_set ? entry : "",
                     (is_set ? "is zero" : "has no " + entry) +
-                        ", but a transient scene needs it: the heat stored is Density times Heat capacity "
-                        "times the rate of the temperature.");
+                        ", but a transient scene needs it: the heat stored is Density times the rate of the "
+                        "enthalpy, which follows from Heat capacity, or is given as Enthalpy.");
     };
     check_given(density > 0, "Density");
     Contents result;
@@ -125,7 +135,7 @@ private:
       return result;
     }
     check_given(!capacity.is_zero(), "Heat capacity");
-    result.push_back(content_of_capacity("Heat capacity", capacity));
+    result.push_back(content_of_capacity("Heat capacity", capacity, capacity_depends_on_others));
     if (latent_heat)
       result.push_back(std::move(latent_heat));
     return result;

@@ -107,7 +107,7 @@ public:
       if (!is_transient(section) || capacity.is_zero())
         continue;
       Contents contents;
-      contents.push_back(content_of_capacity("Capacity", capacity));
+      contents.push_back(content_of_capacity("Capacity", capacity, depends_on_others(capacity, own, all)));
       terms.push_back(std::make_unique<CapacityTerm<dim>>(own, all, section, std::move(contents)));
     }
   }

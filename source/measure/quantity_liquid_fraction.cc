@@ -18,6 +18,8 @@ class LiquidFraction : public Quantity<dim>
 public:
   using Quantity<dim>::Quantity;
 
+  bool is_stored() const override { return true; }
+
   void evaluate(DomainPoint<dim> &point, std::vector<double> &numbers) const override
   {
     const Material<dim> &material = this->domain.material;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/measure/reduction.h>
 
@@ -96,13 +97,50 @@ private:
   std::vector<double> largest, n_undefined;
 };
 
+/// What is stored in the cells of a region, where the terms of capacities see it (cell_terms.h): at the
+/// points of Domain::cell_quadrature(), or at the nodes if they are lumped.
+template <int dim>
+void visit_storage(const Region<dim> &region, const Vector &solution, const double t,
+                   const std::function<void(DomainPoint<dim> &point, double JxW)> &visit)
+{
+  const Domain<dim> &domain = *region.domain;
+  const auto &shape_element = domain.layout().shape_element();
+  const auto lumped = lumped_components(domain);
+  const auto &element = domain.layout().nodal_element(lumped.empty() ? 0 : lumped[0]);
+  const auto flags = DomainPoint<dim>::needed() | dealii::update_JxW_values;
+  dealii::FEValues<dim> values(domain.mapping(), shape_element, domain.cell_quadrature(), flags),
+      values_at_nodes(domain.mapping(), shape_element,
+                      dealii::Quadrature<dim>(element.get_unit_support_points()), DomainPoint<dim>::needed());
+  dealii::FEValues<dim> &points = lumped.empty() ? values : values_at_nodes;
+  DomainPoint<dim> point(domain, solution, t);
+  std::vector<double> weights;
+  for (const auto &cell : domain.mesh().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      values.reinit(cell);
+      if (!lumped.empty())
+        points.reinit(cell);
+      weights.assign(points.n_quadrature_points, 0.);
+      for (const unsigned int q : values.quadrature_point_indices())
+        for (unsigned int i = 0; i < weights.size(); ++i)
+          weights[i] += domain.measure(values, q) *
+                        (lumped.empty() ? i == q : element.shape_value(i, values.get_quadrature().point(q)));
+      point.enter(points);
+      for (unsigned int i = 0; i < weights.size(); ++i) {
+        point.move_to(i);
+        visit(point, weights[i]);
+      }
+    }
+}
+
 /// @param n_numbers of which evaluate(point, numbers) appends each
 template <int dim, typename Evaluate>
 std::vector<double> integrate(const Region<dim> &region, const unsigned int n_numbers, const Reduce how,
-                              const Vector &solution, const double t, const Evaluate &evaluate)
+                              const Vector &solution, const double t, const Evaluate &evaluate,
+                              const bool is_stored = false)
 {
   std::vector<double> sums(n_numbers + 1, 0.), numbers; // the last one: volume or area
-  visit_points<dim>(region, solution, t, [&](DomainPoint<dim> &point, const double JxW) {
+  const auto visit = is_stored && region.boundary_ids.empty() ? visit_storage<dim> : visit_points<dim>;
+  visit(region, solution, t, [&](DomainPoint<dim> &point, const double JxW) {
     numbers.clear();
     evaluate(point, numbers);
     AssertDimension(numbers.size(), n_numbers);
@@ -182,7 +220,8 @@ std::vector<double> reduce(const Region<dim> &region, const Quantity<dim> &quant
   if (how == Reduce::mean || how == Reduce::integral)
     return integrate(
         region, n_numbers, how, solution, t,
-        [&](DomainPoint<dim> &point, std::vector<double> &numbers) { quantity.evaluate(point, numbers); });
+        [&](DomainPoint<dim> &point, std::vector<double> &numbers) { quantity.evaluate(point, numbers); },
+        quantity.is_stored());
   Extremes extremes(n_numbers, how);
   std::vector<double> numbers;
   visit_points<dim>(region, solution, t, [&](DomainPoint<dim> &point, const double) {

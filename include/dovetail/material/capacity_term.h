@@ -22,9 +22,9 @@ template <int dim>
 class CapacityTerm : public Term<dim>
 {
 public:
-  /// @param section of the entries, for messages
+  /// @param section of the entries, for messages @param reference where content() begins
   CapacityTerm(const Field &field, const std::vector<Field> &all, const Section &section, Contents contents,
-               double density = 1);
+               double density = 1, double reference = 0);
 
   bool has_flux() const override { return false; }
   bool has_source() const override { return true; }
@@ -59,9 +59,12 @@ private:
   const unsigned int own; ///< number of the scalar
   const Section section;
   const Contents contents;
-  const double density;
+  const double density, reference;
   const bool is_affine;
 };
+
+/// Whether a formula depends on another scalar of a material than @p own.
+bool depends_on_others(const Expression &formula, const Field &own, const std::vector<Field> &all);
 
 /// Reads the formula of a capacity, @p entry; an error if it is a negative number.
 Expression read_capacity(const Section &section, const std::string &entry, const std::string &default_text,

@@ -33,6 +33,8 @@ public:
   virtual bool depends_on_scalar(unsigned int s) const = 0; ///< another one than B
   virtual bool depends_on_time() const = 0;
   virtual bool depends_on_position() const = 0;
+  /// Around the state H does not change at all, which no content does: its table does not reach so far.
+  virtual bool is_flat(const ScalarState & /*state*/) const { return false; }
   /// NaN if it has no phases.
   virtual double liquid_fraction(const ScalarState & /*state*/) const
   {
@@ -51,9 +53,10 @@ private:
 
 using Contents = std::vector<std::unique_ptr<const Content>>;
 
-/// Of the capacity c = dH/dB, a formula: its integral.
-std::unique_ptr<const Content> content_of_capacity(const std::string &entry, const Expression &capacity);
-/// Of the formula H itself.
+/// Of the capacity c = dH/dB, a formula: its integral. @param depends_on_others scalars than B
+std::unique_ptr<const Content> content_of_capacity(const std::string &entry, const Expression &capacity,
+                                                   bool depends_on_others);
+/// Of the formula H(B, X) itself.
 std::unique_ptr<const Content> content_of_formula(const std::string &entry, const Expression &content);
 /// Reads the entries of the heat of melting; nothing if there is none.
 std::unique_ptr<const Content> read_latent_heat(const Section &section);

@@ -39,6 +39,10 @@ public:
   /// Append the numbers of all arrays at a point. NaN where they are not defined.
   virtual void evaluate(DomainPoint<dim> &point, std::vector<double> &numbers) const = 0;
 
+  /// A density of what a time step stores: integrals of it use the points that the terms of capacities use,
+  /// so that they show what is stored.
+  virtual bool is_stored() const { return false; }
+
   /// Known only at points of the boundary: shown as a surface of its own.
   virtual bool is_of_boundary() const { return false; }
 

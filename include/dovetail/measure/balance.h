@@ -26,7 +26,7 @@ struct Balance
 /// or given influxes, and by the pairs of faces, followers and multipliers of the interfaces; and what the
 /// cells store more of than before, in transient scenes, all of them per time. "rounding" is
 /// what rounding alone makes of them; only where the imbalance is larger than largest_imbalance times the
-/// others, and in nonlinear scenes than @p tolerance, that of Newton's method, allows. Collective.
+/// others. @p tolerance: that of Newton's method, or what a linear solve has left. Collective.
 /// @param notes gets a sentence for each field whose balance does not hold
 template <int dim>
 Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,

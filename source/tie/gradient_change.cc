@@ -20,13 +20,15 @@ namespace {
 template <int dim>
 double change_of_strain(const dealii::Tensor<1, dim> *before, const dealii::Tensor<1, dim> *now)
 {
-  dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>(), D;
-  for (unsigned int c = 0; c < dim; ++c) {
-    F[c] += before[c];
-    D[c] = now[c] - before[c];
-  }
+  dealii::Tensor<2, 3> F = dealii::unit_symmetric_tensor<3>(), D; // also in 2D
+  for (unsigned int c = 0; c < dim; ++c)
+    for (unsigned int d = 0; d < dim; ++d) {
+      F[c][d] += before[c][d];
+      D[c][d] = now[c][d] - before[c][d];
+    }
   double square = 0;
-  for (const auto &[stretch_square, n] : eigenvectors(symmetrize(transpose(F) * F)))
+  for (const auto &[stretch_square, n] :
+       eigenvectors(symmetrize(transpose(F) * F), dealii::SymmetricTensorEigenvectorMethod::jacobi))
     square += (D * n).norm_square() / std::max(1., stretch_square);
   return square;
 }

@@ -180,12 +180,13 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
 template <int dim>
 void Interface<dim>::check_toggle() const
 {
+  const std::vector<std::string> names = names_in_toggle(section);
   section.check(
-      !has_field_toggle(section) || method->follows_fields(), "Toggle",
+      names.empty() || method->follows_fields(), "Toggle",
       "names '" + toggle +
           "', which looks at fields and switches point by point, but Type = " + section.peek("Type") +
           " ties node by node. Use Nitsche, contact resistance or gap radiation, or a toggle of t.");
-  for (const std::string &name : names_in_toggle(section)) {
+  for (const std::string &name : names) {
     const bool is_there = std::any_of(sides.begin(), sides.end(), [&name](const auto &side) {
       const auto &all = side.domain->fields();
       return std::any_of(all.begin(), all.end(),

@@ -202,7 +202,7 @@ const double least_throughput = std::sqrt(std::numeric_limits<double>::min());
 
 template <int dim>
 Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
-                        const double tolerance, NoteList &notes)
+                        const double tolerance, NoteList *notes)
 {
   const double allowed = std::max(largest_imbalance, tolerance);
   Balance balance = {ordered_json::object()};
@@ -225,7 +225,7 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
       if (is_allowed)
         balance.worst =
             std::max(balance.worst, imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 0.);
-      if (is_exact)
+      if (is_exact || (is_allowed && notes == nullptr))
         continue;
       const double rounding = reactions.forces().rounding(*domain, field, solution);
       result["rounding"] = rounding;
@@ -241,15 +241,16 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
       const double relative = imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 1.;
       if (!(relative <= balance.worst))
         balance.worst = relative;
-      notes.push_back(of_balance(imbalance.largest <= rounding
-                                     ? explain_rounding(*domain, field, imbalance, rounding)
-                                     : explain_loss(*domain, field, imbalance)));
+      if (notes != nullptr)
+        notes->push_back(of_balance(imbalance.largest <= rounding
+                                        ? explain_rounding(*domain, field, imbalance, rounding)
+                                        : explain_loss(*domain, field, imbalance)));
     }
   }
   return balance;
 }
 
-template Balance measure_balance(const Model<2> &, const Reactions<2> &, const Vector &, double, NoteList &);
-template Balance measure_balance(const Model<3> &, const Reactions<3> &, const Vector &, double, NoteList &);
+template Balance measure_balance(const Model<2> &, const Reactions<2> &, const Vector &, double, NoteList *);
+template Balance measure_balance(const Model<3> &, const Reactions<3> &, const Vector &, double, NoteList *);
 
 } // namespace dovetail

@@ -238,9 +238,8 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
   const Phases::Scope scope(phases, "output");
   const Vector ghosted = solution.system.ghosted(solution.x);
   const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
-  NoteList sentences; // that of the last step is told by measure()
-  const Balance balance =
-      measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), sentences);
+  const Balance balance = // its notes, of the last step, are told by measure()
+      measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), nullptr);
   report()["steps"].back()["imbalance"] = balance.worst;
   nlohmann::ordered_json flows = balance.report;
   for (auto &domain_flows : flows)
@@ -272,7 +271,7 @@ void Results<dim>::measure(const Solution<dim> &solution, const double tolerance
   report()["domains"] = measure_domains(model, ghosted, solution.t);
   report()["interfaces"] = measure_interfaces(model, ghosted, reactions);
   report()["balance"] =
-      measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), sentences).report;
+      measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), &sentences).report;
   report()["probes"] = probes.evaluate(ghosted, reactions);
   if (solution.is_last) // else the ties are those of the step that failed
     notes.add(sentences);

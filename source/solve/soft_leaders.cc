@@ -159,7 +159,8 @@ void LeadersFirst::solve_for_leaders(double *x, const double *b, const bool is_z
 
 } // namespace
 
-std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Epetra_Map &rows)
+std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Epetra_Map &rows,
+                                               const Sums *linear_part)
 {
   const int most_leaders = 50000;
   const double largest_ratio = 1; // of followers to leaders: on a finer side hardly a P u_s is zero
@@ -168,7 +169,7 @@ std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Ep
   const std::vector<double> stiffness = facts.stiffness_of_row();
   if (!is_contrast_large(stiffness, rows.Comm()))
     return nullptr;
-  const Sums sums = facts.linear_part();
+  const Sums sums = linear_part != nullptr ? *linear_part : facts.linear_part();
   auto result = std::make_unique<SoftLeaders>();
   result->P = make_followers(rows, sums, stiffness);
   if (result->P->NumGlobalNonzeros() == 0)
@@ -248,10 +249,10 @@ std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const G
                                                  const Epetra_MultiVector &modes)
 {
   auto smoother = DegreeCoarsening::usual_smoother(A, facts.degree);
-  if (const auto leaders = SoftLeaders::find(facts, A.rows()))
+  const SoftLeaders::Sums sums = facts.linear_part();
+  if (const auto leaders = SoftLeaders::find(facts, A.rows(), &sums))
     return leaders->coarsen(A, facts, modes, std::move(smoother), DegreeCoarsening::make_usual_coarse);
-  return std::make_unique<DegreeCoarsening>(A, facts.linear_part(), modes, facts.known_places(),
-                                            std::move(smoother));
+  return std::make_unique<DegreeCoarsening>(A, sums, modes, facts.known_places(), std::move(smoother));
 }
 
 } // namespace dovetail

@@ -34,7 +34,9 @@ public:
   using Sums = DegreeCoarsening::Sums;
 
   /// Collective. nullptr if no body follows one that is much softer, or if too many unknowns lead.
-  static std::unique_ptr<SoftLeaders> find(const GroupFacts &facts, const Epetra_Map &rows);
+  /// @param linear_part that of the facts, if it is there already
+  static std::unique_ptr<SoftLeaders> find(const GroupFacts &facts, const Epetra_Map &rows,
+                                           const Sums *linear_part = nullptr);
 
   /// Levels for A in which the leaders follow. @param other the smoother of A beside the factors; nullptr:
   /// the rows that are alone are solved.

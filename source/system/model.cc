@@ -3,7 +3,6 @@
 
 #include <dovetail/interface/make_cover.h>
 #include <dovetail/pairing/facing_boundaries.h>
-#include <dovetail/scene/field_toggle.h>
 #include <dovetail/system/joined_fields.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/rigid_motions.h>
@@ -110,7 +109,7 @@ void Model<dim>::check_ties(const double t) const
   for (unsigned int i = 0; i < interfaces.size(); ++i)
     for (unsigned int j = 0; j < i; ++j)
       if (interfaces[i]->is_active(t) && interfaces[j]->is_active(t) &&
-          !has_field_toggle(interfaces[i]->section) && !has_field_toggle(interfaces[j]->section))
+          !interfaces[i]->tie().follows_fields() && !interfaces[j]->tie().follows_fields())
         interfaces[i]->check_against(*interfaces[j], when.str());
   check_constants(t);
 }

@@ -27,10 +27,11 @@ struct Balance
 /// cells store more of than before, in transient scenes, all of them per time. "rounding" is
 /// what rounding alone makes of them; only where the imbalance is larger than largest_imbalance times the
 /// others. @p tolerance: that of Newton's method, or what a linear solve has left. Collective.
-/// @param notes gets a sentence for each field whose balance does not hold
+/// @param notes gets a sentence for each field whose balance does not hold; nullptr: neither sentences nor
+/// the rounding of what is allowed are asked for
 template <int dim>
 Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
-                        double tolerance, NoteList &notes);
+                        double tolerance, NoteList *notes);
 
 /// Of the largest one of in, out and what some cells gain or others lose, over the components.
 inline constexpr double largest_imbalance = 1e-10;

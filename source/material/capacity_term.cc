@@ -2,7 +2,6 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/material/capacity_term.h>
-#include <dovetail/material/embedding.h>
 #include <dovetail/scene/undefined.h>
 
 #include <algorithm>
@@ -49,17 +48,6 @@ Coupling CapacityTerm<dim>::coupling(const unsigned int /*c*/, const unsigned in
   return result;
 }
 
-template <int dim>
-ScalarState CapacityTerm<dim>::scalar_state(const State<dim> &state) const
-{
-  ScalarState result;
-  result.X = embed(state.X);
-  result.t = state.t;
-  result.scalars = scalars.values(state);
-  result.own = own;
-  return result;
-}
-
 /// Leave the reason why a content is not defined. @return false
 template <int dim>
 bool CapacityTerm<dim>::refuse(const Content &content, const State<dim> &state, const std::string &what,
@@ -90,7 +78,7 @@ bool CapacityTerm<dim>::add(const State<dim> &state, const bool with_derivatives
   if (state.rate_by_value == 0 && !is_affine) // nothing is stored here
     return true;
   const unsigned int c = this->field.first_component, n = state.value.size();
-  const ScalarState here = scalar_state(state);
+  const ScalarState here = scalars.state(state, own);
   for (const auto &content : contents) {
     const double capacity = content->capacity(here), source = change(*content, state, here);
     if (!(std::isfinite(capacity) && capacity >= 0))
@@ -132,7 +120,7 @@ bool CapacityTerm<dim>::add_slopes(const Content &content, const State<dim> &sta
 template <int dim>
 double CapacityTerm<dim>::content(const State<dim> &state) const
 {
-  const ScalarState here = scalar_state(state);
+  const ScalarState here = scalars.state(state, own);
   double sum = 0;
   for (const auto &content : contents)
     sum += density * content->change(here, reference);
@@ -142,7 +130,7 @@ double CapacityTerm<dim>::content(const State<dim> &state) const
 template <int dim>
 double CapacityTerm<dim>::liquid_fraction(const State<dim> &state) const
 {
-  const ScalarState here = scalar_state(state);
+  const ScalarState here = scalars.state(state, own);
   for (const auto &content : contents)
     if (const double fraction = content->liquid_fraction(here); !std::isnan(fraction))
       return fraction;

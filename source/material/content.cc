@@ -7,6 +7,8 @@
 
 #include <dovetail/material/content.h>
 
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,27 +27,12 @@ struct Quadrature
 template <typename Function>
 Quadrature gauss_kronrod(const Function &f, const double a, const double b)
 {
-  static constexpr std::array<double, 8> nodes = {
-      {0.991455371120812639207, 0.949107912342758524526, 0.864864423359769072790, 0.741531185599394439864,
-       0.586087235467691130294, 0.405845151377397166907, 0.207784955007898467601, 0}};
-  static constexpr std::array<double, 8> weights = {
-      {0.022935322010529224964, 0.063092092629978553291, 0.104790010322250183840, 0.140653259715525918745,
-       0.169004726639267902827, 0.190350578064785409913, 0.204432940075298892414, 0.209482141084727828013}};
-  static constexpr std::array<double, 4> gauss_weights = {
-      {0.129484966168869693271, 0.279705391489276667901, 0.381830050505118944950, 0.417959183673469387755}};
   const double middle = (a + b) / 2, half = (b - a) / 2;
+  const unsigned int no_halving = 0;
   Quadrature result;
-  double gauss = 0;
-  for (unsigned int i = 0; i < nodes.size(); ++i)
-    for (const double sign : {-1., 1.}) {
-      if (nodes[i] == 0 && sign > 0)
-        continue;
-      const double value = half * f(middle + sign * half * nodes[i]);
-      result.value += weights[i] * value;
-      result.size += weights[i] * std::abs(value);
-      gauss += i % 2 == 1 ? gauss_weights[i / 2] * value : 0;
-    }
-  result.error = std::abs(result.value - gauss);
+  result.value = boost::math::quadrature::gauss_kronrod<double, 15>::integrate(
+      [&](const double z) { return half * f(middle + half * z); }, -1., 1., no_halving, 0., &result.error,
+      &result.size);
   return result;
 }
 

@@ -63,11 +63,7 @@ bool DeformedDiffusionTerm<dim>::add(const State<dim> &state, const bool with_de
         sentence_about(section, "Configuration",
                        "is deformed, but det F is " + in_words(J) + " at " + in_words(state.X) + "."));
   const Tensor<2, 3> inverse = invert(F);
-  ScalarState here;
-  here.X = embed(state.X);
-  here.t = state.t;
-  here.scalars = scalars.values(state);
-  here.own = own;
+  ScalarState here = scalars.state(state, own);
   here.G = transpose(inverse) * embed(state.gradient[c]);
   ScalarLaw::Response local(with_derivatives ? scalars.size() : 0);
   if (!law->evaluate(here, with_derivatives, local))

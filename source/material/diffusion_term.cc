@@ -43,11 +43,7 @@ Coupling DiffusionTerm<dim>::coupling(const unsigned int c, const unsigned int d
 template <int dim>
 ScalarState DiffusionTerm<dim>::scalar_state(const State<dim> &state) const
 {
-  ScalarState result;
-  result.X = embed(state.X);
-  result.t = state.t;
-  result.scalars = scalars.values(state);
-  result.own = own;
+  ScalarState result = scalars.state(state, own);
   result.G = embed(state.gradient[this->field.first_component]);
   return result;
 }

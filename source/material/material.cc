@@ -277,21 +277,26 @@ bool Material<dim>::stores_by_position() const
 }
 
 template <int dim>
-double Material<dim>::content(const State<dim> &state, const unsigned int component) const
+const Term<dim> *Material<dim>::storing_term(const unsigned int component) const
 {
   for (const auto &term : terms)
     if (term->field.has_component(component) && term->order_in_time() > 0)
-      return term->content(state);
-  return std::numeric_limits<double>::quiet_NaN();
+      return term.get();
+  return nullptr;
+}
+
+template <int dim>
+double Material<dim>::content(const State<dim> &state, const unsigned int component) const
+{
+  const Term<dim> *term = storing_term(component);
+  return term != nullptr ? term->content(state) : std::numeric_limits<double>::quiet_NaN();
 }
 
 template <int dim>
 double Material<dim>::liquid_fraction(const State<dim> &state, const unsigned int component) const
 {
-  for (const auto &term : terms)
-    if (term->field.has_component(component) && term->order_in_time() > 0)
-      return term->liquid_fraction(state);
-  return std::numeric_limits<double>::quiet_NaN();
+  const Term<dim> *term = storing_term(component);
+  return term != nullptr ? term->liquid_fraction(state) : std::numeric_limits<double>::quiet_NaN();
 }
 
 template <int dim>

@@ -44,7 +44,6 @@ public:
 private:
   template <typename Predicate>
   bool any(const Predicate &is) const;
-  ScalarState scalar_state(const State<dim> &state) const;
   double change(const Content &content, const State<dim> &state, const ScalarState &scalars) const;
   bool add_slopes(const Content &content, const State<dim> &state, const ScalarState &here,
                   Response<dim> &response) const;

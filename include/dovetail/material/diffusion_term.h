@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/material/embedding.h>
 #include <dovetail/material/scalar_law.h>
 #include <dovetail/material/term.h>
 
@@ -28,6 +29,17 @@ public:
   dealii::ArrayView<const double> values(const State<dim> &state) const
   {
     return {state.value.data() + components.front(), components.size()};
+  }
+  /// What a law of the scalar @p own sees of a state, but for gradients.
+  template <int dim>
+  ScalarState state(const State<dim> &state, const unsigned int own) const
+  {
+    ScalarState result;
+    result.X = embed(state.X);
+    result.t = state.t;
+    result.scalars = values(state);
+    result.own = own;
+    return result;
   }
 
 private:

@@ -107,6 +107,8 @@ private:
   std::vector<unsigned int> orders_in_time; ///< by component
   unsigned int largest_order_in_time = 0;
   bool has_past = false;
+
+  const Term<dim> *storing_term(unsigned int component) const; ///< nullptr if nothing is stored
 };
 
 } // namespace dovetail

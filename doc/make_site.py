@@ -8,6 +8,7 @@
 # copies what pages link to beside the site, and looks at each link of the site.
 
 import html
+import json
 import os
 import re
 import shutil
@@ -200,10 +201,36 @@ def write_layout():
         else:
             tabs += f'    <tab type="usergroup" visible="yes" url="@ref {name_of(listed[0])}" title="{title}">\n'
             tabs += "".join(tab(page, "      ") for page in listed) + "    </tab>\n"
+    tabs += '    <tab type="user" visible="yes" url="search_the_text.html" title="Search the text"/>\n'
     subprocess.run(["doxygen", "-l", str(built / "layout.xml")], check=True, stdout=subprocess.DEVNULL)
     layout = (built / "layout.xml").read_text()
     layout = layout.replace('<tab type="pages" visible="yes"', tabs.strip() + '\n    <tab type="pages" visible="no"')
     (built / "layout.xml").write_text(layout)
+
+
+def sections_of(page):
+    """Address, title and text of each section. Markup goes, what stands between back quotes stays."""
+    sections = []
+    for line, is_text in lines_of(page):
+        if is_text and HEADING.match(line):
+            title = HEADING.match(line)[2].replace("`", "")
+            file = "index.html" if page == Path("README.md") else f"{name_of(page)}.html"
+            where = file + (f"#{name_of(page)}_" + re.sub(r"\W", "_", anchor_of(HEADING.match(line)[2])) if sections else "")
+            sections.append([where, f"{title_of(page)}: {title}" if sections else title, ""])
+        elif sections and not line.startswith("```") and not re.fullmatch(r"[|\- :]*", line):
+            sections[-1][2] += re.sub(r"[`|*]|\]\([^)]*\)|!?\[", " ", line).strip() + " "
+    return sections
+
+
+def write_search_page(all_pages):
+    """A page that looks for words in the text; Doxygen's own search knows titles and names only. Yields what leads nowhere."""
+    sections = [section for page in all_pages for section in sections_of(page)]
+    text = json.dumps(sections, ensure_ascii=False).replace("</", "<\\/")
+    (site / "search_the_text.html").write_text((top / "doc/search_page.html").read_text().replace("SECTIONS", text))
+    for where, title, _ in sections:
+        file, _, anchor = where.partition("#")
+        if anchor and f'id="{anchor}"' not in (site / file).read_text():
+            yield f"search_the_text.html: {title} has no place {where}"
 
 
 def copy_mathjax():
@@ -249,7 +276,7 @@ def main():
         copy_mathjax()
     subprocess.run(["doxygen", "-"], cwd=top, input=settings.encode(), check=True)
     writer.copy_linked()
-    wrong = writer.broken + (built / "warnings").read_text().splitlines() + list(broken_links())
+    wrong = writer.broken + list(write_search_page(writer.all)) + (built / "warnings").read_text().splitlines() + list(broken_links())
     for line in wrong:
         print(line, file=sys.stderr)
     return 1 if wrong else 0

@@ -26,6 +26,11 @@ double length(const std::vector<double> &numbers)
   return std::sqrt(std::inner_product(numbers.begin(), numbers.end(), numbers.begin(), 0.));
 }
 
+nlohmann::ordered_json number_or_list(const std::vector<double> &numbers)
+{
+  return numbers.size() == 1 ? nlohmann::ordered_json(numbers[0]) : nlohmann::ordered_json(numbers);
+}
+
 /// One number of one probe.
 struct Goal
 {
@@ -227,6 +232,13 @@ void Estimator<dim>::add_to_cells(const Vector &sizes, const double unit, ErrorE
 
 } // namespace
 
+std::vector<double> ProbeError::corrected_values() const
+{
+  std::vector<double> result(values.size());
+  std::transform(values.begin(), values.end(), errors.begin(), result.begin(), std::plus<>());
+  return result;
+}
+
 bool ProbeErrors::are_reached() const
 {
   return failure.empty() && std::all_of(probes.begin(), probes.end(),
@@ -237,10 +249,7 @@ nlohmann::ordered_json ProbeErrors::errors() const
 {
   auto result = nlohmann::ordered_json::object();
   for (const ProbeError &probe : probes)
-    if (probe.errors.size() == 1)
-      result[probe.name] = probe.errors[0];
-    else
-      result[probe.name] = probe.errors;
+    result[probe.name] = number_or_list(probe.errors);
   return result;
 }
 
@@ -251,6 +260,7 @@ nlohmann::ordered_json ProbeErrors::estimates() const
     result[probe.name] = {{"relative error", probe.relative},
                           {"tolerance", probe.tolerance},
                           {"reached", probe.is_reached()},
+                          {"corrected value", number_or_list(probe.corrected_values())},
                           {"share of interfaces", probe.interfaces}};
   return result;
 }

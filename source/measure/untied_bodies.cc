@@ -28,6 +28,7 @@ struct Extent
 {
   dealii::Point<dim> low, high;
   double largest_face = 0;
+  double thinnest_cell = std::numeric_limits<double>::infinity(); ///< |K| / (diameter of the face)^(dim - 1)
 };
 
 template <int dim>
@@ -50,7 +51,10 @@ Extents<dim> extents_of(const Domain<dim> &domain, const MPI_Comm &communicator)
     if (face.cell->is_locally_owned()) {
       Extent<dim> &extent = extents.at(face.id);
       const auto shape = face.cell->face(face.number);
-      extent.largest_face = std::max(extent.largest_face, shape->diameter());
+      const double diameter = shape->diameter();
+      extent.largest_face = std::max(extent.largest_face, diameter);
+      extent.thinnest_cell =
+          std::min(extent.thinnest_cell, face.cell->measure() / std::pow(diameter, dim - 1));
       for (const unsigned int v : shape->vertex_indices())
         for (unsigned int d = 0; d < dim; ++d) {
           extent.low[d] = std::min(extent.low[d], shape->vertex(v)[d]);
@@ -60,6 +64,7 @@ Extents<dim> extents_of(const Domain<dim> &domain, const MPI_Comm &communicator)
   for (auto &entry : extents) {
     Extent<dim> &extent = entry.second;
     extent.largest_face = dealii::Utilities::MPI::max(extent.largest_face, communicator);
+    extent.thinnest_cell = dealii::Utilities::MPI::min(extent.thinnest_cell, communicator);
     for (unsigned int d = 0; d < dim; ++d) {
       extent.low[d] = dealii::Utilities::MPI::min(extent.low[d], communicator);
       extent.high[d] = dealii::Utilities::MPI::max(extent.high[d], communicator);
@@ -108,26 +113,31 @@ bool has_condition(const Domain<dim> &body, const dealii::types::boundary_id id,
   });
 }
 
-/// Of the first body, not further from the second one than facets are. Collective.
+/// Of the first body, not further from the second one than facets are, nor behind the thinnest cell: the far
+/// sides of two thin bodies look at each other through both. Collective.
 template <int dim>
 double touching_area(const std::array<const Domain<dim> *, 2> &bodies,
-                     const std::array<dealii::types::boundary_id, 2> &ids, const MPI_Comm &communicator)
+                     const std::array<dealii::types::boundary_id, 2> &ids, const double thinnest_cell,
+                     const MPI_Comm &communicator)
 {
   const auto own = faces_of<dim>({bodies[0], {ids[0]}});
   const FaceLocator<dim> locator(faces_of<dim>({bodies[1], {ids[1]}}), search_radius_of_touch, 0.,
                                  communicator);
   const FacePoints<dim> points = segments(own, locator, 1, 1);
   double area = 0, largest_angle = 0;
-  const auto is_facing = [&](const auto &match) {
-    return match.found && match.angle <= largest_angle_of_touch;
+  const auto is_facing = [&](const unsigned int q) {
+    const auto &match = points.matches[q];
+    const auto &query = points.queries[q];
+    return match.found && match.angle <= largest_angle_of_touch &&
+           (match.X - query.X) * query.N > -thinnest_cell;
   };
-  for (const auto &match : points.matches)
-    if (is_facing(match))
-      largest_angle = std::max(largest_angle, match.angle);
+  for (unsigned int q = 0; q < points.size(); ++q)
+    if (is_facing(q))
+      largest_angle = std::max(largest_angle, points.matches[q].angle);
   largest_angle = dealii::Utilities::MPI::max(largest_angle, communicator);
   for (unsigned int q = 0; q < points.size(); ++q)
     if (const auto &match = points.matches[q];
-        is_facing(match) &&
+        is_facing(q) &&
         match.distance <=
             distance_of_facets(std::min(match.face_size, points.queries[q].face_size), largest_angle))
       area += points.JxW[q];
@@ -146,7 +156,9 @@ void add_notes_on_pair(const Model<dim> &model, const std::array<const Domain<di
       if (!may_touch(extent, other_extent) || is_tied(model, bodies, {{id, other_id}}) ||
           (has_condition(*bodies[0], id, *bodies[1]) && has_condition(*bodies[1], other_id, *bodies[0])))
         continue;
-      const double area = touching_area(bodies, {{id, other_id}}, model.communicator);
+      const double area =
+          touching_area(bodies, {{id, other_id}}, std::min(extent.thinnest_cell, other_extent.thinnest_cell),
+                        model.communicator);
       const double face = std::min(extent.largest_face, other_extent.largest_face);
       if (area > least_touching_area * (dim == 2 ? face : face * face))
         words << (words.str().empty() ? "" : ", ") << bodies[0]->name << " : " << id << " and "

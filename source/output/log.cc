@@ -350,7 +350,8 @@ void Log::cycle(const unsigned int n_done, const unsigned int n_cycles, const un
     rows.push_back({name, value_and_error(report, name),
                     to_text(100 * estimate["relative error"].template get<double>(), "%.3g %%") +
                         " of tolerated " +
-                        to_text(100 * estimate["tolerance"].template get<double>(), "%.3g %%")});
+                        to_text(100 * estimate["tolerance"].template get<double>(), "%.3g %%") +
+                        ", corrected " + to_text(estimate["corrected value"])});
   for (const std::string &row : align(rows))
     line("  " + row);
 }

@@ -24,6 +24,7 @@ struct ProbeError
   std::vector<double> errors;               ///< J(B) - J(B_h), estimated, of each number
   double relative = 0;                      ///< |errors| / |values|; zero if both are
   std::map<std::string, double> interfaces; ///< share of each in the sum of the sizes of all contributions
+  std::vector<double> corrected_values() const; ///< values + errors
   bool is_reached() const { return relative <= tolerance; }
 };
 
@@ -37,7 +38,7 @@ struct ProbeErrors
 
   bool are_reached() const;
   nlohmann::ordered_json errors() const;    ///< by name of the probe, in the shape of its value
-  nlohmann::ordered_json estimates() const; ///< relative error, tolerance, share of interfaces
+  nlohmann::ordered_json estimates() const; ///< what the report tells of each
 };
 
 /// With the solution B_h = @p x of degree p and the spaces V of degree p + 1 on the same meshes, and all

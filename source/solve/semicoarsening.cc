@@ -4,9 +4,9 @@
 #include "semicoarsening.h"
 
 #include <deal.II/base/exceptions.h>
-#include <deal.II/lac/full_matrix.h>
 
 #include <EpetraExt_MatrixMatrix.h>
+#include <Epetra_Import.h>
 #include <Epetra_Map.h>
 
 #include <algorithm>
@@ -210,89 +210,29 @@ Coarse make_coarse(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epe
   return coarse;
 }
 
-/// The near-null space at a node.
-dealii::FullMatrix<double> modes_at(const LevelNodes &nodes, const unsigned int node,
-                                    const Epetra_MultiVector &modes)
-{
-  const int first = nodes.first_row[node], n = nodes.first_row[node + 1] - first;
-  dealii::FullMatrix<double> B(n, modes.NumVectors());
-  for (int i = 0; i < n; ++i)
-    for (int mode = 0; mode < modes.NumVectors(); ++mode)
-      B(i, mode) = modes[mode][first + i];
-  return B;
-}
-
-/// M with x_j = M x_i for x in the near-null space: on the finest level, for translations.
-dealii::FullMatrix<double> motion(const LevelNodes &nodes, const unsigned int i, const unsigned int j,
-                                  const Epetra_MultiVector &modes, const bool is_finest)
-{
-  const int n_i = nodes.first_row[i + 1] - nodes.first_row[i],
-            n_j = nodes.first_row[j + 1] - nodes.first_row[j];
-  dealii::FullMatrix<double> M(n_j, n_i);
-  if (is_finest) {
-    for (int k = 0; k < std::min(n_i, n_j); ++k)
-      M(k, k) = 1;
-    return M;
-  }
-  const dealii::FullMatrix<double> B_i = modes_at(nodes, i, modes), B_j = modes_at(nodes, j, modes);
-  dealii::FullMatrix<double> square(n_i, n_i), product(n_j, n_i);
-  B_i.mTmult(square, B_i);
-  B_j.mTmult(product, B_i);
-  square.gauss_jordan();
-  product.mmult(M, square);
-  return M;
-}
-
-/// A_near, on the pattern of A.
+/// A_near.
 std::unique_ptr<Epetra_CrsMatrix> without_far_couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes,
-                                                        const Couplings &couplings,
-                                                        const Epetra_MultiVector &modes, const bool is_finest)
+                                                        const NodeGraph &near)
 {
   const std::vector<unsigned int> node = node_of_rows(nodes);
   auto result = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), A.ColMap(), 0);
   std::vector<double> values;
-  std::vector<int> columns, position_of(A.NumMyCols(), -1);
-  for (unsigned int i = 0; i < nodes.size(); ++i) {
-    std::vector<dealii::FullMatrix<double>> M(couplings.all[i].size());
-    const auto number_of = [&](const unsigned int j) {
-      return std::lower_bound(couplings.all[i].begin(), couplings.all[i].end(), j) - couplings.all[i].begin();
-    };
-    const auto is_far = [&](const unsigned int j) {
-      return j != i && !std::binary_search(couplings.near[i].begin(), couplings.near[i].end(), j);
-    };
-    const int first = nodes.first_row[i], n_rows = nodes.first_row[i + 1] - first;
-    for (int row = first; row < first + n_rows; ++row) {
-      columns.clear();
-      values.clear();
-      std::vector<double> added(n_rows, 0.);
-      int n = 0, *own_columns = nullptr;
-      double *own_values = nullptr;
-      A.ExtractMyRowView(row, n, own_values, own_columns);
-      for_entries(A, row, [&](const int column, const double value, const int k) {
-        if (column < 0 || !is_far(node[column])) {
-          columns.push_back(own_columns[k]);
-          values.push_back(value);
-          return;
-        }
-        const unsigned int j = node[column];
-        auto &motion_of_j = M[number_of(j)];
-        if (motion_of_j.m() == 0)
-          motion_of_j = motion(nodes, i, j, modes, is_finest);
-        for (int c = 0; c < n_rows; ++c)
-          added[c] += value * motion_of_j(column - nodes.first_row[j], c);
-      });
-      for (int c = 0; c < n_rows; ++c)
-        if (added[c] != 0) {
-          const int column = A.LCID(A.GRID(first + c));
-          const auto place = std::find(columns.begin(), columns.end(), column);
-          if (place == columns.end()) {
-            columns.push_back(column);
-            values.push_back(added[c]);
-          } else
-            values[place - columns.begin()] += added[c];
-        }
-      result->InsertMyValues(row, columns.size(), values.data(), columns.data());
-    }
+  std::vector<int> columns;
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    const unsigned int i = node[row];
+    int n = 0, *own_columns = nullptr;
+    double *own_values = nullptr;
+    A.ExtractMyRowView(row, n, own_values, own_columns);
+    columns.clear();
+    values.clear();
+    for_entries(A, row, [&](const int column, const double value, const int k) {
+      if (column < 0 || node[column] == i ||
+          std::binary_search(near[i].begin(), near[i].end(), node[column])) {
+        columns.push_back(own_columns[k]);
+        values.push_back(value);
+      }
+    });
+    result->InsertMyValues(row, columns.size(), values.data(), columns.data());
   }
   result->FillComplete(A.OperatorDomainMap(), A.OperatorRangeMap());
   return result;
@@ -316,9 +256,100 @@ double largest_eigenvalue(const Epetra_CrsMatrix &A, const Epetra_Vector &invers
   return norm;
 }
 
-/// (I - w D^-1 A_near) T
-std::unique_ptr<Epetra_CrsMatrix> smoothed(const Epetra_CrsMatrix &T, const Epetra_CrsMatrix &A_near)
+/// A row d with a given product d B, for any d the least one.
+class LeastRow
 {
+public:
+  /// @param modes the rows of B, by mode
+  explicit LeastRow(std::vector<std::vector<double>> modes);
+  /// Adds d to @p row, where d B = @p product.
+  void add(double *row, const std::vector<double> &product) const;
+
+private:
+  struct Step
+  {
+    unsigned int mode;
+    std::vector<double> parts; ///< of the mode along the directions before
+    double length;
+  };
+  std::vector<Step> steps;
+  std::vector<std::vector<double>> directions; ///< orthonormal
+};
+
+LeastRow::LeastRow(std::vector<std::vector<double>> modes)
+{
+  const double least = 1e-5;
+  const auto product = [](const auto &a, const auto &b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.);
+  };
+  for (unsigned int mode = 0; mode < modes.size(); ++mode) {
+    std::vector<double> &v = modes[mode];
+    Step step{mode, std::vector<double>(directions.size(), 0.), std::sqrt(product(v, v))};
+    const double before = step.length;
+    for (unsigned int pass = 0; pass < 2; ++pass)
+      for (unsigned int k = 0; k < directions.size(); ++k) {
+        const double part = product(v, directions[k]);
+        step.parts[k] += part;
+        for (unsigned int i = 0; i < v.size(); ++i)
+          v[i] -= part * directions[k][i];
+      }
+    step.length = std::sqrt(product(v, v));
+    if (!(step.length > least * before))
+      continue;
+    for (double &x : v)
+      x /= step.length;
+    directions.push_back(std::move(v));
+    steps.push_back(std::move(step));
+  }
+}
+
+void LeastRow::add(double *const row, const std::vector<double> &product) const
+{
+  std::vector<double> along;
+  for (const Step &step : steps) {
+    along.push_back(
+        (product[step.mode] - std::inner_product(along.begin(), along.end(), step.parts.begin(), 0.)) /
+        step.length);
+    const std::vector<double> &direction = directions[along.size() - 1];
+    for (unsigned int i = 0; i < direction.size(); ++i)
+      row[i] += along.back() * direction[i];
+  }
+}
+
+/// Adds the least entries within the pattern of P with which P @p coarse_modes = @p modes.
+void fit(Epetra_CrsMatrix &P, const Epetra_MultiVector &coarse_modes, const Epetra_MultiVector &modes)
+{
+  const int n_modes = modes.NumVectors();
+  Epetra_MultiVector missing(modes), of_columns(P.ColMap(), n_modes);
+  P.Multiply(false, coarse_modes, missing);
+  missing.Update(1., modes, -1.);
+  of_columns.Import(coarse_modes, Epetra_Import(P.ColMap(), coarse_modes.Map()), Insert);
+  std::unique_ptr<LeastRow> least;
+  std::vector<int> last_columns; // which rows of a node share
+  std::vector<double> product(n_modes);
+  for (int row = 0; row < P.NumMyRows(); ++row) {
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    P.ExtractMyRowView(row, n, values, columns);
+    if (!least || !std::equal(columns, columns + n, last_columns.begin(), last_columns.end())) {
+      last_columns.assign(columns, columns + n);
+      std::vector<std::vector<double>> in_row(n_modes, std::vector<double>(n));
+      for (int mode = 0; mode < n_modes; ++mode)
+        for (int k = 0; k < n; ++k)
+          in_row[mode][k] = of_columns[mode][columns[k]];
+      least = std::make_unique<LeastRow>(std::move(in_row));
+    }
+    for (int mode = 0; mode < n_modes; ++mode)
+      product[mode] = missing[mode][row];
+    least->add(values, product);
+  }
+}
+
+/// (I - w D^-1 A_near) T + F
+std::unique_ptr<Epetra_CrsMatrix> smoothed(const Coarse &coarse, const Epetra_CrsMatrix &A_near,
+                                           const Epetra_MultiVector &modes)
+{
+  const Epetra_CrsMatrix &T = *coarse.T;
   Epetra_Vector inverse(A_near.RowMap());
   A_near.ExtractDiagonalCopy(inverse);
   for (int i = 0; i < inverse.MyLength(); ++i)
@@ -333,6 +364,7 @@ std::unique_ptr<Epetra_CrsMatrix> smoothed(const Epetra_CrsMatrix &T, const Epet
   Epetra_CrsMatrix *raw = sum.get();
   EpetraExt::MatrixMatrix::Add(*P, false, 1., T, false, 1., raw);
   sum->FillComplete(T.OperatorDomainMap(), T.OperatorRangeMap());
+  fit(*sum, *coarse.modes, modes);
   return sum;
 }
 
@@ -355,7 +387,7 @@ LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places)
 Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
     : all(graph_of(A, nodes)), near(nodes.size())
 {
-  const double largest_ratio = 3;
+  const double largest_ratio = 2;
   std::vector<double> shortest(nodes.size(), std::numeric_limits<double>::infinity());
   for (unsigned int i = 0; i < nodes.size(); ++i)
     for (const unsigned int j : all[i])
@@ -410,7 +442,7 @@ Semicoarsening::Semicoarsening(const Epetra_CrsMatrix &A, const Epetra_MultiVect
     if (coarse.T->NumGlobalCols() > largest_growth * matrix->NumGlobalRows())
       break;
     Level level;
-    level.P = smoothed(*coarse.T, *without_far_couplings(*matrix, nodes, couplings, *modes, levels.empty()));
+    level.P = smoothed(coarse, *without_far_couplings(*matrix, nodes, couplings.near), *modes);
     level.smoother = make_smoother(*matrix);
     auto next = MatrixLevel(*matrix).restricted(*level.P);
     level.A = matrix;

@@ -35,8 +35,8 @@ LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places);
 /// By node the nodes of this rank that a matrix couples with it.
 using NodeGraph = std::vector<std::vector<unsigned int>>;
 
-/// The couplings of A, and those of them that are short: within a body, and at most three times as long as
-/// the shortest coupling of one of their nodes within its body. Nodes of two sides of a tie are close to each
+/// The couplings of A, and those of them that are short: within a body, and at most twice as long as the
+/// shortest coupling of one of their nodes within its body. Nodes of two sides of a tie are close to each
 /// other, but a tie of cells that are long across it is a weak spring beside the stiffness along it.
 struct Couplings
 {
@@ -52,12 +52,13 @@ struct Couplings
 /// long as those along them. What varies along long cells, and hardly in the other directions, has small
 /// eigenvalues that no smoother reaches; it stays on the coarse level.
 ///
-/// The prolongation is P = (I - w D^-1 A_near) T: T spans the near-null space on each aggregate, and A_near
-/// is A with its far couplings added to the diagonal blocks, such that A_near B = A B for the near-null space
-/// B (on the finest level, for the translations in B).
+/// The prolongation is P = (I - w D^-1 A_near) T + F: T spans the near-null space B on each aggregate, A_near
+/// is A without its far couplings, and F is the least matrix in the pattern of P with P B_c = B, where B_c is
+/// the near-null space of the coarse level.
 ///
 /// P. Vanek, J. Mandel, M. Brezina: Algebraic multigrid by smoothed aggregation for second and fourth order
-/// elliptic problems, 1996.
+/// elliptic problems, 1996. J. Mandel, M. Brezina, P. Vanek: Energy optimization of algebraic multigrid
+/// bases, 1999.
 class Semicoarsening : public Cycle
 {
 public:

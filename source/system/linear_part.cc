@@ -13,20 +13,18 @@ namespace dovetail {
 
 namespace {
 
-/// Which directions of a cell are long.
-template <int dim>
-using Directions = std::bitset<dim>;
+/// Which directions of a hypercube are long, or which edges of a simplex: pairs of its vertices, in order.
+using LongEdges = std::bitset<6>;
 
 /// [node]: nodes of the same cell and their weights
 using NodeSums = std::vector<std::vector<std::pair<unsigned int, double>>>;
 
+/// Edges of one direction are as long as they are on average.
 template <int dim>
-Directions<dim> long_directions(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell)
+LongEdges long_directions(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell)
 {
   const double smallest_ratio = 2;
-  Directions<dim> result;
-  if (!cell->reference_cell().is_hyper_cube())
-    return result;
+  LongEdges result;
   std::array<double, dim> length{};
   for (unsigned int d = 0; d < dim; ++d)
     for (const unsigned int v : cell->vertex_indices())
@@ -36,6 +34,29 @@ Directions<dim> long_directions(const typename dealii::DoFHandler<dim>::active_c
   for (unsigned int d = 0; d < dim; ++d)
     result[d] = length[d] > smallest_ratio * shortest;
   return result;
+}
+
+/// A cube that is divided into 24 tetrahedra has edges twice as long as others.
+template <int dim>
+LongEdges long_edges_of_simplex(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell)
+{
+  const double smallest_ratio = 3;
+  LongEdges result;
+  std::vector<double> length;
+  for (unsigned int v = 0; v <= dim; ++v)
+    for (unsigned int w = v + 1; w <= dim; ++w)
+      length.push_back(cell->vertex(v).distance(cell->vertex(w)));
+  const double shortest = *std::min_element(length.begin(), length.end());
+  for (unsigned int e = 0; e < length.size(); ++e)
+    result[e] = length[e] > smallest_ratio * shortest;
+  return result;
+}
+
+template <int dim>
+LongEdges long_edges(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell)
+{
+  return cell->reference_cell().is_hyper_cube() ? long_directions<dim>(cell)
+                                                : long_edges_of_simplex<dim>(cell);
 }
 
 template <int dim>
@@ -50,7 +71,7 @@ unsigned int node_at(const std::vector<dealii::Point<dim>> &nodes, const dealii:
 
 /// Linear interpolation in the short directions only.
 template <int dim>
-NodeSums interpolate(const std::vector<dealii::Point<dim>> &nodes, const Directions<dim> &is_long)
+NodeSums interpolate(const std::vector<dealii::Point<dim>> &nodes, const LongEdges &is_long)
 {
   NodeSums sums(nodes.size());
   for (unsigned int a = 0; a < nodes.size(); ++a) {
@@ -72,16 +93,27 @@ NodeSums interpolate(const std::vector<dealii::Point<dim>> &nodes, const Directi
   return sums;
 }
 
-/// Those of the vertices, with which the nodes of an element begin.
+/// From the vertices, with which the nodes of an element begin, unless a long edge joins two of those that a
+/// node lies between.
 template <int dim>
 NodeSums interpolate_in_simplex(const std::vector<dealii::Point<dim>> &nodes,
-                                const dealii::ReferenceCell &shape)
+                                const dealii::ReferenceCell &shape, const LongEdges &is_long)
 {
   NodeSums sums(nodes.size());
-  for (unsigned int a = 0; a < nodes.size(); ++a)
-    for (const unsigned int v : shape.vertex_indices())
-      if (const double weight = shape.d_linear_shape_function(nodes[a], v); std::abs(weight) > 1e-14)
-        sums[a].emplace_back(v, weight);
+  for (unsigned int a = 0; a < nodes.size(); ++a) {
+    std::vector<double> weight;
+    for (const unsigned int v : shape.vertex_indices()) {
+      weight.push_back(shape.d_linear_shape_function(nodes[a], v));
+      if (std::abs(weight.back()) > 1e-14)
+        sums[a].emplace_back(v, weight.back());
+    }
+    bool is_along = false;
+    for (unsigned int v = 0, edge = 0; v <= dim; ++v)
+      for (unsigned int w = v + 1; w <= dim; ++w, ++edge)
+        is_along = is_along || (is_long[edge] && weight[v] > 1e-14 && weight[w] > 1e-14);
+    if (is_along)
+      sums[a] = {{a, 1.}};
+  }
   return sums;
 }
 
@@ -95,12 +127,13 @@ NodeSums themselves(const unsigned int n_nodes)
 
 template <int dim>
 NodeSums make_node_sums(const CellLayout<dim> &layout, const unsigned int component,
-                        const dealii::ReferenceCell &shape, const Directions<dim> &is_long)
+                        const dealii::ReferenceCell &shape, const LongEdges &is_long)
 {
   if (!layout.is_continuous(component))
     return themselves(layout.n_nodes(component));
   const auto &nodes = layout.element(component).get_unit_support_points();
-  return shape.is_hyper_cube() ? interpolate<dim>(nodes, is_long) : interpolate_in_simplex<dim>(nodes, shape);
+  return shape.is_hyper_cube() ? interpolate<dim>(nodes, is_long)
+                               : interpolate_in_simplex<dim>(nodes, shape, is_long);
 }
 
 } // namespace
@@ -111,12 +144,12 @@ linear_part(const Domain<dim> &domain, const Block &block)
 {
   const Field &field = domain.fields()[block.field_index];
   const CellLayout<dim> &layout = domain.layout();
-  std::map<unsigned long, NodeSums> known; // by long directions
+  std::map<unsigned long, NodeSums> known; // by long edges
   std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>> sums(block.owned.n_elements());
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
-      const Directions<dim> is_long = long_directions<dim>(cell);
+      const LongEdges is_long = long_edges<dim>(cell);
       NodeSums &node_sums = known[is_long.to_ulong()];
       if (node_sums.empty())
         node_sums = make_node_sums<dim>(layout, field.first_component, domain.cell_shape(), is_long);

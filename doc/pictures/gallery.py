@@ -37,6 +37,8 @@ PICTURES = {
     "brake": dict(array="temperature", title="temperature at 2 s [°C]", map=HOT, height=560, revolve=230, step=1,
                   camera=([0.42, -0.9, 0.6], [0, 0, 1])),
     "shrink_fit": dict(array="von Mises", title="von Mises stress [MPa]", map=STRESS, height=640),
+    "tubular_seal": dict(array="von Mises", title="von Mises stress [MPa]", map=STRESS, factor=1, height=480,
+                         bodies_of_colour=["seal"], percentile=99.5),
     "seal": dict(array="von Mises", title="von Mises stress [MPa]", map=STRESS, factor=1, height=480,
                  bodies_of_colour=["profile"], percentile=99.5),
     "bimetal": dict(array="Cauchy stress", component=0, divide=1e6, title="stress along the strip [MPa]",

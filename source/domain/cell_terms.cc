@@ -249,6 +249,18 @@ bool CellTerms<dim>::evaluate_memory(const typename Domain<dim>::cell_iterator &
 }
 
 template <int dim>
+void CellTerms<dim>::look_at_start(const typename Domain<dim>::cell_iterator &cell,
+                                   const std::vector<double> &unknowns)
+{
+  enter_without_tangent(cell, 0);
+  for (const unsigned int q : cell_values.quadrature_point_indices()) {
+    point.reinit(cell_values, q, unknowns);
+    domain.material.look_at_start(point.state);
+    domain.memory->set_trial(cell, q, point.state.memory.trial);
+  }
+}
+
+template <int dim>
 bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator &cell, const double t,
                                       const std::vector<double> &unknowns, std::vector<double> &residual)
 {

@@ -3,6 +3,7 @@
 
 #include <dovetail/domain/condition.h>
 #include <dovetail/scene/field_toggle.h>
+#include <dovetail/scene/undefined.h>
 
 #include <algorithm>
 
@@ -68,11 +69,45 @@ Condition<dim>::Condition(const Section &section, const Material<dim> &material,
       boundary_ids(read_boundary_ids(section, scope)), toggles(&toggles),
       toggle(toggles.read_reference(section))
 {
-  section.check(
-      !has_field_toggle(section), "Toggle",
-      "names '" + toggle +
-          "', which looks at fields: only interfaces that act at points can follow it (Nitsche, contact "
-          "resistance, gap radiation). Take a toggle of t.");
+  if (has_field_toggle(section))
+    read_formula(material);
+}
+
+template <int dim>
+void Condition<dim>::read_formula(const Material<dim> &material)
+{
+  formula = formula_of_toggle(section, toggle);
+  const std::vector<std::string> names = names_in_toggles(section.top());
+  n_names = names.size();
+  for (unsigned int s = 0; s < n_names; ++s) {
+    if (!formula->depends_on_scalar(s))
+      continue;
+    const auto named = std::find_if(material.fields().begin(), material.fields().end(),
+                                    [&](const Field &one) { return name_in_toggles(one.name) == names[s]; });
+    section.check(named != material.fields().end(), "Toggle",
+                  "names '" + toggle + "', which looks at the " + names[s] +
+                      ", which this domain does not have. Take a toggle of fields that it has.");
+    scalars.emplace_back(s, named->first_component);
+  }
+}
+
+template <int dim>
+std::vector<unsigned int> Condition<dim>::components_of_toggle() const
+{
+  std::vector<unsigned int> components;
+  for (const auto &[scalar, component] : scalars)
+    components.push_back(component);
+  return components;
+}
+
+template <int dim>
+bool Condition<dim>::is_on(const dealii::Point<dim> &X, const double t,
+                           const std::vector<double> &values) const
+{
+  std::vector<double> all(n_names);
+  for (unsigned int i = 0; i < scalars.size(); ++i)
+    all[scalars[i].first] = values[i];
+  return finite(formula->value(X, t, 0, all), section, "Toggle", X, t) != 0;
 }
 
 std::vector<unsigned int> read_components(const Section &section, const Field &field)

@@ -210,8 +210,15 @@ void Domain<dim>::read_conditions(const Section &section, const Toggles &toggles
     auto created =
         ConditionCatalogue<dim>::create(section.subsection("Boundary condition " + condition), "",
                                         "The type of the boundary condition [-]", material, toggles);
-    if (created)
-      all_conditions.push_back(std::move(created));
+    if (!created)
+      continue;
+    created->section.check(
+        !created->follows_fields() || (created->adds_flux() && !created->is_weak()), "Toggle",
+        "names '" + created->toggle_name() +
+            "', which looks at fields and switches point by point: only influxes can follow it (flux, "
+            "convection, radiation, pressure, spring). Take a toggle of t, or convection with a large "
+            "Coefficient in place of a value.");
+    all_conditions.push_back(std::move(created));
   }
 }
 

@@ -37,11 +37,32 @@ void OpenBoundary<dim>::find_state(const std::vector<double> &unknowns)
     evaluate_state(layout, point.shape_values.data(), point.shape_gradients.data(), unknowns.data(),
                    point.state);
   else
-    for (unsigned int c = 0; c < domain.n_components(); ++c) {
-      const auto values = point.shape_values.begin() + layout.first_shape(c);
-      point.state.value[c] =
-          std::inner_product(values, values + layout.n_nodes(c), unknowns.begin() + layout.first(c), 0.);
-    }
+    for (unsigned int c = 0; c < domain.n_components(); ++c)
+      point.state.value[c] = value(c, unknowns);
+}
+
+template <int dim>
+double OpenBoundary<dim>::value(const unsigned int component, const std::vector<double> &unknowns) const
+{
+  const CellLayout<dim> &layout = domain.layout();
+  const auto values = point.shape_values.begin() + layout.first_shape(component);
+  return std::inner_product(values, values + layout.n_nodes(component),
+                            unknowns.begin() + layout.first(component), 0.);
+}
+
+/// At the point. Where no step has begun, nothing is switched off.
+template <int dim>
+bool OpenBoundary<dim>::is_switched_off(const Condition<dim> &condition, const cell_iterator &cell) const
+{
+  if (!condition.follows_fields())
+    return false;
+  const std::vector<double> &unknowns = domain.last_good.of_cell(cell->active_cell_index());
+  if (unknowns.empty())
+    return false;
+  std::vector<double> values;
+  for (const unsigned int c : condition.components_of_toggle())
+    values.push_back(value(c, unknowns));
+  return !condition.is_on(point.state.X, point.state.t, values);
 }
 
 template <int dim>
@@ -77,6 +98,8 @@ void OpenBoundary<dim>::for_each_point(const cell_iterator &cell, const unsigned
       point.state.X[0] = 0;
     point.N = face_values.normal_vector(q);
     point.JxW = domain.measure(face_values, q);
+    if (is_switched_off(condition, cell))
+      continue;
     find_state(unknowns);
     visit(point);
   }
@@ -91,6 +114,8 @@ void OpenBoundary<dim>::for_each_point(const cell_iterator &cell, const unsigned
       point.state.X = domain.mapping().transform_unit_to_real_cell(cell, part->unit_points[q]);
       point.N = part->N[q];
       point.JxW = -part->JxW[q];
+      if (is_switched_off(condition, cell))
+        continue;
       find_state(unknowns);
       visit(point);
     }

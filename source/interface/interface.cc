@@ -374,7 +374,9 @@ void Interface<dim>::find_components()
     for (unsigned int g = 0; g < sides[side].domain->fields().size(); ++g) {
       const Field &field = sides[side].domain->fields()[g];
       bool is_needed = std::find(in_toggle.begin(), in_toggle.end(), name_in_toggles(field.name)) !=
-                       in_toggle.end(); // if only to look at it
+                           in_toggle.end() || // if only to look at it
+                       sides[side].domain->material.chooses_by(field.first_component) ||
+                       method->looks_at(field);
       for (const TiedField &tied : fields)
         is_needed = is_needed || tied.field[side] == g ||
                     sides[side].domain->material.flux_depends(tied.field[side], g);

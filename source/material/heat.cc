@@ -17,6 +17,7 @@
 //     end
 
 #include <dovetail/material/capacity_term.h>
+#include <dovetail/material/deformation_heat.h>
 #include <dovetail/material/deformed_diffusion_term.h>
 #include <dovetail/material/diffusion_term.h>
 #include <dovetail/material/material_part.h>
@@ -45,6 +46,12 @@ public:
     if (!section.documenting() && (type.empty() || type == "none"))
       return {};
     return {{"temperature", 1, 0, "heat", "T"}};
+  }
+
+  std::vector<std::pair<std::string, std::string>> entries_of_storage() const override
+  {
+    return {{"Heat", "Density"},  {"Heat", "Heat capacity"}, {"Heat", "Latent heat"}, {"Heat", "Solidus"},
+            {"Heat", "Liquidus"}, {"Heat", "Melting"},       {"Heat", "Enthalpy"}};
   }
 
   void add_terms(const std::vector<Field> &all, typename MaterialPart<dim>::Terms &terms) const override
@@ -79,6 +86,7 @@ public:
                                                       "Heat produced in the material, which may depend on x, "
                                                       "y, z, t and every scalar of the material [W/m^3]",
                                                       symbols_of(all));
+    const DeformationEntries deformation = read_deformation();
     const auto own =
         std::find_if(all.begin(), all.end(), [](const Field &field) { return field.law == "heat"; });
     if (!law)
@@ -97,6 +105,7 @@ public:
         "and of the position; heat that appears in other ways is a Heat source.");
     if (!is_transient(section))
       return;
+    add_deformation_heat(deformation, *own, terms);
     terms.push_back(std::make_unique<CapacityTerm<dim>>(
         *own, all, section,
         contents(density, capacity, std::move(latent_heat), enthalpy, depends_on_others(capacity, *own, all)),
@@ -104,6 +113,67 @@ public:
   }
 
 private:
+  /// Heat that the solid of the material produces.
+  struct DeformationEntries
+  {
+    bool with_compression = false;
+    double share_of_flow = 0, offset = 0;
+  };
+
+  DeformationEntries read_deformation() const
+  {
+    DeformationEntries result;
+    result.with_compression = section.read<bool>(
+        "Heat of compression", false,
+        "A solid that expands with the temperature heats up when it is compressed and cools when it is "
+        "pulled, in transient scenes [-]");
+    result.share_of_flow = section.read<double>(
+        "Share of plastic work", 0,
+        "Of the work of plastic flow or creep, which turns to heat in transient scenes; about 0.9 in metals "
+        "[-]",
+        Patterns::Double(0, 1));
+    result.offset = section.read<double>(
+        "Offset", 0,
+        "Added to T for the absolute temperature of the Heat of compression: 273.15 if T is in degrees "
+        "Celsius [K]");
+    section.check(result.offset == 0 || result.with_compression, "Offset",
+                  "belongs to the Heat of compression.");
+    return result;
+  }
+
+  void add_deformation_heat(const DeformationEntries &entries, const Field &own,
+                            typename MaterialPart<dim>::Terms &terms) const
+  {
+    const auto &[with_compression, share, offset] = entries;
+    if (!with_compression && share == 0)
+      return;
+    const SolidTerm<dim> &solid = find_solid(
+        terms, with_compression ? "Heat of compression" : "Share of plastic work", with_compression, share);
+    terms.push_back(std::make_unique<DeformationHeat<dim>>(own, solid, with_compression, share, offset));
+  }
+
+  /// That of the material, which comes before the heat (solid.cc).
+  const SolidTerm<dim> &find_solid(const typename MaterialPart<dim>::Terms &terms, const std::string &entry,
+                                   const bool with_compression, const double share) const
+  {
+    std::vector<const SolidTerm<dim> *> found;
+    for (const auto &term : terms)
+      if (const auto *solid = dynamic_cast<const SolidTerm<dim> *>(term.get()))
+        found.push_back(solid);
+    section.check(!found.empty(), entry,
+                  "needs a solid, but the material has no law in its subsection Solid.");
+    section.check(found.size() == 1, entry, "does not go with Formulation = mixed. Take displacement.");
+    section.check(!found[0]->is_around_axis(), entry,
+                  "does not go with Geometry = axisymmetric. Compute a sector in 3D.");
+    const bool has_slope = found[0]->is_linear() || found[0]->has_curvature() || found[0]->can_flow();
+    section.check(!with_compression || has_slope, "Heat of compression",
+                  "needs the second derivatives of the stress, which this solid law does not have.");
+    section.check(share == 0 || found[0]->can_flow(), "Share of plastic work",
+                  "needs a law of small displacements that flows, J2 plasticity or Norton creep, in 3D or "
+                  "plane strain.");
+    return *found[0];
+  }
+
   void check_deforms(const std::vector<Field> &all) const
   {
     section.check(

@@ -114,6 +114,7 @@ public:
   }
 
   bool has_large_strain() const override { return false; }
+  std::optional<double> shear_of_flow() const override { return moduli.shear; }
 
 private:
   static constexpr double rounding = 1e-13;

@@ -8,14 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace dovetail {
 
 using dealii::Tensor;
 
 template <int dim>
-Material<dim>::Material(const std::string &name, const Section &section) : name(name)
+Material<dim>::Material(const std::string &name, const Section &section) : name(name), choice(section)
 {
   const auto parts = MaterialParts<dim>::create(section);
   for (const auto &part : parts)
@@ -27,7 +26,62 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
     part->add_terms(all_fields, terms);
   section.check(!all_fields.empty(), "",
                 "has no law: set Type in its subsection Solid or Heat, or name Species.");
+  phases.assign(terms.size(), 0);
+  choice.set_fields(all_fields);
+  for (unsigned int m = 1; m < choice.materials().size(); ++m)
+    add_phase(choice.materials()[m]);
+  set_up_terms();
+}
 
+namespace {
+
+template <int dim>
+std::vector<std::string> names_of_fields(const std::vector<std::unique_ptr<MaterialPart<dim>>> &parts)
+{
+  std::vector<std::string> names;
+  for (const auto &part : parts)
+    for (const Field &field : part->fields())
+      names.push_back(field.name);
+  return names;
+}
+
+} // namespace
+
+/// The terms of a material that may take the place of this one, but for those that store.
+template <int dim>
+void Material<dim>::add_phase(const Section &other)
+{
+  const Section &own = choice.materials()[0];
+  const auto parts = MaterialParts<dim>::create(other);
+  const std::vector<std::string> names = names_of_fields(parts),
+                                 own_names = names_of_fields(MaterialParts<dim>::create(own));
+  own.check(names == own_names, "Otherwise",
+            "leads to " + other.path() + ", which has the fields " + comma_separated(names) +
+                ", but this material has " + comma_separated(own_names) +
+                ". Give all phases of a material the same fields.");
+  for (const auto &part : parts)
+    for (const auto &[subsection, entry] : part->entries_of_storage()) {
+      const std::string value = own.peek(subsection, entry), other_value = other.peek(subsection, entry);
+      own.check(value == other_value, "Otherwise",
+                "leads to " + other.path() + ", where " + entry + " is '" + other_value + "', not '" + value +
+                    "': what is stored must be the same in all phases, else a change of phase would not "
+                    "conserve it. Write " +
+                    entry + " once for all of them, as a formula.");
+    }
+  std::vector<std::unique_ptr<Term<dim>>> all;
+  for (const auto &part : parts)
+    part->add_terms(all_fields, all);
+  const auto phase = static_cast<unsigned int>(phases.back() + 1);
+  for (auto &term : all)
+    if (term->order_in_time() == 0) {
+      terms.push_back(std::move(term));
+      phases.push_back(phase);
+    }
+}
+
+template <int dim>
+void Material<dim>::set_up_terms()
+{
   const unsigned int n = n_components();
   couplings.resize(n * n);
   orders_in_time.assign(n, 0);
@@ -49,6 +103,8 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
         needed_by.back().push_back(d);
     }
   }
+  for (const InternalVariable &variable : choice.internal_variables())
+    memory_at_start.insert(memory_at_start.end(), variable.n_components, variable.initial);
   for (const auto &term : terms) {
     term->first_internal_variable = memory_at_start.size();
     for (const InternalVariable &variable : term->internal_variables())
@@ -98,10 +154,13 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
       response.source_by_value[pair] = 0;
     }
   }
+  if (has_phases())
+    choice.remember(state);
+  const unsigned int phase = has_phases() ? choice.at(state) : 0;
   for (unsigned int i = 0; i < terms.size(); ++i) {
     const auto &term = terms[i];
     const unsigned int first = term->field.first_component;
-    if (term->order_in_time() > 0 && state.rate.empty())
+    if ((term->order_in_time() > 0 && state.rate.empty()) || !holds(i, phase))
       continue;
     if (std::any_of(needed_by[i].begin(), needed_by[i].end(),
                     [&](const unsigned int c) { return std::isnan(state.value[c]); })) {
@@ -122,6 +181,13 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
 }
 
 template <int dim>
+void Material<dim>::look_at_start(const State<dim> &state) const
+{
+  std::copy(state.memory.accepted.begin(), state.memory.accepted.end(), state.memory.trial.begin());
+  choice.remember(state);
+}
+
+template <int dim>
 bool Material<dim>::evaluate_storage(const State<dim> &state, Response<dim> &response) const
 {
   std::copy(state.memory.accepted.begin(), state.memory.accepted.end(), state.memory.trial.begin());
@@ -139,19 +205,23 @@ void Material<dim>::curvature(const State<dim> &state, const std::vector<Tensor<
 {
   AssertDimension(w.size(), n_components());
   result.reinit(n_components() * (1 + dim), n_components() * (1 + dim));
-  for (const auto &term : terms) {
+  const unsigned int phase = has_phases() ? choice.at(state) : 0;
+  for (unsigned int i = 0; i < terms.size(); ++i) {
+    const auto &term = terms[i];
     const auto first = w.begin() + term->field.first_component;
-    if (!term->is_linear() && std::any_of(first, first + term->field.n_components,
-                                          [](const auto &w_c) { return w_c.norm_square() > 0; }))
+    if (holds(i, phase) && !term->is_linear() &&
+        std::any_of(first, first + term->field.n_components,
+                    [](const auto &w_c) { return w_c.norm_square() > 0; }))
       term->add_curvature(state, w, result);
   }
 }
 
 template <int dim>
-const SolidTerm<dim> &Material<dim>::solid_term() const
+const SolidTerm<dim> &Material<dim>::solid_term(const unsigned int phase) const
 {
-  for (const auto &term : terms)
-    if (const auto *solid = dynamic_cast<const SolidTerm<dim> *>(term.get()))
+  for (unsigned int i = 0; i < terms.size(); ++i)
+    if (const auto *solid = dynamic_cast<const SolidTerm<dim> *>(terms[i].get());
+        solid != nullptr && holds(i, phase))
       return *solid;
   AssertThrow(false, dealii::ExcMessage("A material without a solid law has no stress and does not deform."));
 }
@@ -172,8 +242,10 @@ template <int dim>
 Tensor<2, 3> Material<dim>::cauchy_stress(const State<dim> &state) const
 {
   Tensor<2, 3> sigma; // in a mixed formulation a sum
-  for (const auto &term : terms)
-    if (const auto *solid = dynamic_cast<const SolidTerm<dim> *>(term.get()))
+  const unsigned int phase = has_phases() ? choice.at(state) : 0;
+  for (unsigned int i = 0; i < terms.size(); ++i)
+    if (const auto *solid = dynamic_cast<const SolidTerm<dim> *>(terms[i].get());
+        solid != nullptr && holds(i, phase))
       sigma += solid->cauchy_stress(state);
   return sigma;
 }
@@ -181,15 +253,17 @@ Tensor<2, 3> Material<dim>::cauchy_stress(const State<dim> &state) const
 template <int dim>
 double Material<dim>::energy_density(const State<dim> &state) const
 {
-  return std::accumulate(terms.begin(), terms.end(), 0., [&](const double sum, const auto &term) {
-    return sum + term->energy_density(state);
-  });
+  const unsigned int phase = has_phases() ? choice.at(state) : 0;
+  double sum = 0;
+  for (unsigned int i = 0; i < terms.size(); ++i)
+    sum += holds(i, phase) ? terms[i]->energy_density(state) : 0;
+  return sum;
 }
 
 template <int dim>
 Tensor<2, 3> Material<dim>::displacement_gradient(const State<dim> &state) const
 {
-  return solid_term().full_displacement_gradient(state);
+  return solid_term(choice.at(state)).full_displacement_gradient(state);
 }
 
 template <int dim>
@@ -267,7 +341,8 @@ bool Material<dim>::is_symmetric(const unsigned int field) const
 template <int dim>
 bool Material<dim>::depends_on_time() const
 {
-  return std::any_of(terms.begin(), terms.end(), [](const auto &term) { return term->depends_on_time(); });
+  return has_phases() ||
+         std::any_of(terms.begin(), terms.end(), [](const auto &term) { return term->depends_on_time(); });
 }
 
 template <int dim>
@@ -310,10 +385,13 @@ bool Material<dim>::has_curvature(const unsigned int field) const
 template <int dim>
 std::vector<InternalVariable> Material<dim>::internal_variables() const
 {
-  std::vector<InternalVariable> all;
-  for (const auto &term : terms)
-    for (const InternalVariable &variable : term->internal_variables())
+  std::vector<InternalVariable> all = choice.internal_variables();
+  for (unsigned int i = 0; i < terms.size(); ++i)
+    for (InternalVariable variable : terms[i]->internal_variables()) {
+      if (phases[i] > 0)
+        variable.name += " of phase " + std::to_string(phases[i]);
       all.push_back(variable);
+    }
   return all;
 }
 
@@ -321,9 +399,12 @@ template <int dim>
 std::string Material<dim>::description(const unsigned int field) const
 {
   std::string words;
-  for (const auto &term : terms)
-    if (term->field.name == all_fields[field].name)
-      words += (words.empty() ? "" : " with ") + term->description();
+  unsigned int phase = 0;
+  for (unsigned int i = 0; i < terms.size(); ++i)
+    if (terms[i]->field.name == all_fields[field].name) {
+      words += (words.empty() ? "" : phases[i] > phase ? " or " : " with ") + terms[i]->description();
+      phase = phases[i];
+    }
   words += is_linear(field) ? ", linear" : ", nonlinear";
   for (unsigned int other = 0; other < all_fields.size(); ++other)
     if (other != field && depends(field, other))

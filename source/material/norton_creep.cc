@@ -87,6 +87,7 @@ public:
   }
 
   bool has_large_strain() const override { return false; }
+  std::optional<double> shear_of_flow() const override { return moduli.shear; }
   bool depends_on_time() const override { return true; }
 
 private:

@@ -42,6 +42,11 @@ public:
     return {displacement, {"pressure", 1, 0, "volume", "pressure", "", -1, false, true}};
   }
 
+  std::vector<std::pair<std::string, std::string>> entries_of_storage() const override
+  {
+    return {{"Solid", "Density"}};
+  }
+
   void add_terms(const std::vector<Field> &all, typename MaterialPart<dim>::Terms &terms) const override
   {
     auto law = Catalogue<SolidLaw>::create(

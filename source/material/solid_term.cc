@@ -174,6 +174,34 @@ void SolidTerm<dim>::add_curvature(const State<dim> &state, const std::vector<Te
   }
 }
 
+/// dW = (eps_p - eps_p,n - dev P/(2 mu)) : dP + dev P : d eps, by the derivative of eps_p that
+/// SolidLaw::shear_of_flow() tells.
+template <int dim>
+bool SolidTerm<dim>::flow_work(const State<dim> &state, FlowWork &work) const
+{
+  SolidLaw::Response local;
+  static_cast<SolidLaw::Place &>(local) = place(state);
+  if (!law->evaluate(displacement_gradient(state), thermal_strain(state), true, local))
+    return false;
+  const Tensor<2, 3> deviator = local.P - trace(local.P) / 3 * dealii::unit_symmetric_tensor<3>();
+  Tensor<2, 3> by_stress;
+  for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int j = 0; j < 3; ++j) {
+      const double flow = local.memory.trial[3 * i + j] - local.memory.accepted[3 * i + j];
+      work.value += local.P[i][j] * flow;
+      by_stress[i][j] = flow - deviator[i][j] / (2 * *law->shear_of_flow());
+    }
+  for (unsigned int k = 0; k < dim; ++k)
+    for (unsigned int l = 0; l < dim; ++l) {
+      work.by_gradient[k][l] = deviator[k][l];
+      for (unsigned int i = 0; i < 3; ++i)
+        for (unsigned int j = 0; j < 3; ++j)
+          work.by_gradient[k][l] += by_stress[i][j] * local.dP_dF[i][j][k][l];
+    }
+  work.by_temperature = expansion ? expansion->coefficient * scalar_product(by_stress, local.dP_de) : 0;
+  return true;
+}
+
 template <int dim>
 double SolidTerm<dim>::energy_density(const State<dim> &state) const
 {

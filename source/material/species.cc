@@ -82,6 +82,14 @@ public:
     return all;
   }
 
+  std::vector<std::pair<std::string, std::string>> entries_of_storage() const override
+  {
+    std::vector<std::pair<std::string, std::string>> entries;
+    for (const std::string &name : names)
+      entries.push_back({"Species " + name, "Capacity"});
+    return entries;
+  }
+
   void add_terms(const std::vector<Field> &all, typename MaterialPart<dim>::Terms &terms) const override
   {
     for (const std::string &name : names) {

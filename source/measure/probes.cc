@@ -248,6 +248,9 @@ std::string why_no_dual_problem(const Model<dim> &model)
       return "elements of one degree more are needed, and the triangles or tetrahedra of " + domain->name +
              " have the largest degree already. Remove it, or set a lower Degree";
   }
+  if (model.has_conditions_by_fields())
+    return "the toggle of a boundary condition looks at fields, and would be asked anew on each mesh. Remove "
+           "it, or take a toggle of t";
   for (const auto &interface : model.interfaces) {
     if (interface->tie().follows_fields())
       return "the toggle of the interface " + interface->name +

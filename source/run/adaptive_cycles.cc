@@ -44,6 +44,11 @@ AdaptiveCycles<dim>::AdaptiveCycles(const Section &scene, Model<dim> &model, con
       "cannot be done in a transient scene, since they solve the end time again, but the steps before "
       "it would stay on the coarse meshes, nor for eigenmodes. Remove the entry and set Refinements of "
       "the meshes.");
+  scene.check(
+      n_cycles == 0 || !model.has_conditions_by_fields(), "Adaptive cycles",
+      "cannot be done with a boundary condition whose Toggle looks at fields: they solve the end time "
+      "again, but the toggle would be asked anew in each of them. Remove the entry and set "
+      "Refinements of the meshes.");
   for (const auto &interface : model.interfaces) {
     scene.check(n_cycles == 0 || !interface->tie().follows_fields(), "Adaptive cycles",
                 "cannot be done with the toggle of the interface " + interface->name +

@@ -39,7 +39,8 @@ std::vector<bool> active_toggles(const Model<dim> &model, const double t)
 template <int dim>
 bool follows_fields(const Model<dim> &model)
 {
-  return std::any_of(model.interfaces.begin(), model.interfaces.end(),
+  return model.has_conditions_by_fields() ||
+         std::any_of(model.interfaces.begin(), model.interfaces.end(),
                      [](const auto &interface) { return interface->tie().follows_fields(); });
 }
 
@@ -105,6 +106,7 @@ void NonlinearStep<dim>::release_system()
 template <int dim>
 void NonlinearStep<dim>::start(const Vector &x)
 {
+  present_system->choose_first_phases(x);
   if (!scheme)
     return;
   if (model.order_in_time() > 1)

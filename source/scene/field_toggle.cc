@@ -41,7 +41,7 @@ Expression formula_of_toggle(const Section &section, const std::string &toggle)
   return scene.subsection("Toggle " + toggle)
       .require_expression("Active while", {1},
                           "The toggle is on while this formula is not zero, for instance t >= 0.5 && t < 2, "
-                          "or, for ties that act at points, of x, y, z, t and the names of scalar fields at "
+                          "or, for what acts at points, of x, y, z, t and the names of scalar fields at "
                           "the last good step: temperature > 1700 [-]",
                           names_in_toggles(scene));
 }

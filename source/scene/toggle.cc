@@ -13,8 +13,8 @@ Toggles::Toggles(const Section &scene)
 {
   for (const std::string &name :
        scene.announce("Toggles", "Toggle",
-                      "Names of conditions, in time or by fields, that switch interfaces and boundary "
-                      "conditions [-]")) {
+                      "Names of conditions, in time or by fields, that switch interfaces, boundary "
+                      "conditions and materials [-]")) {
     const Section section = scene.subsection("Toggle " + name);
     const Expression condition = formula_of_toggle(section, name);
     section.check(condition.depends_on_scalars() || !condition.depends_on_position(), "Active while",

@@ -6,6 +6,7 @@
 #include <dovetail/compatibility.h>
 #include <dovetail/domain/locking.h>
 #include <dovetail/domain/mesh_note.h>
+#include <dovetail/interface/side_points.h>
 #include <dovetail/system/constraints.h>
 
 #include <deal.II/base/mpi.h>
@@ -438,6 +439,7 @@ template <int dim>
 void BlockSystem<dim>::begin_step(const double t, const Vector &x)
 {
   set_time(t);
+  keep_last_good(t, x);
   const bool has_weak_values =
       std::any_of(model.domains.begin(), model.domains.end(), [](const auto &domain) {
         return std::any_of(domain->conditions().begin(), domain->conditions().end(),
@@ -453,6 +455,25 @@ void BlockSystem<dim>::begin_step(const double t, const Vector &x)
     if (interface->is_active(t))
       interface->tie().begin_step(*interface, t, ghosted_values(), model.communicator);
   tie_seconds += timer.wall_time();
+}
+
+/// At boundary cells of domains whose conditions look at it.
+template <int dim>
+void BlockSystem<dim>::keep_last_good(const double t, const Vector &x)
+{
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &domain : model.domains) {
+    const bool is_asked = std::any_of(domain->conditions().begin(), domain->conditions().end(),
+                                      [](const auto &condition) { return condition->follows_fields(); });
+    if (!is_asked || !domain->last_good.begin_step(t))
+      continue;
+    ghosted_scratch = x;
+    for (const auto &cell : domain->dof_handler().active_cell_iterators())
+      if (cell->is_locally_owned() && cell->at_boundary()) {
+        domain->cell_dofs(cell, dofs);
+        ghosted_values()(dofs, domain->last_good.unknowns()[cell->active_cell_index()]);
+      }
+  }
 }
 
 template <int dim>
@@ -673,6 +694,49 @@ bool BlockSystem<dim>::remember(const double t, const Vector &x)
   for (const auto &interface : model.interfaces)
     interface->memory.accept();
   return true;
+}
+
+namespace {
+
+/// At the points of an interface, of both sides.
+template <int dim>
+void look_at_start(Interface<dim> &interface, const ValuesOf &values_of)
+{
+  SidePoints<dim> points(interface, 0);
+  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
+    for (unsigned int q = group.begin; q < group.end; ++q)
+      for (const unsigned int side : {source, destination})
+        if (const Material<dim> &material = interface.sides[side].domain->material; material.has_phases()) {
+          points.reinit(side, q, unknowns);
+          material.look_at_start(points.state[side]);
+          interface.memory.set_trial(side, q, points.state[side].memory.trial);
+        }
+  });
+  interface.memory.accept();
+}
+
+} // namespace
+
+template <int dim>
+void BlockSystem<dim>::choose_first_phases(const Vector &x)
+{
+  ghosted_scratch = x;
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns;
+  for (unsigned int d = 0; d < model.domains.size(); ++d)
+    if (const Domain<dim> &domain = *model.domains[d]; domain.material.has_phases()) {
+      for (const auto &cell : domain.dof_handler().active_cell_iterators())
+        if (cell->is_locally_owned()) {
+          domain.cell_dofs(cell, dofs);
+          ghosted_values()(dofs, unknowns);
+          cell_terms[d]->look_at_start(cell, unknowns);
+        }
+      domain.memory->accept();
+    }
+  for (const auto &interface : model.interfaces)
+    if (std::any_of(interface->sides.begin(), interface->sides.end(),
+                    [](const auto &side) { return side.domain->material.has_phases(); }))
+      look_at_start(*interface, ghosted_values());
 }
 
 /// @return whether all laws are defined on this rank.

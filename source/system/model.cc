@@ -468,11 +468,20 @@ bool Model<dim>::has_constant_tangent() const
     if (domain->material.depends_on_time())
       return false;
     for (const auto &condition : domain->conditions())
-      if (!condition->has_constant_tangent())
+      if (!condition->has_constant_tangent() || (condition->follows_fields() && condition->has_tangent()))
         return false;
   }
   return std::all_of(interfaces.begin(), interfaces.end(),
                      [](const auto &interface) { return interface->tie().has_constant_tangent(*interface); });
+}
+
+template <int dim>
+bool Model<dim>::has_conditions_by_fields() const
+{
+  return std::any_of(domains.begin(), domains.end(), [](const auto &domain) {
+    return std::any_of(domain->conditions().begin(), domain->conditions().end(),
+                       [](const auto &condition) { return condition->follows_fields(); });
+  });
 }
 
 template <int dim>

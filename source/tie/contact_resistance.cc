@@ -19,6 +19,9 @@
 //       set Destination = right : 0
 //       set Conductance = 2000 + 3*T      # W/(m^2 K)
 //     end
+//
+// The conductance may also depend on how the solids press each other, and on the gap between them: both are
+// found before the step and again after it has converged, until the conductance stays as it is.
 
 #include <dovetail/material/embedding.h>
 #include <dovetail/scene/undefined.h>
@@ -34,6 +37,9 @@
 namespace dovetail {
 
 namespace {
+
+const NoteName of_contact("contact",
+                          "a conductance does not settle with the pressure or the gap of its solids");
 
 template <int dim>
 class ContactResistance : public Nitsche<dim>
@@ -57,14 +63,16 @@ public:
   void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
   bool is_symmetric() const override
   {
-    return Nitsche<dim>::is_symmetric() && !conductance.depends_on_scalars() &&
+    return Nitsche<dim>::is_symmetric() && !depends_on(of_mean) &&
            (!law || law->is_symmetric(stiffness.n_components() == 1));
   }
   bool is_linear() const override { return !conductance.depends_on_scalars() && !law; }
+  NoteList notes() const override;
+  bool looks_at(const Field &field) const override { return sees_solids() && field.n_components > 1; }
   bool has_constant_tangent(const Interface<dim> &interface) const override
   {
     return Nitsche<dim>::has_constant_tangent(interface) && !conductance.depends_on_time() &&
-           !stiffness.depends_on_time();
+           !stiffness.depends_on_time() && !sees_solids();
   }
   std::string description() const override
   {
@@ -94,10 +102,24 @@ private:
     conductance = section.read_expression(
         "Conductance", "", {1},
         "Flux per jump of a scalar field such as the temperature, which may depend on the mean of both sides "
-        "by the field's symbol, T for the temperature; from 0 (no contact) to inf (tied); required if such a "
-        "field is tied [W/(m^2 K)]",
-        {symbol});
+        "by the field's symbol, T for the temperature, and on how the solids meet, pressure [Pa] and gap "
+        "[m]; "
+        "from 0 (no contact) to inf (tied); required if such a field is tied [W/(m^2 K)]",
+        {symbol, "p", "gap"});
   }
+  /// The scalars of the formula: the mean of the traces, how hard the solids press each other per undeformed
+  /// area, and how far they are apart.
+  enum Scalar { of_mean, of_pressure, of_gap };
+  using Scalars = std::array<double, 3>;
+  bool depends_on(const Scalar scalar) const
+  {
+    return conductance.depends_on_scalars() && conductance.depends_on_scalar(scalar);
+  }
+  bool sees_solids() const { return depends_on(of_pressure) || depends_on(of_gap); }
+  std::vector<Scalars> find_contact(const Interface<dim> &interface, double t,
+                                    const ValuesOf &unknowns) const;
+  bool update_contact(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
+                      const MPI_Comm &communicator);
   bool explain(const TiedField &field, const dealii::Point<dim> &X, double t, double h,
                std::optional<double> mean = {}) const;
   const Expression &law_of(const TiedField &field) const
@@ -138,9 +160,14 @@ private:
   Expression conductance;
   const Expression stiffness;
   const std::unique_ptr<const JointLaw> law;   ///< of solids; empty: linear
+  std::vector<Scalars> contact;                ///< of the conductance, at the points
+  double last_change = 0;                      ///< of the conductance, relative, largest
+  unsigned int n_updates = 0;                  ///< after this step has converged, that changed it
+  bool is_unsettled = false;                   ///< it still changed much after several of them, in some step
   std::vector<dealii::Tensor<1, dim>> normals; ///< of the law, at the points
   mutable std::vector<double> trial_memory;    ///< of the law, at the point evaluated last
   static constexpr double small_turn = 1e-3;   ///< of the normal in a step
+  static constexpr double small_change = 1e-8, much = 1e-3; ///< of the conductance, relative
 };
 
 template <int dim>
@@ -154,6 +181,9 @@ void ContactResistance<dim>::set_fields(const Section &section, const std::vecto
       "Fields to one of them, and tie the others by interfaces of their own.");
   if (const auto scalar = std::find_if(fields.begin(), fields.end(), is_scalar); scalar != fields.end())
     symbol = scalar->symbol;
+  section.check(symbol != "p" && symbol != "gap", "Fields",
+                "has the species " + symbol +
+                    ", a word which stands for the solids in the formula of Conductance. Rename it.");
   read_conductance();
   for (const std::string entry : {"Conductance", "Joint stiffness"}) {
     const TiedField *tied = nullptr, *other = nullptr;
@@ -210,8 +240,11 @@ bool ContactResistance<dim>::find_joint(const Interface<dim> &interface, const T
     mean = (state[source].value[field.first_component[source]] +
             state[destination].value[field.first_component[destination]]) /
            2;
-    joint.along_normal = joint.along_tangents = conductance.value(X, t, 0, {&mean, 1});
-    joint.derivative_by_mean = conductance.derivative(X, t, 0, {&mean, 1}, 0);
+    Scalars scalars = contact.empty() ? Scalars() : contact[q];
+    scalars[of_mean] = mean;
+    const Expression::Scalars view(scalars.data(), scalars.size());
+    joint.along_normal = joint.along_tangents = conductance.value(X, t, 0, view);
+    joint.derivative_by_mean = depends_on(of_mean) ? conductance.derivative(X, t, 0, view, of_mean) : 0;
   } else {
     joint.along_normal = stiffness.value(X, t, 0);
     joint.along_tangents = stiffness.n_components() == 1 ? joint.along_normal : stiffness.value(X, t, 1);
@@ -270,6 +303,99 @@ std::vector<dealii::Tensor<1, dim>> ContactResistance<dim>::find_normals(const I
   return result;
 }
 
+namespace {
+
+/// The displacement of a side, if it has one.
+template <int dim>
+std::optional<Field> solid_of(const InterfaceSide<dim> &side)
+{
+  for (const Field &field : side.domain->fields())
+    if (field.n_components > 1)
+      return field;
+  return {};
+}
+
+} // namespace
+
+/// The mean of the traces, the pressure -n . P N with the deformed normal n, the mean of the sides, and the
+/// gap n . (u_dst - u_src).
+template <int dim>
+std::vector<typename ContactResistance<dim>::Scalars>
+ContactResistance<dim>::find_contact(const Interface<dim> &interface, const double t,
+                                     const ValuesOf &values_of) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  std::vector<Scalars> result(pairing.n_points(), Scalars());
+  SidePoints<dim> points(interface, t);
+  const std::array<std::optional<Field>, 2> solids{
+      {solid_of(interface.sides[source]), solid_of(interface.sides[destination])}};
+  const double share = solids[source] && solids[destination] ? 0.5 : 1;
+  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
+    for (unsigned int q = group.begin; q < group.end; ++q)
+      for (const unsigned int side : {source, destination}) {
+        points.reinit(side, q, unknowns);
+        for (const TiedField &field : interface.fields)
+          if (field.n_components == 1)
+            result[q][of_mean] += points.state[side].value[field.first_component[side]] / 2;
+        if (!solids[side] || !points.evaluate(side, false))
+          continue;
+        const State<dim> &state = points.state[side];
+        dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>();
+        dealii::Tensor<1, dim> u, traction;
+        for (unsigned int d = 0; d < dim; ++d) {
+          const unsigned int c = solids[side]->first_component + d;
+          if (interface.sides[side].domain->material.has_large_strain())
+            F[d] += state.gradient[c];
+          u[d] = state.value[c];
+          traction[d] = points.response[side].flux[c] * pairing.N(side, q);
+        }
+        if (!(determinant(F) > 0))
+          continue;
+        dealii::Tensor<1, dim> n = pairing.N(side, q) * invert(F);
+        n /= n.norm();
+        result[q][of_pressure] -= share * (n * traction);
+        result[q][of_gap] -= n * u;
+      }
+  });
+  return result;
+}
+
+/// @return whether the conductance has changed at some point of any rank by how the solids meet.
+template <int dim>
+bool ContactResistance<dim>::update_contact(const Interface<dim> &interface, const double t,
+                                            const ValuesOf &values_of, const MPI_Comm &communicator)
+{
+  if (!sees_solids())
+    return false;
+  section.check(solid_of(interface.sides[source]) || solid_of(interface.sides[destination]), "Conductance",
+                "depends on the pressure or the gap of solids, but neither side has a displacement.");
+  const auto now = find_contact(interface, t, values_of);
+  double change = 0;
+  const bool is_first = contact.size() != now.size();
+  for (unsigned int q = 0; q < now.size() && !is_first; ++q) {
+    const dealii::Point<dim> &X = interface.pairing().X(source, q);
+    const Scalars &here = now[q], former = {{here[of_mean], contact[q][of_pressure], contact[q][of_gap]}};
+    const double h = conductance.value(X, t, 0, {here.data(), here.size()}),
+                 before = conductance.value(X, t, 0, {former.data(), former.size()});
+    if (h != before) // both may be infinite
+      change = std::max(change, std::abs(h - before) / std::max(std::abs(h), std::abs(before)));
+  }
+  contact = now;
+  last_change = dealii::Utilities::MPI::max(is_first ? 1. : change, communicator);
+  return !(last_change <= small_change);
+}
+
+/// The last change is followed by one more solution.
+template <int dim>
+NoteList ContactResistance<dim>::notes() const
+{
+  NoteList all = Nitsche<dim>::notes();
+  if (is_unsettled)
+    all.push_back(of_contact("at the end of a step the Conductance still changes by more than 0.1 % with the "
+                             "pressure or the gap of the solids. Take smaller steps."));
+  return all;
+}
+
 /// Leave the reason why h is no conductance, at the mean of the scalar if it depends on that. @return false
 template <int dim>
 bool ContactResistance<dim>::explain(const TiedField &field, const dealii::Point<dim> &X, const double t,
@@ -289,6 +415,8 @@ void ContactResistance<dim>::begin_step(const Interface<dim> &interface, const d
 {
   if (law)
     normals = find_normals(interface, t, unknowns);
+  update_contact(interface, t, unknowns, communicator);
+  n_updates = 0;
   for (const TiedField &field : interface.fields) {
     const Expression &law = law_of(field);
     if (law.depends_on_scalars())
@@ -320,7 +448,11 @@ template <int dim>
 bool ContactResistance<dim>::update_penalties(const Interface<dim> &interface, const double t,
                                               const ValuesOf &unknowns, const MPI_Comm &communicator)
 {
-  const bool is_new = Nitsche<dim>::update_penalties(interface, t, unknowns, communicator);
+  const bool has_penalties = Nitsche<dim>::update_penalties(interface, t, unknowns, communicator),
+             has_contact = update_contact(interface, t, unknowns, communicator),
+             is_new = has_contact || has_penalties;
+  n_updates += has_contact ? 1 : 0;
+  is_unsettled = is_unsettled || (n_updates > 3 && last_change > much);
   if (!law)
     return is_new;
   const auto now = find_normals(interface, t, unknowns);

@@ -16,6 +16,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -118,6 +119,12 @@ public:
 
   bool is_active(const double t) const { return toggles->is_active(toggle, t); }
   const std::string &toggle_name() const { return toggle; }
+  /// Whether its toggle looks at fields, and switches the influx point by point at the last good state.
+  bool follows_fields() const { return formula.has_value(); }
+  /// The components at which the toggle looks.
+  std::vector<unsigned int> components_of_toggle() const;
+  /// Whether the toggle is on at a point where the last good state has @p values in these components.
+  bool is_on(const dealii::Point<dim> &X, double t, const std::vector<double> &values) const;
 
   const Section section;  ///< for error messages
   const std::string name; ///< the last part of its path
@@ -125,8 +132,13 @@ public:
   const std::set<dealii::types::boundary_id> boundary_ids;
 
 private:
+  void read_formula(const Material<dim> &material);
+
   const Toggles *toggles;
   const std::string toggle;
+  std::optional<Expression> formula;                          ///< of a toggle that looks at fields
+  std::vector<std::pair<unsigned int, unsigned int>> scalars; ///< at which it looks: number there, component
+  unsigned int n_names = 0;
 };
 
 /// The entry Components of a condition on @p field: x, y, z as 0, 1, 2; all if it is empty.

@@ -12,6 +12,7 @@
 #include <dovetail/domain/condition_places.h>
 #include <dovetail/domain/constraint_lines.h>
 #include <dovetail/domain/cover.h>
+#include <dovetail/domain/last_good.h>
 #include <dovetail/domain/measure.h>
 #include <dovetail/domain/mesh.h>
 #include <dovetail/domain/weak_penalties.h>
@@ -158,6 +159,8 @@ public:
 
   std::vector<Cover<dim>> covers; ///< of its boundary, by interfaces
   WeakPenalties weak_penalties;   ///< of values that are prescribed weakly, set at the beginning of a step
+
+  LastGood last_good; ///< for conditions whose toggles look at fields
 
   std::unique_ptr<CellMemory<dim>> memory; ///< nullptr if the material remembers nothing
 

@@ -16,8 +16,8 @@
 namespace dovetail {
 
 /// Quadrature points of boundary faces, without what interfaces cover of them (Domain::covers): the points of
-/// the whole face (exact for degree 2p + 1) and, with negative weights, those of its covered part. One object
-/// per thread.
+/// the whole face (exact for degree 2p + 1) and, with negative weights, those of its covered part. Points
+/// where the condition's toggle was off at the last good state are left out. One object per thread.
 template <int dim>
 class OpenBoundary
 {
@@ -43,6 +43,9 @@ public:
 
 private:
   void find_state(const std::vector<double> &unknowns);
+  /// The value of a component at the point, with the unknowns of the cell.
+  double value(unsigned int component, const std::vector<double> &unknowns) const;
+  bool is_switched_off(const Condition<dim> &condition, const cell_iterator &cell) const;
 
   const Domain<dim> &domain;
   const bool with_gradients;

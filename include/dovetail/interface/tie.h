@@ -253,6 +253,8 @@ public:
   virtual bool is_symmetric() const { return true; } ///< if the laws are; on this rank, in this step
   virtual bool is_linear() const { return true; }    ///< the terms are affine in the unknowns if the laws are
 
+  /// Whether it asks for this field of its sides although it does not tie it.
+  virtual bool looks_at(const Field & /*field*/) const { return false; }
   /// Whether a toggle that looks at fields switches its points between steps; and whether it has done so at
   /// the beginning of this step, on any rank: then the fluxes are on another curve.
   virtual bool follows_fields() const { return false; }

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/material/phase_choice.h>
 #include <dovetail/material/term.h>
 #include <dovetail/scene/section.h>
 
@@ -18,7 +19,9 @@ template <int dim>
 class SolidTerm;
 
 /// The terms of one material. Its parts (material_part.h) bring the fields, ordered displacement,
-/// temperature, species; a part that the scene does not name gives no field.
+/// temperature, species; a part that the scene does not name gives no field. Where a toggle is off another
+/// material may take its place (phase_choice.h): then the terms of both are here, and those of one hold at a
+/// point. What is stored does not change.
 template <int dim>
 class Material
 {
@@ -86,6 +89,15 @@ public:
   const std::vector<double> &initial_memory() const { return memory_at_start; }
   bool has_memory() const { return !memory_at_start.empty(); }
 
+  bool has_phases() const { return choice.is_given(); } ///< another material may take its place
+  /// Whether its toggles look at a component, whatever the terms depend on.
+  bool chooses_by(const unsigned int component) const { return choice.sees(component); }
+  /// Of the materials that may hold at a point the number of the one that does; 0 is the one of this name.
+  unsigned int phase(const State<dim> &state) const { return choice.at(state); }
+  /// Of the state before the first step: write the trial of what its terms remember so that they remember
+  /// nothing but which material holds there.
+  void look_at_start(const State<dim> &state) const;
+
   /// "Fourier, linear"
   std::string description(unsigned int field) const;
 
@@ -93,13 +105,22 @@ public:
   unsigned long evaluations(const std::string &law) const;
 
 private:
-  const SolidTerm<dim> &solid_term() const;
+  void add_phase(const Section &other);
+  void set_up_terms();
+  const SolidTerm<dim> &solid_term(unsigned int phase = 0) const;
+  /// Whether term i belongs to the material of this number.
+  bool holds(const unsigned int i, const unsigned int phase) const
+  {
+    return !has_phases() || terms[i]->order_in_time() > 0 || phases[i] == phase;
+  }
   template <typename Predicate>
   bool all_terms(unsigned int field, const Predicate &does) const;
   Coupling coupling_of_fields(unsigned int field, unsigned int on_field) const;
 
   std::vector<Field> all_fields;
   std::vector<std::unique_ptr<Term<dim>>> terms;
+  PhaseChoice<dim> choice;
+  std::vector<unsigned int> phases;                   ///< by term, the number of its material
   std::vector<std::vector<unsigned int>> needed_by;   ///< components, by term
   std::vector<Coupling> couplings;                    ///< of components (c, d) at c * n + d
   std::vector<unsigned int> flux_pairs, source_pairs; ///< those that have derivatives

@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -28,6 +29,9 @@ public:
   /// Its fields, without numbers of components, from the names in the scene. While documenting one of each
   /// kind.
   virtual std::vector<Field> fields() const = 0;
+
+  /// Subsection and name of the entries that say what is stored, which no change of phase may change.
+  virtual std::vector<std::pair<std::string, std::string>> entries_of_storage() const { return {}; }
 
   using Terms = std::vector<std::unique_ptr<Term<dim>>>;
   /// Reads the rest, where @p all are the fields of all parts; formulas may use the symbols of scalars.

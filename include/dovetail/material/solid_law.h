@@ -88,6 +88,9 @@ public:
   virtual std::vector<InternalVariable> internal_variables() const { return {}; }
   /// Whether the second derivatives exist. A law with memory has different branches, so it has none.
   virtual bool has_curvature() const { return internal_variables().empty(); }
+  /// Of a law of small displacements that flows without change of volume, its first 9 internal variables: mu
+  /// in d eps_p = dev (d eps - dP/(2 mu)) [Pa]. Nothing of another law.
+  virtual std::optional<double> shear_of_flow() const { return {}; }
   /// dP/dF is, and it is not negative at rest: there is an energy, or an incremental one.
   virtual bool is_symmetric() const { return true; }
 

@@ -47,10 +47,21 @@ public:
   std::string description() const override { return name_of_law; }
   std::vector<InternalVariable> internal_variables() const override { return law->internal_variables(); }
   bool has_curvature() const override { return law->has_curvature(); }
+  bool is_around_axis() const { return is_axisymmetric; }
 
   bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const override;
   void add_curvature(const State<dim> &state, const std::vector<dealii::Tensor<1, dim>> &w,
                      dealii::FullMatrix<double> &result) const override;
+
+  /// P : (eps_p - eps_p,n), what the flow of this step dissipates per volume, with its derivatives.
+  struct FlowWork
+  {
+    double value = 0, by_temperature = 0;
+    dealii::Tensor<2, dim> by_gradient;
+  };
+  bool can_flow() const { return law->shear_of_flow().has_value(); }
+  /// @return false where the law is not defined. @pre can_flow()
+  bool flow_work(const State<dim> &state, FlowWork &work) const;
 
   double energy_density(const State<dim> &state) const override;
   /// sigma = P F^T / J, the force per deformed area (P itself for a law of small displacements, which knows

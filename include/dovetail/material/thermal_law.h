@@ -60,6 +60,7 @@ public:
   double energy(const dealii::Tensor<2, 3> &H, double T, const Place &place) const override;
   std::vector<InternalVariable> internal_variables() const override { return law->internal_variables(); }
   bool has_curvature() const override { return law->has_curvature(); }
+  std::optional<double> shear_of_flow() const override { return law->shear_of_flow(); }
   bool is_symmetric() const override { return law->is_symmetric(); }
   const Volumetric *volume() const override { return law->volume(); }
   bool is_linear() const override

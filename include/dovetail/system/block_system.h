@@ -72,6 +72,8 @@ public:
   /// Of a solution @p x of time @p t: let all laws remember it. Nothing is remembered, and false returned on
   /// all ranks alike, if one is not defined there. Collective; costs nothing where no law remembers anything.
   bool remember(double t, const Vector &x);
+  /// Of the state @p x before the first step: materials that have phases choose those of that step.
+  void choose_first_phases(const Vector &x);
   /// Of the last assembly since begin_step() that was not defined: which law at which state, in which domain
   /// and cell; the same on all ranks.
   const Undefined &why_undefined() const { return problem; }
@@ -175,6 +177,7 @@ private:
   void add_pattern(const Interface<dim> &interface, dealii::DynamicSparsityPattern &pattern) const;
   void move_constraints_from(const Vector &ghosted);
   bool evaluate_memory(double t);
+  void keep_last_good(double t, const Vector &x);
   bool assemble_all(bool with_tangent);
   bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);
   bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);

@@ -81,7 +81,7 @@ std::vector<InternalVariable> PhaseChoice<dim>::internal_variables() const
 {
   if (!is_given())
     return {};
-  return {{"phase", 1, -1}, {"phase of the next step", 1, -1}, {"time of the phase", 1, -1}};
+  return {{"phase of the step", 1, -1}, {"phase of the next step", 1, -1}, {"time of the phases", 1, -1}};
 }
 
 template <int dim>

@@ -125,6 +125,8 @@ void NonlinearStep<dim>::save(SavedState &to) const
                         {"has noted an inexact step", has_noted_inexact_step},
                         {"toggles of predictor", toggles_of_predictor}};
   save_predictor(predictor, to);
+  if (model.has_conditions_by_fields())
+    to.vectors["begin of the last step"] = begin_of_step;
   if (!scheme)
     return;
   to.numbers["step"]["histories"] = range_watch->save();
@@ -149,6 +151,8 @@ void NonlinearStep<dim>::go_on(const Checkpoint<dim> &checkpoint, const SavedSta
     rates_of_last_good = saved_rates(from);
   }
   problem->set_converged();
+  if (model.has_conditions_by_fields())
+    present_system->keep_last_good(t, from.vectors.at("begin of the last step"));
   begin_last_good(t, x);
   checkpoint.restore_penalties(model);
 }
@@ -316,6 +320,8 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x, const Rates &rat
     set_up(t);
   const Phases::Scope scope(phases, "setup");
   has_jumped = false;
+  if (model.has_conditions_by_fields())
+    begin_of_step = x;
   present_system->set_rates(rates);
   present_system->begin_step(t, x);
   problem->begin_step(t, x);

@@ -160,6 +160,7 @@ private:
   std::unique_ptr<StepProblem<dim>> problem;
   NewtonResult last_result;
   Predictor predictor;
+  Vector begin_of_step;                   ///< the state; only for conditions whose toggles look at fields
   std::vector<bool> toggles_of_predictor; ///< active ones
   unsigned int n_predictions = 0;
   bool has_jumped = false;                                      ///< in this step, past a limit point

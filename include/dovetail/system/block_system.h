@@ -74,6 +74,9 @@ public:
   bool remember(double t, const Vector &x);
   /// Of the state @p x before the first step: materials that have phases choose those of that step.
   void choose_first_phases(const Vector &x);
+  /// Of a step to time @p t: conditions whose toggles look at fields see its first state @p x in it.
+  /// begin_step() does so, unless it is that step again.
+  void keep_last_good(double t, const Vector &x);
   /// Of the last assembly since begin_step() that was not defined: which law at which state, in which domain
   /// and cell; the same on all ranks.
   const Undefined &why_undefined() const { return problem; }
@@ -177,7 +180,6 @@ private:
   void add_pattern(const Interface<dim> &interface, dealii::DynamicSparsityPattern &pattern) const;
   void move_constraints_from(const Vector &ghosted);
   bool evaluate_memory(double t);
-  void keep_last_good(double t, const Vector &x);
   bool assemble_all(bool with_tangent);
   bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);
   bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);

@@ -57,9 +57,9 @@ void GroupSystem::make_scaled()
     for (const unsigned int block : group.multiplier_blocks) {
       const unsigned int n_own = matrix->owned_unknowns()[block].n_elements();
       const auto dropped = group.dropped ? group.dropped(block) : std::vector<bool>(n_own);
-      const bool is_of_cells = group.is_of_cells && group.is_of_cells(block);
+      const bool is_of_body = group.is_of_body && group.is_of_body(block);
       for (unsigned int i = 0; i < n_own; ++i)
-        traits.push_back({dropped[i], is_of_cells});
+        traits.push_back({dropped[i], is_of_body});
     }
     saddle = std::make_unique<SaddlePoint>(*matrix, *merged, group.blocks, group.multiplier_blocks, traits);
   }

@@ -14,18 +14,78 @@
 
 namespace dovetail {
 
-/// Not by ML's Epetra_PtAP (Trilinos 13.2), which errs where P has columns of other ranks.
-std::unique_ptr<Epetra_CrsMatrix> MatrixLevel::restricted(const Epetra_CrsMatrix &P) const
+namespace {
+
+std::unique_ptr<Epetra_CrsMatrix> transposed_product(const Epetra_CrsMatrix &P, const Epetra_CrsMatrix &AP)
 {
-  Epetra_CrsMatrix AP(Copy, A.RowMap(), 0);
-  EpetraExt::MatrixMatrix::Multiply(A, false, P, false, AP, false);
-  AP.FillComplete(P.DomainMap(), A.RangeMap());
   EpetraExt::RowMatrix_Transpose transposer;
   const auto &transposed = dynamic_cast<Epetra_CrsMatrix &>(transposer(const_cast<Epetra_CrsMatrix &>(P)));
   auto result = std::make_unique<Epetra_CrsMatrix>(Copy, P.DomainMap(), 0);
   EpetraExt::MatrixMatrix::Multiply(transposed, false, AP, false, *result, false);
   result->FillComplete(P.DomainMap(), P.DomainMap());
   return result;
+}
+
+Epetra_CrsMatrix product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P)
+{
+  Epetra_CrsMatrix AP(Copy, A.RowMap(), 0);
+  EpetraExt::MatrixMatrix::Multiply(A, false, P, false, AP, false);
+  AP.FillComplete(P.DomainMap(), A.RangeMap());
+  return AP;
+}
+
+} // namespace
+
+/// Not by ML's Epetra_PtAP (Trilinos 13.2), which errs where P has columns of other ranks.
+std::unique_ptr<Epetra_CrsMatrix> MatrixLevel::restricted(const Epetra_CrsMatrix &P) const
+{
+  return transposed_product(P, product(A, P));
+}
+
+void AugmentedLevel::vmult(Epetra_Vector &y, const Epetra_Vector &x) const
+{
+  MatrixLevel::vmult(y, x);
+  add_product(R, x, y);
+}
+
+void AugmentedLevel::diagonal(Epetra_Vector &values) const
+{
+  MatrixLevel::diagonal(values);
+  add_diagonal(R, values);
+}
+
+std::unique_ptr<Epetra_CrsMatrix> AugmentedLevel::restricted(const Epetra_CrsMatrix &P) const
+{
+  const auto of_A = MatrixLevel::restricted(P);
+  const Epetra_CrsMatrix RP = product(R, P);
+  const auto of_R = transposed_product(RP, RP);
+  Epetra_CrsMatrix *sum = nullptr;
+  EpetraExt::MatrixMatrix::Add(*of_A, false, 1., *of_R, false, 1., sum);
+  std::unique_ptr<Epetra_CrsMatrix> result(sum);
+  result->FillComplete(P.DomainMap(), P.DomainMap());
+  return result;
+}
+
+void add_product(const Epetra_CrsMatrix &R, const Epetra_Vector &x, Epetra_Vector &y)
+{
+  Epetra_Vector Rx(R.RangeMap(), false), product(R.DomainMap(), false);
+  R.Multiply(false, x, Rx);
+  R.Multiply(true, Rx, product);
+  y.Update(1., product, 1.);
+}
+
+void add_diagonal(const Epetra_CrsMatrix &R, Epetra_Vector &values)
+{
+  Epetra_Vector squares(R.ColMap()), sums(R.DomainMap());
+  for (int row = 0; row < R.NumMyRows(); ++row) {
+    int n = 0, *columns = nullptr;
+    double *entries = nullptr;
+    R.ExtractMyRowView(row, n, entries, columns);
+    for (int k = 0; k < n; ++k)
+      squares[columns[k]] += entries[k] * entries[k];
+  }
+  sums.Export(squares, Epetra_Import(R.ColMap(), R.DomainMap()), Add);
+  values.Update(1., sums, 1.);
 }
 
 std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A,

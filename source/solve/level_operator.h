@@ -41,6 +41,26 @@ private:
   const Epetra_CrsMatrix &A;
 };
 
+/// A + R^T R
+class AugmentedLevel : public MatrixLevel
+{
+public:
+  AugmentedLevel(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &R)
+      : MatrixLevel(A), R(R) {} ///< by reference
+
+  void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override;
+  void diagonal(Epetra_Vector &values) const override;
+  std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const override;
+
+private:
+  const Epetra_CrsMatrix &R;
+};
+
+/// y += R^T R x
+void add_product(const Epetra_CrsMatrix &R, const Epetra_Vector &x, Epetra_Vector &y);
+/// += diag(R^T R)
+void add_diagonal(const Epetra_CrsMatrix &R, Epetra_Vector &values);
+
 /// (A + A^T) / 2 within each field, and nothing between fields, whose units differ: what is left is positive
 /// definite if the fields are by themselves. An entry without a partner across the diagonal is left out too.
 std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A,

@@ -78,6 +78,7 @@ private:
   std::unique_ptr<Epetra_MultiVector> modes;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< of a matrix that is not symmetric
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
+  const Epetra_CrsMatrix *added_rows = nullptr;     ///< as of GroupOperator
   Means means = Means::usual;                       ///< until an iteration is slow with them
   std::unique_ptr<Cycle> cycle;
   std::unique_ptr<MatrixLevel> finest;         ///< of by_degree
@@ -102,6 +103,7 @@ void Multigrid::make(const GroupOperator &K)
 {
   forget_values();
   matrix = K.bodies().matrix();
+  added_rows = K.bodies().added_rows();
   if (!modes)
     ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
   if (!facts.is_symmetric) {
@@ -116,7 +118,8 @@ void Multigrid::make_levels()
 {
   cycle.reset();
   by_degree.reset();
-  finest = std::make_unique<MatrixLevel>(*matrix);
+  finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix)
+                                 : std::make_unique<AugmentedLevel>(*matrix, *added_rows);
   if (facts.degree > 1 && facts.linear_part)
     by_degree = coarsen_degree(*finest, facts, *modes);
   else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))

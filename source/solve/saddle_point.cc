@@ -3,8 +3,9 @@
 
 #include "saddle_point.h"
 
+#include "level_operator.h"
+
 #include <deal.II/base/mpi.h>
-#include <deal.II/lac/full_matrix.h>
 
 #include <Epetra_Comm.h>
 #include <Epetra_Import.h>
@@ -38,49 +39,30 @@ void add_schur_complement(const Epetra_CrsMatrix &B, const Epetra_Vector &diagon
 
 } // namespace
 
-/// Rows of one cell have the same columns, which follow each other: one product for all of them.
-void AugmentedBodies::update(const BlockMatrix::Part &A_values, const Epetra_CrsMatrix &B,
-                             const std::vector<double> &W)
+void AugmentedBodies::update(const Epetra_CrsMatrix &B, const std::vector<double> &W)
 {
-  sum.copy_from(A_values);
-  std::vector<dealii::types::global_dof_index> unknowns;
-  std::vector<int> last_columns;
-  dealii::FullMatrix<double> product;
-  const auto add_cell = [&]() {
-    unknowns.clear();
-    for (const int column : last_columns)
-      unknowns.push_back(B.GCID(column));
-    if (!unknowns.empty())
-      sum.add(unknowns, product);
-  };
-  for (int i = 0; i < B.NumMyRows(); ++i) {
-    if (W[i] == 0)
-      continue;
-    int n = 0, *columns = nullptr;
-    double *values = nullptr;
-    B.ExtractMyRowView(i, n, values, columns);
-    if (!std::equal(columns, columns + n, last_columns.begin(), last_columns.end())) {
-      add_cell();
-      last_columns.assign(columns, columns + n);
-      product.reinit(n, n);
-    }
-    for (int j = 0; j < n; ++j)
-      for (int k = 0; k < n; ++k)
-        product(j, k) += W[i] * values[j] * values[k];
-  }
-  add_cell();
-  sum.compress(dealii::VectorOperation::add);
+  if (R)
+    *R = B; // levels that are kept refer to it
+  else
+    R = std::make_unique<Epetra_CrsMatrix>(B);
+  Epetra_Vector root(B.RowMap());
+  for (int i = 0; i < root.MyLength(); ++i)
+    root[i] = std::sqrt(W[i]);
+  R->LeftScale(root);
 }
 
 void AugmentedBodies::vmult(GroupVector &destination, const GroupVector &source) const
 {
-  sum.vmult(destination, source);
+  A.vmult(destination, source);
+  Epetra_Vector y(View, destination.trilinos_vector(), 0);
+  add_product(*R, Epetra_Vector(View, source.trilinos_vector(), 0), y);
 }
 
 void AugmentedBodies::diagonal(GroupVector &destination) const
 {
-  Epetra_Vector values(View, sum.trilinos_matrix().RowMap(), destination.trilinos_vector()[0]);
-  sum.trilinos_matrix().ExtractDiagonalCopy(values);
+  A.diagonal(destination);
+  Epetra_Vector values(View, destination.trilinos_vector(), 0);
+  add_diagonal(*R, values);
 }
 
 SaddlePoint::SaddlePoint(const BlockMatrix &matrix, const MergedMatrix &all,
@@ -90,9 +72,9 @@ SaddlePoint::SaddlePoint(const BlockMatrix &matrix, const MergedMatrix &all,
     : matrix(matrix), all(all), body_operator(matrix, bodies), body_part(matrix.part_of(bodies[0])),
       multiplier_part(matrix.part_of(multipliers[0])), traits(std::move(given_traits))
 {
-  const bool is_any_of_cell = std::any_of(
-      traits.begin(), traits.end(), [](const MultiplierTraits &multiplier) { return multiplier.is_of_cell; });
-  if (dealii::Utilities::MPI::max(static_cast<int>(is_any_of_cell), matrix.get_mpi_communicator()) != 0)
+  const bool is_any_of_body = std::any_of(
+      traits.begin(), traits.end(), [](const MultiplierTraits &multiplier) { return multiplier.is_of_body; });
+  if (dealii::Utilities::MPI::max(static_cast<int>(is_any_of_body), matrix.get_mpi_communicator()) != 0)
     augmented = std::make_unique<AugmentedBodies>(body_operator);
 }
 
@@ -101,7 +83,7 @@ const GroupOperator &SaddlePoint::bodies() const
   return augmented ? static_cast<const GroupOperator &>(*augmented) : body_operator;
 }
 
-/// d and, with W = w / d for multipliers of cells, about the Schur complement of the augmented system,
+/// d and, with W = w / d for pressures, about the Schur complement of the augmented system,
 /// @f[ S'^{-1} = S^{-1} + W - S^{-1} C W \approx (1 + w (1 - C / d)) / d. @f]
 void SaddlePoint::update()
 {
@@ -124,15 +106,14 @@ void SaddlePoint::update()
   weight.assign(traits.size(), 0.);
   for (unsigned int i = 0; i < traits.size(); ++i)
     if (!traits[i].is_dropped && d[i] > 0) {
-      const double share = traits[i].is_of_cell ? w : 0;
+      const double share = traits[i].is_of_body ? w : 0;
       scale[i] = std::sqrt(mean / d[i]);
       schur[i] = mean / (1 + share * (1 - C[i] / d[i]));
       weight[i] = share / d[i];
     }
   if (!augmented)
     return;
-  augmented->update(matrix.part(body_part, body_part),
-                    matrix.part(multiplier_part, body_part).trilinos_matrix(), weight);
+  augmented->update(matrix.part(multiplier_part, body_part).trilinos_matrix(), weight);
   for (unsigned int i = 0; i < traits.size(); ++i)
     weight[i] /= scale[i] * scale[i];
 }

@@ -12,36 +12,36 @@
 
 namespace dovetail {
 
-/// Of a multiplier: it was dropped, and C may well have a diagonal; it belongs to one cell, as a
-/// discontinuous pressure does.
+/// Of a multiplier: it was dropped, and C may well have a diagonal; it is a pressure.
 struct MultiplierTraits
 {
-  bool is_dropped, is_of_cell;
+  bool is_dropped, is_of_body;
 };
 
-/// A + B^T W B, with the pattern of A: W is zero but for multipliers of cells.
+/// A + B^T W B by products: B^T W B = R^T R has more entries than A where a pressure is continuous.
 class AugmentedBodies : public GroupOperator
 {
 public:
   explicit AugmentedBodies(const MergedMatrix &A) : A(A) {}
-  /// @p B: of the multipliers. Collective.
-  void update(const BlockMatrix::Part &A_values, const Epetra_CrsMatrix &B, const std::vector<double> &W);
+  /// R = W^1/2 B. Collective.
+  void update(const Epetra_CrsMatrix &B, const std::vector<double> &W);
 
   GroupVector vector() const override { return A.vector(); }
   void vmult(GroupVector &destination, const GroupVector &source) const override;
   void diagonal(GroupVector &destination) const override;
-  const Epetra_CrsMatrix *matrix() const override { return &sum.trilinos_matrix(); }
+  const Epetra_CrsMatrix *matrix() const override { return A.matrix(); }
+  const Epetra_CrsMatrix *added_rows() const override { return R.get(); }
 
 private:
   const MergedMatrix &A;
-  BlockMatrix::Part sum;
+  std::unique_ptr<Epetra_CrsMatrix> R;
 };
 
 /// [A B^T; B -C] with the multipliers scaled: the diagonal d of the Schur complement C + B diag(A)^-1 B^T
 /// becomes the mean diagonal entry of A. Then all unknowns, and all residuals, have one unit. With D the
 /// scale it is D K D, its unknowns D^-1 x, its right-hand side D b.
 ///
-/// Multipliers of cells augment A with W = w / d: where a pressure takes all of the resistance to a change of
+/// Pressures augment A with W = w / d: where a pressure takes all of the resistance to a change of
 /// volume, A has none, which multigrid does not like (M. Benzi, M. A. Olshanskii: An augmented
 /// Lagrangian-based approach to the Oseen problem, 2006).
 class SaddlePoint : public GroupOperator

@@ -80,12 +80,8 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.linear_part = [&model, system](const unsigned int block) {
       return constrained_linear_part(model, system(), block);
     };
-    group.is_of_cells = [&model](const unsigned int number) {
-      const Block &block = model.numbering->blocks()[number];
-      if (block.is_of_multipliers)
-        return false;
-      const Domain<dim> &domain = *model.domains[block.domain_index];
-      return !domain.layout().is_continuous(domain.fields()[block.field_index].first_component);
+    group.is_of_body = [&model](const unsigned int number) {
+      return !model.numbering->blocks()[number].is_of_multipliers;
     };
     group.dropped = [&model, system](const unsigned int block) {
       std::vector<bool> own_part;

@@ -39,6 +39,8 @@ public:
   /// K is the sum of entries() and of the products of cells(), which have no entries; nullptr: none.
   virtual const PartOperator *cells() const { return nullptr; }
   virtual const Epetra_CrsMatrix *entries() const { return matrix(); }
+  /// K is the sum of matrix() and of R^T R with these rows R; nullptr: none.
+  virtual const Epetra_CrsMatrix *added_rows() const { return nullptr; }
 
   /// A of [A B^T; B -C]: without the multipliers; or A + B^T W B. *this if there are none.
   virtual const GroupOperator &bodies() const { return *this; }

@@ -41,9 +41,9 @@ struct SolveGroup : GroupTraits
   std::function<bool()> is_still_symmetric;
   /// The name of the field of a block of the bodies. If missing, all have the same.
   std::function<std::string(unsigned int block)> field;
-  /// Whether each multiplier of a block belongs to one cell, as a discontinuous pressure does. If missing,
-  /// none.
-  std::function<bool(unsigned int block)> is_of_cells;
+  /// Whether the multipliers of a block are a pressure, which takes from the bodies all of their resistance
+  /// to a change of volume. If missing, none are.
+  std::function<bool(unsigned int block)> is_of_body;
   /// Of each of this rank's multipliers of a block: whether it was dropped, so that it is alone in its
   /// equation. If missing, none was.
   std::function<std::vector<bool>(unsigned int block)> dropped;

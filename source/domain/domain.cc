@@ -4,6 +4,7 @@
 #include <dovetail/domain/cell_examination.h>
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/domain/domain.h>
+#include <dovetail/domain/face_nodes.h>
 #include <dovetail/domain/is_covered.h>
 #include <dovetail/domain/mesh_size.h>
 #include <dovetail/domain/node_equations.h>
@@ -467,7 +468,7 @@ void Domain<dim>::add_values(const double t, ConstraintLines &lines) const
         !condition->is_active(t))
       continue;
     const unsigned int first = condition->field.first_component;
-    const auto &element = cell_layout->element(first);
+    const auto face_nodes = nodes_of_faces(cell_layout->element(first));
     const auto at_nodes = nodes_of(first);
     const auto add = [&](const unsigned int a) {
       for (const unsigned int c : components) {
@@ -483,8 +484,8 @@ void Domain<dim>::add_values(const double t, ConstraintLines &lines) const
       if (condition->boundary_ids.count(face.id) > 0) {
         at_nodes->reinit(face.cell);
         cell_dofs(dof_cell(face.cell), indices);
-        for (unsigned int a = 0; a < at_nodes->n_quadrature_points; ++a)
-          if (element.has_support_on_face(a, face.number) && !is_covered(*this, condition->field, face, a, t))
+        for (const unsigned int a : face_nodes[face.number])
+          if (!is_covered(*this, condition->field, face, a, t))
             add(a);
       }
     if (const auto node = point_nodes.find(condition.get()); node != point_nodes.end()) {

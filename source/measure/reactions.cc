@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_points.h>
+#include <dovetail/domain/face_nodes.h>
 #include <dovetail/domain/is_covered.h>
 #include <dovetail/domain/open_boundary.h>
 #include <dovetail/domain/quadrature.h>
@@ -205,7 +206,7 @@ template <int dim>
 std::map<dealii::types::global_dof_index, unsigned int>
 Reactions<dim>::components_at_nodes(const Domain<dim> &domain, const Field &field) const
 {
-  const auto &element = domain.layout().element(field.first_component);
+  const auto face_nodes = nodes_of_faces(domain.layout().element(field.first_component));
   std::set<dealii::types::boundary_id> with_conditions;
   for (const auto &condition : domain.conditions())
     if (condition->field.name == field.name && !condition->prescribed_components().empty())
@@ -219,9 +220,8 @@ Reactions<dim>::components_at_nodes(const Domain<dim> &domain, const Field &fiel
   };
   const bool has_axis = domain.measure.has_hoop_strain(field) && domain.reaches_axis();
   for (const auto &[cell, face, id] : domain.boundary_faces())
-    for (unsigned int a = 0; (has_axis || with_conditions.count(id) > 0) && a < element.n_dofs_per_cell();
-         ++a)
-      if (element.has_support_on_face(a, face))
+    if (has_axis || with_conditions.count(id) > 0)
+      for (const unsigned int a : face_nodes[face])
         add_node(cell, a);
   for (const auto &[condition, node] : domain.nodes_of_points())
     if (condition->field.name == field.name)

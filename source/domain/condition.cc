@@ -6,6 +6,7 @@
 #include <dovetail/scene/undefined.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace dovetail {
 
@@ -101,13 +102,16 @@ std::vector<unsigned int> Condition<dim>::components_of_toggle() const
 }
 
 template <int dim>
-bool Condition<dim>::is_on(const dealii::Point<dim> &X, const double t,
-                           const std::vector<double> &values) const
+std::optional<bool> Condition<dim>::is_on(const dealii::Point<dim> &X, const double t,
+                                          const std::vector<double> &values) const
 {
   std::vector<double> all(n_names);
   for (unsigned int i = 0; i < scalars.size(); ++i)
     all[scalars[i].first] = values[i];
-  return finite(formula->value(X, t, 0, all), section, "Toggle", X, t) != 0;
+  const double value = finite(formula->value(X, t, 0, all), section, "Toggle", X, t);
+  if (std::isnan(value))
+    return {};
+  return value != 0;
 }
 
 std::vector<unsigned int> read_components(const Section &section, const Field &field)

@@ -6,6 +6,7 @@
 #include <dovetail/domain/quadrature.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 namespace dovetail {
@@ -50,9 +51,10 @@ double OpenBoundary<dim>::value(const unsigned int component, const std::vector<
                             unknowns.begin() + layout.first(component), 0.);
 }
 
-/// At the point. Where no step has begun, nothing is switched off.
+/// At the point. Where no step has begun, nothing is switched off; where the toggle is not a number, neither
+/// is the weight, so that the step fails.
 template <int dim>
-bool OpenBoundary<dim>::is_switched_off(const Condition<dim> &condition, const cell_iterator &cell) const
+bool OpenBoundary<dim>::is_switched_off(const Condition<dim> &condition, const cell_iterator &cell)
 {
   if (!condition.follows_fields())
     return false;
@@ -62,7 +64,10 @@ bool OpenBoundary<dim>::is_switched_off(const Condition<dim> &condition, const c
   std::vector<double> values;
   for (const unsigned int c : condition.components_of_toggle())
     values.push_back(value(c, unknowns));
-  return !condition.is_on(point.state.X, point.state.t, values);
+  const std::optional<bool> is_on = condition.is_on(point.state.X, point.state.t, values);
+  if (!is_on)
+    point.JxW = std::numeric_limits<double>::quiet_NaN();
+  return is_on == false;
 }
 
 template <int dim>

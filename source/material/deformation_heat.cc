@@ -86,12 +86,29 @@ bool DeformationHeat<dim>::add_flow(const State<dim> &state, const double durati
 }
 
 template <int dim>
+void DeformationHeat<dim>::remember(const State<dim> &state, const double heat) const
+{
+  double *const trial = state.memory.trial.data() + this->first_internal_variable;
+  trial[heat_of_step] = heat;
+  trial[time_of_step] = state.t;
+  for (unsigned int i = 0; i < dim; ++i)
+    for (unsigned int J = 0; J < dim; ++J)
+      trial[gradient_of_step + i * dim + J] = state.gradient[solid.field.first_component + i][J];
+}
+
+template <int dim>
+void DeformationHeat<dim>::pass(const State<dim> &state) const
+{
+  const double *const accepted = state.memory.accepted.data() + this->first_internal_variable;
+  remember(state, state.t > accepted[time_of_step] ? 0 : accepted[heat_of_step]);
+}
+
+template <int dim>
 bool DeformationHeat<dim>::add(const State<dim> &state, const bool with_derivatives,
                                Response<dim> &response) const
 {
   const unsigned int T = this->field.first_component;
   const double *const accepted = state.memory.accepted.data() + this->first_internal_variable;
-  double *const trial = state.memory.trial.data() + this->first_internal_variable;
   const double duration = state.t - accepted[time_of_step];
   if (duration <= 0) {
     response.source[T] -= accepted[heat_of_step];
@@ -103,11 +120,7 @@ bool DeformationHeat<dim>::add(const State<dim> &state, const bool with_derivati
       (share > 0 && !add_flow(state, duration, heat, derivatives)))
     return false;
   response.source[T] -= heat;
-  trial[heat_of_step] = heat;
-  trial[time_of_step] = state.t;
-  for (unsigned int i = 0; i < dim; ++i)
-    for (unsigned int J = 0; J < dim; ++J)
-      trial[gradient_of_step + i * dim + J] = state.gradient[solid.field.first_component + i][J];
+  remember(state, heat);
   return true;
 }
 

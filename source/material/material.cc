@@ -4,6 +4,7 @@
 #include <dovetail/material/material.h>
 #include <dovetail/material/material_part.h>
 #include <dovetail/material/solid_term.h>
+#include <dovetail/scene/undefined.h>
 
 #include <algorithm>
 #include <cmath>
@@ -157,10 +158,18 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
   if (has_phases())
     choice.remember(state);
   const unsigned int phase = has_phases() ? choice.at(state) : 0;
+  if (phase == PhaseChoice<dim>::not_known)
+    return undefined("the Toggle of the material " + name + " is not a number at " + in_words(state.X) +
+                         " and t = " + in_words(state.t),
+                     true);
   for (unsigned int i = 0; i < terms.size(); ++i) {
     const auto &term = terms[i];
     const unsigned int first = term->field.first_component;
-    if ((term->order_in_time() > 0 && state.rate.empty()) || !holds(i, phase))
+    if (!holds(i, phase)) {
+      term->pass(state);
+      continue;
+    }
+    if (term->order_in_time() > 0 && state.rate.empty())
       continue;
     if (std::any_of(needed_by[i].begin(), needed_by[i].end(),
                     [&](const unsigned int c) { return std::isnan(state.value[c]); })) {
@@ -185,6 +194,8 @@ void Material<dim>::look_at_start(const State<dim> &state) const
 {
   std::copy(state.memory.accepted.begin(), state.memory.accepted.end(), state.memory.trial.begin());
   choice.remember(state);
+  for (const auto &term : terms)
+    term->pass(state);
 }
 
 template <int dim>

@@ -95,7 +95,7 @@ bool PhaseChoice<dim>::sees(const unsigned int component) const
   return false;
 }
 
-/// At the state itself. What is not a number is off.
+/// At the state itself.
 template <int dim>
 unsigned int PhaseChoice<dim>::find(const State<dim> &state) const
 {
@@ -103,7 +103,9 @@ unsigned int PhaseChoice<dim>::find(const State<dim> &state) const
   for (const auto &component : components)
     scalars.push_back(component ? state.value[*component] : 0);
   for (unsigned int m = 0; m < toggles.size(); ++m)
-    if (const double is_on = toggles[m].value(state.X, state.t, 0, scalars); is_on != 0 && !std::isnan(is_on))
+    if (const double is_on = toggles[m].value(state.X, state.t, 0, scalars); std::isnan(is_on))
+      return not_known;
+    else if (is_on != 0)
       return m;
   return toggles.size();
 }

@@ -6,6 +6,7 @@
 #include <dovetail/material/solid_term.h>
 #include <dovetail/scene/undefined.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -183,6 +184,8 @@ bool SolidTerm<dim>::flow_work(const State<dim> &state, FlowWork &work) const
   static_cast<SolidLaw::Place &>(local) = place(state);
   if (!law->evaluate(displacement_gradient(state), thermal_strain(state), true, local))
     return false;
+  if (std::equal(local.memory.trial.begin(), local.memory.trial.begin() + 9, local.memory.accepted.begin()))
+    return true; // nothing flows: no rounding in place of zeros
   const Tensor<2, 3> deviator = local.P - trace(local.P) / 3 * dealii::unit_symmetric_tensor<3>();
   Tensor<2, 3> by_stress;
   for (unsigned int i = 0; i < 3; ++i)

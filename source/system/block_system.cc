@@ -706,7 +706,7 @@ void look_at_start(Interface<dim> &interface, const ValuesOf &values_of)
   for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
     for (unsigned int q = group.begin; q < group.end; ++q)
       for (const unsigned int side : {source, destination})
-        if (const Material<dim> &material = interface.sides[side].domain->material; material.has_phases()) {
+        if (const Material<dim> &material = interface.sides[side].domain->material; material.has_memory()) {
           points.reinit(side, q, unknowns);
           material.look_at_start(points.state[side]);
           interface.memory.set_trial(side, q, points.state[side].memory.trial);
@@ -724,7 +724,7 @@ void BlockSystem<dim>::choose_first_phases(const Vector &x)
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;
   for (unsigned int d = 0; d < model.domains.size(); ++d)
-    if (const Domain<dim> &domain = *model.domains[d]; domain.material.has_phases()) {
+    if (const Domain<dim> &domain = *model.domains[d]; domain.material.has_memory()) {
       for (const auto &cell : domain.dof_handler().active_cell_iterators())
         if (cell->is_locally_owned()) {
           domain.cell_dofs(cell, dofs);
@@ -735,7 +735,7 @@ void BlockSystem<dim>::choose_first_phases(const Vector &x)
     }
   for (const auto &interface : model.interfaces)
     if (std::any_of(interface->sides.begin(), interface->sides.end(),
-                    [](const auto &side) { return side.domain->material.has_phases(); }))
+                    [](const auto &side) { return side.domain->material.has_memory(); }))
       look_at_start(*interface, ghosted_values());
 }
 

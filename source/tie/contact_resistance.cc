@@ -370,6 +370,7 @@ bool ContactResistance<dim>::update_contact(const Interface<dim> &interface, con
   section.check(solid_of(interface.sides[source]) || solid_of(interface.sides[destination]), "Conductance",
                 "depends on the pressure or the gap of solids, but neither side has a displacement.");
   const auto now = find_contact(interface, t, values_of);
+  const double infinity = std::numeric_limits<double>::infinity();
   double change = 0;
   const bool is_first = contact.size() != now.size();
   for (unsigned int q = 0; q < now.size() && !is_first; ++q) {
@@ -377,8 +378,10 @@ bool ContactResistance<dim>::update_contact(const Interface<dim> &interface, con
     const Scalars &here = now[q], former = {{here[of_mean], contact[q][of_pressure], contact[q][of_gap]}};
     const double h = conductance.value(X, t, 0, {here.data(), here.size()}),
                  before = conductance.value(X, t, 0, {former.data(), former.size()});
-    if (h != before) // both may be infinite
-      change = std::max(change, std::abs(h - before) / std::max(std::abs(h), std::abs(before)));
+    if (h != before) { // both may be infinite
+      const double relative = std::abs(h - before) / std::max(std::abs(h), std::abs(before));
+      change = std::max(change, std::isnan(relative) ? infinity : relative); // the next solution tells why
+    }
   }
   contact = now;
   last_change = dealii::Utilities::MPI::max(is_first ? 1. : change, communicator);

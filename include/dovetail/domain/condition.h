@@ -123,8 +123,9 @@ public:
   bool follows_fields() const { return formula.has_value(); }
   /// The components at which the toggle looks.
   std::vector<unsigned int> components_of_toggle() const;
-  /// Whether the toggle is on at a point where the last good state has @p values in these components.
-  bool is_on(const dealii::Point<dim> &X, double t, const std::vector<double> &values) const;
+  /// Whether the toggle is on at a point where the last good state has @p values in these components; nothing
+  /// if its formula is not a number, with the reason left.
+  std::optional<bool> is_on(const dealii::Point<dim> &X, double t, const std::vector<double> &values) const;
 
   const Section section;  ///< for error messages
   const std::string name; ///< the last part of its path

@@ -45,7 +45,7 @@ private:
   void find_state(const std::vector<double> &unknowns);
   /// The value of a component at the point, with the unknowns of the cell.
   double value(unsigned int component, const std::vector<double> &unknowns) const;
-  bool is_switched_off(const Condition<dim> &condition, const cell_iterator &cell) const;
+  bool is_switched_off(const Condition<dim> &condition, const cell_iterator &cell);
 
   const Domain<dim> &domain;
   const bool with_gradients;

@@ -34,6 +34,7 @@ public:
   std::vector<InternalVariable> internal_variables() const override;
 
   bool add(const State<dim> &state, bool with_derivatives, Response<dim> &response) const override;
+  void pass(const State<dim> &state) const override;
 
 private:
   enum Variable {
@@ -41,6 +42,7 @@ private:
     time_of_step,
     gradient_of_step ///< and the displacement gradient at its end, dim x dim numbers
   };
+  void remember(const State<dim> &state, double heat) const;
   bool add_compression(const State<dim> &state, double duration, const double *accepted, double &heat,
                        Response<dim> *response) const;
   bool add_flow(const State<dim> &state, double duration, double &heat, Response<dim> *response) const;

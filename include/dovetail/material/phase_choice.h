@@ -20,6 +20,7 @@
 #include <dovetail/scene/section.h>
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ template <int dim>
 class PhaseChoice
 {
 public:
+  /// A phase, where a toggle is not a number.
+  static constexpr unsigned int not_known = std::numeric_limits<unsigned int>::max();
+
   explicit PhaseChoice(const Section &material); ///< reads Toggle and Otherwise, also of the others
 
   /// The sections of the materials, the own one first; that alone if there is nothing to choose.

@@ -46,6 +46,7 @@ public:
   bool depends_on_time() const override { return law->depends_on_time(); }
   std::string description() const override { return name_of_law; }
   std::vector<InternalVariable> internal_variables() const override { return law->internal_variables(); }
+  void pass(const State<dim> &state) const override { law->pass(place(state)); }
   bool has_curvature() const override { return law->has_curvature(); }
   bool is_around_axis() const { return is_axisymmetric; }
 

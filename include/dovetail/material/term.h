@@ -132,6 +132,10 @@ public:
   /// What it remembers at a point, in the order of its part of the state's memory.
   virtual std::vector<InternalVariable> internal_variables() const { return {}; }
   /// Whether add_curvature() knows the second derivatives.
+  /// Write the trial of what it remembers for a step in which it does not hold, or before the first one: time
+  /// and deformation go on without it.
+  virtual void pass(const State<dim> & /*state*/) const {}
+
   virtual bool has_curvature() const { return true; }
   unsigned int first_internal_variable = 0; ///< of its numbers in the memory; set by the material
 

@@ -459,6 +459,13 @@ void Domain<dim>::add_constraints(const double t, ConstraintLines &lines) const
 /// Lagrange elements: the prescribed value at the support points of the faces. The rank that owns an unknown
 /// sees all cells around it, as its own or as ghosts.
 template <int dim>
+bool Domain<dim>::has_conditions_by_fields() const
+{
+  return std::any_of(all_conditions.begin(), all_conditions.end(),
+                     [](const auto &condition) { return condition->follows_fields(); });
+}
+
+template <int dim>
 void Domain<dim>::add_values(const double t, ConstraintLines &lines) const
 {
   std::vector<dealii::types::global_dof_index> indices;

@@ -25,6 +25,15 @@ std::vector<InternalVariable> PlaneStress::internal_variables() const
   return result;
 }
 
+void PlaneStress::pass(const Place &place) const
+{
+  if (n_of_law == 0)
+    return;
+  Place of_law = place;
+  of_law.memory = place.memory.slice(0, n_of_law);
+  law->pass(of_law);
+}
+
 bool PlaneStress::find_thickness(Tensor<2, 3> &H, const double e, Response &response) const
 {
   const Memory memory = response.memory;

@@ -106,7 +106,7 @@ void NonlinearStep<dim>::release_system()
 template <int dim>
 void NonlinearStep<dim>::start(const Vector &x)
 {
-  present_system->choose_first_phases(x);
+  present_system->look_at_start(x);
   if (!scheme)
     return;
   if (model.order_in_time() > 1)

@@ -463,9 +463,7 @@ void BlockSystem<dim>::keep_last_good(const double t, const Vector &x)
 {
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &domain : model.domains) {
-    const bool is_asked = std::any_of(domain->conditions().begin(), domain->conditions().end(),
-                                      [](const auto &condition) { return condition->follows_fields(); });
-    if (!is_asked || !domain->last_good.begin_step(t))
+    if (!domain->has_conditions_by_fields() || !domain->last_good.begin_step(t))
       continue;
     ghosted_scratch = x;
     for (const auto &cell : domain->dof_handler().active_cell_iterators())
@@ -700,13 +698,14 @@ namespace {
 
 /// At the points of an interface, of both sides.
 template <int dim>
-void look_at_start(Interface<dim> &interface, const ValuesOf &values_of)
+void look_at_start_of_sides(Interface<dim> &interface, const ValuesOf &values_of)
 {
   SidePoints<dim> points(interface, 0);
   for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
     for (unsigned int q = group.begin; q < group.end; ++q)
       for (const unsigned int side : {source, destination})
-        if (const Material<dim> &material = interface.sides[side].domain->material; material.has_memory()) {
+        if (const Material<dim> &material = interface.sides[side].domain->material;
+            material.has_to_look_at_start()) {
           points.reinit(side, q, unknowns);
           material.look_at_start(points.state[side]);
           interface.memory.set_trial(side, q, points.state[side].memory.trial);
@@ -718,13 +717,17 @@ void look_at_start(Interface<dim> &interface, const ValuesOf &values_of)
 } // namespace
 
 template <int dim>
-void BlockSystem<dim>::choose_first_phases(const Vector &x)
+void BlockSystem<dim>::look_at_start(const Vector &x)
 {
+  const auto has_to = [](const Domain<dim> &domain) { return domain.material.has_to_look_at_start(); };
+  if (std::none_of(model.domains.begin(), model.domains.end(),
+                   [&](const auto &domain) { return has_to(*domain); }))
+    return;
   ghosted_scratch = x;
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns;
   for (unsigned int d = 0; d < model.domains.size(); ++d)
-    if (const Domain<dim> &domain = *model.domains[d]; domain.material.has_memory()) {
+    if (const Domain<dim> &domain = *model.domains[d]; has_to(domain)) {
       for (const auto &cell : domain.dof_handler().active_cell_iterators())
         if (cell->is_locally_owned()) {
           domain.cell_dofs(cell, dofs);
@@ -735,8 +738,8 @@ void BlockSystem<dim>::choose_first_phases(const Vector &x)
     }
   for (const auto &interface : model.interfaces)
     if (std::any_of(interface->sides.begin(), interface->sides.end(),
-                    [](const auto &side) { return side.domain->material.has_memory(); }))
-      look_at_start(*interface, ghosted_values());
+                    [&](const auto &side) { return has_to(*side.domain); }))
+      look_at_start_of_sides(*interface, ghosted_values());
 }
 
 /// @return whether all laws are defined on this rank.

@@ -478,10 +478,8 @@ bool Model<dim>::has_constant_tangent() const
 template <int dim>
 bool Model<dim>::has_conditions_by_fields() const
 {
-  return std::any_of(domains.begin(), domains.end(), [](const auto &domain) {
-    return std::any_of(domain->conditions().begin(), domain->conditions().end(),
-                       [](const auto &condition) { return condition->follows_fields(); });
-  });
+  return std::any_of(domains.begin(), domains.end(),
+                     [](const auto &domain) { return domain->has_conditions_by_fields(); });
 }
 
 template <int dim>

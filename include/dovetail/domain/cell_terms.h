@@ -73,7 +73,7 @@ public:
   /// there.
   bool evaluate_memory(const typename Domain<dim>::cell_iterator &cell, double t,
                        const std::vector<double> &unknowns);
-  /// Of the state before the first step: the trial has the phases that the material chooses there.
+  /// Of the state before the first step, in the trial. @pre the material looks at it
   void look_at_start(const typename Domain<dim>::cell_iterator &cell, const std::vector<double> &unknowns);
   /// The part of what is stored. Overwrites @p residual. @return false if nothing is; it is zero then.
   bool assemble_storage(const typename Domain<dim>::cell_iterator &cell, double t,

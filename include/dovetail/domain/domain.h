@@ -84,6 +84,7 @@ public:
   }
 
   const std::vector<std::unique_ptr<Condition<dim>>> &conditions() const { return all_conditions; }
+  bool has_conditions_by_fields() const; ///< their toggles look at fields at the last good state
 
   /// A boundary face of an owned or a ghost cell. Collected once, so that nothing else walks over all cells
   /// for them.

@@ -94,8 +94,10 @@ public:
   bool chooses_by(const unsigned int component) const { return choice.sees(component); }
   /// Of the materials that may hold at a point the number of the one that does; 0 is the one of this name.
   unsigned int phase(const State<dim> &state) const { return choice.at(state); }
-  /// Of the state before the first step: write the trial of what its terms remember so that they remember
-  /// nothing but which material holds there.
+  /// Whether it remembers something that goes on in time, so that it has to see where that begins.
+  bool has_to_look_at_start() const { return has_memory() && depends_on_time(); }
+  /// Of the state before the first step: write the trial of what it remembers, as if all terms had let it
+  /// pass; and which material holds there.
   void look_at_start(const State<dim> &state) const;
 
   /// "Fourier, linear"

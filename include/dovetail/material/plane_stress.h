@@ -32,6 +32,7 @@ public:
                                                     const Place &place) const override;
   double energy(const dealii::Tensor<2, 3> &H, double e, const Place &place) const override;
   std::vector<InternalVariable> internal_variables() const override;
+  void pass(const Place &place) const override;
   bool has_curvature() const override { return law->has_curvature(); }
   bool is_symmetric() const override { return law->is_symmetric(); }
   bool has_large_strain() const override { return law->has_large_strain(); }

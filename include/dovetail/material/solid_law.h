@@ -86,10 +86,9 @@ public:
 
   /// What it remembers at a point; nothing if the stress is a function of the present state.
   virtual std::vector<InternalVariable> internal_variables() const { return {}; }
-  /// Whether the second derivatives exist. A law with memory has different branches, so it has none.
   /// As Term::pass().
   virtual void pass(const Place & /*place*/) const {}
-
+  /// Whether the second derivatives exist. A law with memory has different branches, so it has none.
   virtual bool has_curvature() const { return internal_variables().empty(); }
   /// Of a law of small displacements that flows without change of volume, its first 9 internal variables: mu
   /// in d eps_p = dev (d eps - dP/(2 mu)) [Pa]. Nothing of another law.

@@ -131,13 +131,12 @@ public:
   virtual std::string description() const = 0;
   /// What it remembers at a point, in the order of its part of the state's memory.
   virtual std::vector<InternalVariable> internal_variables() const { return {}; }
-  /// Whether add_curvature() knows the second derivatives.
   /// Write the trial of what it remembers for a step in which it does not hold, or before the first one: time
-  /// and deformation go on without it.
+  /// and deformation go on without it. Only what depends on time has to.
   virtual void pass(const State<dim> & /*state*/) const {}
-
-  virtual bool has_curvature() const { return true; }
   unsigned int first_internal_variable = 0; ///< of its numbers in the memory; set by the material
+  /// Whether add_curvature() knows the second derivatives.
+  virtual bool has_curvature() const { return true; }
 
   /// Add to the flux and the source of its field and, if asked for, to the derivatives for which coupling()
   /// says so. @return false if the law is not defined at this state, with the reason left as

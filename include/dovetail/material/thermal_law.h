@@ -59,6 +59,7 @@ public:
                       const Place &place) const override;
   double energy(const dealii::Tensor<2, 3> &H, double T, const Place &place) const override;
   std::vector<InternalVariable> internal_variables() const override { return law->internal_variables(); }
+  void pass(const Place &place) const override { law->pass(place); }
   bool has_curvature() const override { return law->has_curvature(); }
   std::optional<double> shear_of_flow() const override { return law->shear_of_flow(); }
   bool is_symmetric() const override { return law->is_symmetric(); }

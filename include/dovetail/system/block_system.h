@@ -72,8 +72,9 @@ public:
   /// Of a solution @p x of time @p t: let all laws remember it. Nothing is remembered, and false returned on
   /// all ranks alike, if one is not defined there. Collective; costs nothing where no law remembers anything.
   bool remember(double t, const Vector &x);
-  /// Of the state @p x before the first step: materials that have phases choose those of that step.
-  void choose_first_phases(const Vector &x);
+  /// Of the state @p x before the first step: materials remember it, and choose their phases of that step.
+  /// Collective; costs nothing where none has to.
+  void look_at_start(const Vector &x);
   /// Of a step to time @p t: conditions whose toggles look at fields see its first state @p x in it.
   /// begin_step() does so, unless it is that step again.
   void keep_last_good(double t, const Vector &x);

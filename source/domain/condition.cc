@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/condition.h>
+#include <dovetail/material/fields_in_toggles.h>
 #include <dovetail/scene/field_toggle.h>
 #include <dovetail/scene/undefined.h>
 
@@ -78,37 +79,22 @@ template <int dim>
 void Condition<dim>::read_formula(const Material<dim> &material)
 {
   formula = formula_of_toggle(section, toggle);
+  components_of_names = components_in_toggles(section.top(), material.fields());
   const std::vector<std::string> names = names_in_toggles(section.top());
-  n_names = names.size();
-  for (unsigned int s = 0; s < n_names; ++s) {
+  for (unsigned int s = 0; s < names.size(); ++s)
     if (!formula->depends_on_scalar(s))
-      continue;
-    const auto named = std::find_if(material.fields().begin(), material.fields().end(),
-                                    [&](const Field &one) { return name_in_toggles(one.name) == names[s]; });
-    section.check(named != material.fields().end(), "Toggle",
-                  "names '" + toggle + "', which looks at the " + names[s] +
-                      ", which this domain does not have. Take a toggle of fields that it has.");
-    scalars.emplace_back(s, named->first_component);
-  }
-}
-
-template <int dim>
-std::vector<unsigned int> Condition<dim>::components_of_toggle() const
-{
-  std::vector<unsigned int> components;
-  for (const auto &[scalar, component] : scalars)
-    components.push_back(component);
-  return components;
+      components_of_names[s].reset();
+    else
+      section.check(components_of_names[s].has_value(), "Toggle",
+                    "names '" + toggle + "', which looks at the " + names[s] +
+                        ", which this domain does not have. Take a toggle of fields that it has.");
 }
 
 template <int dim>
 std::optional<bool> Condition<dim>::is_on(const dealii::Point<dim> &X, const double t,
                                           const std::vector<double> &values) const
 {
-  std::vector<double> all(n_names);
-  for (unsigned int i = 0; i < scalars.size(); ++i)
-    all[scalars[i].first] = values[i];
-  const double value = finite(formula->value(X, t, 0, all), section, "Toggle", X, t);
+  const double value = finite(formula->value(X, t, 0, values), section, "Toggle", X, t);
   if (std::isnan(value))
     return {};
   return value != 0;

@@ -62,8 +62,8 @@ bool OpenBoundary<dim>::is_switched_off(const Condition<dim> &condition, const c
   if (unknowns.empty())
     return false;
   std::vector<double> values;
-  for (const unsigned int c : condition.components_of_toggle())
-    values.push_back(value(c, unknowns));
+  for (const auto &component : condition.components_of_toggle())
+    values.push_back(component ? value(*component, unknowns) : 0);
   const std::optional<bool> is_on = condition.is_on(point.state.X, point.state.t, values);
   if (!is_on)
     point.JxW = std::numeric_limits<double>::quiet_NaN();

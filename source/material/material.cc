@@ -34,28 +34,18 @@ Material<dim>::Material(const std::string &name, const Section &section) : name(
   set_up_terms();
 }
 
-namespace {
-
-template <int dim>
-std::vector<std::string> names_of_fields(const std::vector<std::unique_ptr<MaterialPart<dim>>> &parts)
-{
-  std::vector<std::string> names;
-  for (const auto &part : parts)
-    for (const Field &field : part->fields())
-      names.push_back(field.name);
-  return names;
-}
-
-} // namespace
-
 /// The terms of a material that may take the place of this one, but for those that store.
 template <int dim>
 void Material<dim>::add_phase(const Section &other)
 {
   const Section &own = choice.materials()[0];
   const auto parts = MaterialParts<dim>::create(other);
-  const std::vector<std::string> names = names_of_fields(parts),
-                                 own_names = names_of_fields(MaterialParts<dim>::create(own));
+  std::vector<std::string> names, own_names;
+  for (const auto &part : parts)
+    for (const Field &field : part->fields())
+      names.push_back(field.name);
+  for (const Field &field : all_fields)
+    own_names.push_back(field.name);
   own.check(names == own_names, "Otherwise",
             "leads to " + other.path() + ", which has the fields " + comma_separated(names) +
                 ", but this material has " + comma_separated(own_names) +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/material/fields_in_toggles.h>
 #include <dovetail/material/phase_choice.h>
 #include <dovetail/scene/field_toggle.h>
 
@@ -64,12 +65,7 @@ void PhaseChoice<dim>::set_fields(const std::vector<Field> &fields)
   if (!is_given())
     return;
   const std::vector<std::string> names = names_in_toggles(sections[0].top());
-  for (const std::string &name : names) {
-    components.emplace_back();
-    for (const Field &field : fields)
-      if (name_in_toggles(field.name) == name)
-        components.back() = field.first_component;
-  }
+  components = components_in_toggles(sections[0].top(), fields);
   for (unsigned int m = 0; m < toggles.size(); ++m)
     for (unsigned int s = 0; s < names.size(); ++s)
       sections[m].check(components[s].has_value() || !toggles[m].depends_on_scalar(s), "Toggle",

@@ -265,6 +265,35 @@ bool ContactResistance<dim>::find_joint(const Interface<dim> &interface, const T
   return true;
 }
 
+namespace {
+
+/// N F^-1 as a unit vector, where a displacement begins with component @p first; zero where det F is not
+/// positive.
+template <int dim>
+dealii::Tensor<1, dim> deformed_normal(const State<dim> &state, const unsigned int first,
+                                       const dealii::Tensor<1, dim> &N)
+{
+  dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>();
+  for (unsigned int d = 0; d < dim; ++d)
+    F[d] += state.gradient[first + d];
+  if (!(determinant(F) > 0))
+    return {};
+  const dealii::Tensor<1, dim> n = N * invert(F);
+  return n / n.norm();
+}
+
+/// The displacement of a side, if it has one.
+template <int dim>
+std::optional<Field> solid_of(const InterfaceSide<dim> &side)
+{
+  for (const Field &field : side.domain->fields())
+    if (field.n_components > 1)
+      return field;
+  return {};
+}
+
+} // namespace
+
 /// The mean of the normals of both sides, N F^-1, from the source to the destination; as in the undeformed
 /// state where a side has turned over, and for small strain.
 template <int dim>
@@ -288,13 +317,8 @@ std::vector<dealii::Tensor<1, dim>> ContactResistance<dim>::find_normals(const I
       dealii::Tensor<1, dim> sum;
       for (const unsigned int side : {source, destination}) {
         points.reinit(side, q, unknowns);
-        dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>();
-        for (unsigned int d = 0; d < dim; ++d)
-          F[d] += points.state[side].gradient[field->first_component[side] + d];
-        if (determinant(F) > 0) {
-          const dealii::Tensor<1, dim> n = pairing.N(side, q) * invert(F);
-          sum += (side == source ? 1 : -1) / n.norm() * n;
-        }
+        sum += (side == source ? 1 : -1) *
+               deformed_normal(points.state[side], field->first_component[side], pairing.N(side, q));
       }
       if (sum.norm() > 0)
         result[q] = sum / sum.norm();
@@ -302,20 +326,6 @@ std::vector<dealii::Tensor<1, dim>> ContactResistance<dim>::find_normals(const I
   });
   return result;
 }
-
-namespace {
-
-/// The displacement of a side, if it has one.
-template <int dim>
-std::optional<Field> solid_of(const InterfaceSide<dim> &side)
-{
-  for (const Field &field : side.domain->fields())
-    if (field.n_components > 1)
-      return field;
-  return {};
-}
-
-} // namespace
 
 /// The mean of the traces, the pressure -n . P N with the deformed normal n, the mean of the sides, and the
 /// gap n . (u_dst - u_src).
@@ -339,20 +349,16 @@ ContactResistance<dim>::find_contact(const Interface<dim> &interface, const doub
             result[q][of_mean] += points.state[side].value[field.first_component[side]] / 2;
         if (!solids[side] || !points.evaluate(side, false))
           continue;
-        const State<dim> &state = points.state[side];
-        dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>();
+        const dealii::Tensor<1, dim> N = pairing.N(side, q);
+        const unsigned int first = solids[side]->first_component;
         dealii::Tensor<1, dim> u, traction;
         for (unsigned int d = 0; d < dim; ++d) {
-          const unsigned int c = solids[side]->first_component + d;
-          if (interface.sides[side].domain->material.has_large_strain())
-            F[d] += state.gradient[c];
-          u[d] = state.value[c];
-          traction[d] = points.response[side].flux[c] * pairing.N(side, q);
+          u[d] = points.state[side].value[first + d];
+          traction[d] = points.response[side].flux[first + d] * N;
         }
-        if (!(determinant(F) > 0))
-          continue;
-        dealii::Tensor<1, dim> n = pairing.N(side, q) * invert(F);
-        n /= n.norm();
+        const dealii::Tensor<1, dim> n = interface.sides[side].domain->material.has_large_strain()
+                                             ? deformed_normal(points.state[side], first, N)
+                                             : N;
         result[q][of_pressure] -= share * (n * traction);
         result[q][of_gap] -= n * u;
       }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/material/fields_in_toggles.h>
 #include <dovetail/scene/field_toggle.h>
 #include <dovetail/scene/undefined.h>
 #include <dovetail/tie/point_toggle.h>
@@ -27,12 +28,12 @@ std::vector<std::array<std::optional<unsigned int>, 2>>
 PointToggle<dim>::components_of_names(const Interface<dim> &interface) const
 {
   std::vector<std::array<Component, 2>> result(names.size());
-  for (unsigned int s = 0; s < names.size(); ++s)
-    if (formula->depends_on_scalar(s))
-      for (const unsigned int side : {source, destination})
-        for (const Field &field : interface.sides[side].domain->fields())
-          if (name_in_toggles(field.name) == names[s])
-            result[s][side] = field.first_component;
+  for (const unsigned int side : {source, destination}) {
+    const auto components = components_in_toggles(section.top(), interface.sides[side].domain->fields());
+    for (unsigned int s = 0; s < names.size(); ++s)
+      if (formula->depends_on_scalar(s))
+        result[s][side] = components[s];
+  }
   return result;
 }
 

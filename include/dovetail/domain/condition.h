@@ -16,7 +16,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -121,10 +120,10 @@ public:
   const std::string &toggle_name() const { return toggle; }
   /// Whether its toggle looks at fields, and switches the influx point by point at the last good state.
   bool follows_fields() const { return formula.has_value(); }
-  /// The components at which the toggle looks.
-  std::vector<unsigned int> components_of_toggle() const;
-  /// Whether the toggle is on at a point where the last good state has @p values in these components; nothing
-  /// if its formula is not a number, with the reason left.
+  /// Of each name in toggles the component, if the toggle looks at it.
+  const std::vector<std::optional<unsigned int>> &components_of_toggle() const { return components_of_names; }
+  /// Whether the toggle is on at a point where the last good state has @p values in these components, and 0
+  /// where there is none; nothing if its formula is not a number, with the reason left.
   std::optional<bool> is_on(const dealii::Point<dim> &X, double t, const std::vector<double> &values) const;
 
   const Section section;  ///< for error messages
@@ -137,9 +136,8 @@ private:
 
   const Toggles *toggles;
   const std::string toggle;
-  std::optional<Expression> formula;                          ///< of a toggle that looks at fields
-  std::vector<std::pair<unsigned int, unsigned int>> scalars; ///< at which it looks: number there, component
-  unsigned int n_names = 0;
+  std::optional<Expression> formula; ///< of a toggle that looks at fields
+  std::vector<std::optional<unsigned int>> components_of_names;
 };
 
 /// The entry Components of a condition on @p field: x, y, z as 0, 1, 2; all if it is empty.

@@ -163,12 +163,16 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     add_tangent(*tangent);
   if (tangent && !lumped.empty())
     tangent->add(1, lumped_tangent);
-  add_source(t, residual);
-  if (domain.body_force().is_given())
+  if (!leaves_out_given)
+    add_source(t, residual);
+  if (!leaves_out_given && domain.body_force().is_given())
     add_body_force(t, unknowns, residual, tangent);
-  if (!flux_conditions.empty() && cell->at_boundary() &&
-      !add_boundary_terms(cell, t, unknowns, residual, tangent))
-    return false;
+  if (!flux_conditions.empty() && cell->at_boundary()) {
+    if (leaves_out_boundary)
+      left_out.assign(layout.size(), 0.);
+    if (!add_boundary_terms(cell, t, unknowns, leaves_out_boundary ? left_out : residual, tangent))
+      return false;
+  }
   return std::isfinite(std::accumulate(residual.begin(), residual.end(), 0.));
 }
 
@@ -224,6 +228,30 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
   return has_source || has_boundary;
 }
 
+template <int dim>
+void CellTerms<dim>::assemble_given(const typename Domain<dim>::cell_iterator &cell, const double t,
+                                    std::vector<double> &residual)
+{
+  std::fill(residual.begin(), residual.end(), 0.);
+  force_sizes.assign(layout.size(), 0.);
+  cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+  has_uniform_tangent = false;
+  add_source(t, residual);
+  if (domain.body_force().is_given())
+    add_body_force(t, std::vector<double>(layout.size(), 0.), residual, nullptr);
+}
+
+template <int dim>
+bool CellTerms<dim>::assemble_boundary(const typename Domain<dim>::cell_iterator &cell, const double t,
+                                       const std::vector<double> &unknowns, std::vector<double> &residual)
+{
+  std::fill(residual.begin(), residual.end(), 0.);
+  force_sizes.assign(layout.size(), 0.);
+  point.set_rates(nullptr, {});
+  return flux_conditions.empty() || !cell->at_boundary() ||
+         add_boundary_terms(cell, t, unknowns, residual, nullptr);
+}
+
 /// The points of a cell and their rates; the next tangent is not compared with that of the cell before.
 template <int dim>
 void CellTerms<dim>::enter_without_tangent(const typename Domain<dim>::cell_iterator &cell, const double t)
@@ -262,8 +290,11 @@ void CellTerms<dim>::look_at_start(const typename Domain<dim>::cell_iterator &ce
 
 template <int dim>
 bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator &cell, const double t,
-                                      const std::vector<double> &unknowns, std::vector<double> &residual)
+                                      const std::vector<double> &unknowns, std::vector<double> &residual,
+                                      dealii::FullMatrix<double> *tangent)
 {
+  if (tangent)
+    *tangent = 0;
   if (rates == nullptr || !rates->has_first() || domain.material.order_in_time() == 0)
     return false;
   std::fill(residual.begin(), residual.end(), 0.);
@@ -275,10 +306,26 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
     const double JxW = domain.measure(cell_values, q);
     const bool is_defined = point.evaluate_storage(point.response);
     add_source_of_laws(is_defined ? JxW : std::numeric_limits<double>::quiet_NaN(), residual);
-    if (!add_lumped_storage(q, JxW, unknowns, residual, nullptr))
+    if (tangent)
+      add_storage_tangent(JxW, *tangent);
+    if (!add_lumped_storage(q, JxW, unknowns, residual, tangent))
       std::fill(residual.begin(), residual.end(), std::numeric_limits<double>::quiet_NaN());
   }
   return true;
+}
+
+/// K_(c,a)(d,b) = phi_a dS_c/dB_d phi_b
+template <int dim>
+void CellTerms<dim>::add_storage_tangent(const double JxW, dealii::FullMatrix<double> &tangent) const
+{
+  const std::vector<double> &phi = point.shape_values();
+  for (unsigned int c = 0; c < n; ++c)
+    for (unsigned int d = 0; domain.material.order_in_time(c) > 0 && d < n; ++d)
+      if (const double slope = point.response.source_by_value[c * n + d] * JxW; slope != 0)
+        for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
+          for (unsigned int b = 0; b < layout.n_nodes(d); ++b)
+            tangent(layout.index(c, a), layout.index(d, b)) +=
+                slope * phi[layout.first_shape(c) + a] * phi[layout.first_shape(d) + b];
 }
 
 template <int dim>

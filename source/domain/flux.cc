@@ -34,6 +34,7 @@ public:
   bool adds_flux_to(const unsigned int component) const override { return !expression.is_zero(component); }
   bool has_tangent() const override { return false; }
   bool has_constant_tangent() const override { return true; }
+  bool depends_on_time() const override { return expression.depends_on_time(); }
 
   void influx(const State<dim> &state, const dealii::Tensor<1, dim> & /*N*/,
               Influx<dim> &influx) const override

@@ -51,6 +51,7 @@ public:
   bool is_linear() const override { return !follows; }
   bool is_symmetric() const override { return !follows; }
   bool has_constant_tangent() const override { return !follows; }
+  bool depends_on_time() const override { return expression.depends_on_time(); }
 
   void influx(const State<dim> &state, const Tensor<1, dim> &N, Influx<dim> &influx) const override
   {

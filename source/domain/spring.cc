@@ -34,6 +34,7 @@ public:
 
   bool adds_flux() const override { return true; }
   bool has_constant_tangent() const override { return !stiffness.depends_on_time(); }
+  bool depends_on_time() const override { return stiffness.depends_on_time(); }
 
   void influx(const State<dim> &state, const dealii::Tensor<1, dim> & /*N*/,
               Influx<dim> &influx) const override

@@ -38,6 +38,7 @@ public:
   std::vector<unsigned int> prescribed_components() const override { return components; }
   bool is_weak() const override { return by_nitsche; }
   bool is_symmetric() const override { return !is_skew; }
+  bool depends_on_time() const override { return expression.depends_on_time(); }
 
   double prescribed_value(const dealii::Point<dim> &X, const double t,
                           const unsigned int component) const override

@@ -316,6 +316,18 @@ bool Material<dim>::has_load(const unsigned int field) const
 }
 
 template <int dim>
+bool Material<dim>::has_load_by_state() const
+{
+  return std::any_of(terms.begin(), terms.end(), [this](const auto &term) {
+    bool depends = false;
+    for (unsigned int c = 0; c < term->field.n_components; ++c)
+      for (unsigned int d = 0; d < n_components(); ++d)
+        depends = depends || term->coupling(term->field.first_component + c, d).in_source();
+    return depends && term->order_in_time() == 0;
+  });
+}
+
+template <int dim>
 bool Material<dim>::has_large_strain() const
 {
   return std::any_of(terms.begin(), terms.end(), [](const auto &term) { return term->has_large_strain(); });

@@ -21,21 +21,6 @@ const NoteName of_balance("balance", "forces or heat of a body are not in balanc
 
 using nlohmann::ordered_json;
 
-/// Sums of positive and of negative influxes, by component.
-struct Flows
-{
-  explicit Flows(const unsigned int n_components) : in(n_components, 0.), out(n_components, 0.) {}
-  std::vector<double> in, out;
-
-  void add(const unsigned int component, const double influx)
-  {
-    if (influx < 0)
-      out[component] -= influx;
-    else
-      in[component] += influx;
-  }
-};
-
 /// What flows through a body, and what its cells gain and lose.
 struct FlowsOfField
 {
@@ -86,18 +71,33 @@ void add_cells(const Domain<dim> &domain, const Vector &solution, const double t
     }
 }
 
+void add_flow(const Flows &from, const unsigned int component, Flows &to, const unsigned int component_there)
+{
+  to.in[component_there] += from.in[component];
+  to.out[component_there] += from.out[component];
+}
+
 /// Of all fields of a domain, on all ranks.
 template <int dim>
 std::vector<FlowsOfField> find_flows(const Model<dim> &model, const Domain<dim> &domain,
                                      const Reactions<dim> &reactions, const Vector &solution)
 {
   std::vector<FlowsOfField> flows;
+  unsigned int number = 0;
+  while (model.domains[number].get() != &domain)
+    ++number;
+  const auto *of_cells = reactions.forces().flows_of_cells(number);
   for (const Field &field : domain.fields()) {
     flows.push_back({Flows(field.n_components), Flows(field.n_components)});
+    for (unsigned int c = 0; of_cells != nullptr && c < field.n_components; ++c) {
+      add_flow(of_cells->loads, field.first_component + c, flows.back().through, c);
+      add_flow(of_cells->stored, field.first_component + c, flows.back().stored, c);
+    }
     for (const auto &[dof, at_node] : reactions.at_nodes(domain, field))
       flows.back().through.add(at_node.component, at_node.force);
   }
-  add_cells(domain, solution, reactions.forces().t, reactions.forces().rates, flows);
+  if (of_cells == nullptr)
+    add_cells(domain, solution, reactions.forces().t, reactions.forces().rates, flows);
   for (const auto &interface : model.interfaces)
     for (const auto &[f, component, influx] : reactions.transmissions(*interface))
       for (const unsigned int side : {source, destination})

@@ -233,8 +233,17 @@ template <int dim>
 std::map<dealii::types::global_dof_index, typename Reactions<dim>::ForceAtNode>
 Reactions<dim>::at_nodes(const Domain<dim> &domain, const Field &field) const
 {
-  const auto component_of = components_at_nodes(domain, field);
   std::map<dealii::types::global_dof_index, ForceAtNode> result;
+  if (field.n_components == 1) {
+    for (const Block &block : model.numbering->blocks())
+      if (!block.is_of_multipliers && model.domains[block.domain_index].get() == &domain &&
+          block.field == field.name)
+        nodal.for_each_line_of_condition(block.begin, block.end, [&](const auto dof, const ConstraintLine &) {
+          result.emplace_hint(result.end(), dof, ForceAtNode{0, nodal(dof)});
+        });
+    return result;
+  }
+  const auto component_of = components_at_nodes(domain, field);
   for (const auto &[dof, component] : component_of)
     if (const ConstraintLine *line = nodal.line_of_condition(dof)) {
       const double force = nodal(dof);

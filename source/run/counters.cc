@@ -37,6 +37,8 @@ nlohmann::ordered_json count(const Model<dim> &model, const typename BlockSystem
     }
   nlohmann::ordered_json counters = {{"tangent assemblies", assemblies.tangents},
                                      {"residual assemblies", assemblies.residuals_alone},
+                                     {"tangents by sums", assemblies.tangents_by_sums},
+                                     {"residuals by products", assemblies.residuals_by_products},
                                      {"predicted steps", n_predicted},
                                      {"linear solves", linear.solves},
                                      {"factorisations", linear.preparations["direct"].made},

@@ -258,6 +258,8 @@ typename BlockSystem<dim>::Assemblies NonlinearStep<dim>::assemblies() const
     return sum;
   sum.tangents += present_system->assemblies().tangents;
   sum.residuals_alone += present_system->assemblies().residuals_alone;
+  sum.tangents_by_sums += present_system->assemblies().tangents_by_sums;
+  sum.residuals_by_products += present_system->assemblies().residuals_by_products;
   return sum;
 }
 

@@ -346,7 +346,6 @@ void BlockMatrix::visit_operator(const unsigned int p, const Vector &x, const Vi
   }
 }
 
-/// The unknowns that the own rows of a pair of parts multiply.
 Epetra_Vector BlockMatrix::ghosted(const unsigned int p, const unsigned int q, const Vector &x) const
 {
   const Epetra_CrsMatrix &matrix = part(p, q).trilinos_matrix();

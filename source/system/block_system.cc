@@ -7,6 +7,7 @@
 #include <dovetail/domain/locking.h>
 #include <dovetail/domain/mesh_note.h>
 #include <dovetail/interface/side_points.h>
+#include <dovetail/system/affine_residual.h>
 #include <dovetail/system/constraints.h>
 
 #include <deal.II/base/mpi.h>
@@ -76,6 +77,9 @@ BlockSystem<dim>::BlockSystem(Model<dim> &model, const Form form) : model(model)
     is_of_multipliers[field_of_block[b]] = model.numbering->blocks()[b].is_of_multipliers;
   make_cell_terms();
 }
+
+template <int dim>
+BlockSystem<dim>::~BlockSystem() = default;
 
 template <int dim>
 std::vector<bool> BlockSystem<dim>::active_toggles(const double t) const
@@ -174,6 +178,17 @@ ConstraintLines BlockSystem<dim>::lines_at(const double t) const
   return lines;
 }
 
+/// Else the lines stay as they are until set_up().
+template <int dim>
+bool BlockSystem<dim>::prescribes_by_time() const
+{
+  return std::any_of(model.domains.begin(), model.domains.end(), [](const auto &domain) {
+    return std::any_of(domain->conditions().begin(), domain->conditions().end(), [](const auto &condition) {
+      return !condition->prescribed_components().empty() && condition->depends_on_time();
+    });
+  });
+}
+
 /// Whether the constraints that are there prescribe the same values as lines that were made after the same
 /// set_up, so that all else in them is the same.
 template <int dim>
@@ -188,11 +203,14 @@ bool BlockSystem<dim>::are_prescribed(const ConstraintLines &lines) const
 }
 
 template <int dim>
-void BlockSystem<dim>::make_constraints(const ConstraintLines &lines)
+void BlockSystem<dim>::make_constraints(ConstraintLines all_lines)
 {
   constraints.clear();
   unconstrained.clear();
-  constraints = close_constraints(lines, *model.numbering, relevant, model.communicator, &unconstrained);
+  constraints = close_constraints(all_lines, *model.numbering, relevant, model.communicator, &unconstrained);
+  for (const auto dof : unconstrained)
+    all_lines.erase(dof);
+  lines = std::make_shared<const ConstraintLines>(std::move(all_lines));
   update_constraints.clear();
   update_constraints.copy_from(constraints);
   relevant.add_indices(constraints.get_local_lines()); // those that lines refer to, too
@@ -200,7 +218,8 @@ void BlockSystem<dim>::make_constraints(const ConstraintLines &lines)
 }
 
 template <int dim>
-void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms, dealii::DynamicSparsityPattern &pattern) const
+void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms, const dealii::AffineConstraints<double> &lines,
+                                   dealii::DynamicSparsityPattern &pattern) const
 {
   const Domain<dim> &domain = terms.body();
   const CellLayout<dim> &layout = domain.layout();
@@ -233,13 +252,13 @@ void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms, dealii::DynamicS
         continue;
       domain.cell_dofs(cell, dofs);
       if (all_couple)
-        constraints.add_entries_local_to_global(dofs, pattern, false);
+        lines.add_entries_local_to_global(dofs, pattern, false);
       else if (has_boundary_terms) {
         dealii::Table<2, bool> with_boundary(couples);
         terms.add_boundary_couplings(cell, with_boundary);
-        constraints.add_entries_local_to_global(dofs, pattern, false, with_boundary);
+        lines.add_entries_local_to_global(dofs, pattern, false, with_boundary);
       } else
-        constraints.add_entries_local_to_global(dofs, pattern, false, couples);
+        lines.add_entries_local_to_global(dofs, pattern, false, couples);
     }
 }
 
@@ -249,6 +268,7 @@ void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms, dealii::DynamicS
 /// here although the cell couples all its unknowns itself, because this rank may not own it.
 template <int dim>
 void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
+                                   const dealii::AffineConstraints<double> &lines,
                                    dealii::DynamicSparsityPattern &pattern) const
 {
   std::vector<dealii::types::global_dof_index> dofs;
@@ -282,44 +302,61 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
       for (unsigned int i = 0; i < n; ++i)
         for (unsigned int j = 0; j < n; ++j)
           merged(position[i], position[j]) = merged(position[i], position[j]) || couples(i, j);
-      constraints.add_entries_local_to_global(dofs, pattern, false, merged);
+      lines.add_entries_local_to_global(dofs, pattern, false, merged);
     } else
-      constraints.add_entries_local_to_global(dofs, pattern, false, couples);
+      lines.add_entries_local_to_global(dofs, pattern, false, couples);
+  }
+}
+
+template <int dim>
+dealii::DynamicSparsityPattern
+BlockSystem<dim>::make_pattern(const double t, const dealii::AffineConstraints<double> &lines) const
+{
+  dealii::DynamicSparsityPattern pattern(relevant);
+  for (const auto &terms : cell_terms)
+    add_pattern(*terms, lines, pattern);
+  for (const auto &interface : model.interfaces) {
+    const TieParts<dim> parts = interface->tie().parts();
+    if (interface->is_active(t)) {
+      if (parts.point_terms != nullptr)
+        add_pattern(*interface, lines, pattern);
+      for (unsigned int i = 0; parts.multipliers != nullptr && i < parts.multipliers->n_terms(); ++i)
+        lines.add_entries_local_to_global(parts.multipliers->term_dofs(i), pattern, false);
+    } else
+      for_each_multiplier(*interface, [&](const auto dof) { pattern.add(dof, dof); });
+  }
+  dealii::SparsityTools::distribute_sparsity_pattern(pattern, model.numbering->owned, model.communicator,
+                                                     relevant);
+  return pattern;
+}
+
+template <int dim>
+void BlockSystem<dim>::find_dropped(const double t)
+{
+  dropped.clear();
+  for (const auto &interface : model.interfaces) {
+    const TieParts<dim> parts = interface->tie().parts();
+    if (!interface->is_active(t))
+      for_each_multiplier(*interface, [&](const auto dof) { dropped.insert(dof); });
+    else if (parts.multipliers != nullptr)
+      for (unsigned int i = 0; i < parts.multipliers->n_terms(); ++i)
+        if (const auto &dofs = parts.multipliers->term_dofs(i); dofs.size() == 1)
+          dropped.insert(dofs[0]);
   }
 }
 
 template <int dim>
 void BlockSystem<dim>::make_sparsity(const double t)
 {
-  dealii::DynamicSparsityPattern pattern(relevant);
-  for (const auto &terms : cell_terms)
-    add_pattern(*terms, pattern);
-
-  dropped.clear();
   dealii::Timer timer;
-  for (const auto &interface : model.interfaces) {
-    const TieParts<dim> parts = interface->tie().parts();
-    if (interface->is_active(t)) {
-      if (parts.point_terms != nullptr)
-        add_pattern(*interface, pattern);
-      for (unsigned int i = 0; parts.multipliers != nullptr && i < parts.multipliers->n_terms(); ++i) {
-        const auto &dofs = parts.multipliers->term_dofs(i);
-        constraints.add_entries_local_to_global(dofs, pattern, false);
-        if (dofs.size() == 1)
-          dropped.insert(dofs[0]);
-      }
-    } else
-      for_each_multiplier(*interface, [&](const auto dof) {
-        pattern.add(dof, dof);
-        dropped.insert(dof);
-      });
-  }
+  find_dropped(t);
   if (!model.interfaces.empty())
     tie_seconds += timer.wall_time();
-
-  dealii::SparsityTools::distribute_sparsity_pattern(pattern, model.numbering->owned, model.communicator,
-                                                     relevant);
+  dealii::DynamicSparsityPattern pattern = make_pattern(t, constraints);
   has_tangent = false;
+  n_tangents = 0;
+  affine.reset();
+  summands.clear();
   matrix.clear();
   matrix.reinit(model.numbering->split(model.numbering->owned), parts_of_blocks(), pattern,
                 model.communicator);
@@ -403,7 +440,7 @@ Vector BlockSystem<dim>::ghosted_vector() const
 template <int dim>
 Vector BlockSystem<dim>::ghosted(const Vector &owned) const
 {
-  Vector copy = ghosted_vector();
+  Vector copy = ghosted_scratch.n_blocks() > 0 ? ghosted_scratch : ghosted_vector(); // its layout is known
   copy = owned;
   return copy;
 }
@@ -411,6 +448,11 @@ Vector BlockSystem<dim>::ghosted(const Vector &owned) const
 template <int dim>
 void BlockSystem<dim>::set_rates(const Rates &rates)
 {
+  owned_rates = {};
+  owned_rates.by_value = rates.by_value;
+  owned_rates.second_by_value = rates.second_by_value;
+  owned_rates.rest = rates.rest;
+  owned_rates.second_rest = rates.second_rest;
   step_rates = {};
   step_rates.by_value = rates.by_value;
   step_rates.second_by_value = rates.second_by_value;
@@ -428,8 +470,9 @@ void BlockSystem<dim>::set_time(const double t)
 {
   share = 1;
   if (t != time) { // else set_up has made them
-    if (const ConstraintLines lines = lines_at(t); !are_prescribed(lines))
-      make_constraints(lines);
+    if (prescribes_by_time())
+      if (ConstraintLines lines_then = lines_at(t); !are_prescribed(lines_then))
+        make_constraints(std::move(lines_then));
     time = t;
   }
   problem = {};
@@ -580,9 +623,135 @@ void throw_on_all_ranks(const std::exception_ptr &fault, const MPI_Comm &communi
 
 } // namespace
 
+/// Only in time, where it is asked for again and again.
+template <int dim>
+AffineResidual<dim> *BlockSystem<dim>::affine_residual()
+{
+  if (!has_tangent || !has_rates() || !cellwise.empty() || form != Form::direct ||
+      !AffineResidual<dim>::is_possible(model, time))
+    return nullptr;
+  if (!affine) {
+    dealii::AffineConstraints<double> no_lines(relevant);
+    no_lines.close();
+    dealii::DynamicSparsityPattern pattern = make_pattern(time, no_lines);
+    affine = std::make_unique<AffineResidual<dim>>(model, parts_of_blocks(), pattern, relevant, time);
+  }
+  return affine->is_defined() ? affine.get() : nullptr;
+}
+
+/// The residual alone. @pre affine_residual()
+template <int dim>
+void BlockSystem<dim>::assemble_by_products(const Vector &x)
+{
+  ++n_assemblies.residuals_by_products;
+  std::exception_ptr fault;
+  try {
+    affine->find_loads(time);
+  } catch (...) { // perhaps of this rank alone
+    fault = std::current_exception();
+  }
+  throw_on_all_ranks(fault, model.communicator);
+  affine->evaluate(x, owned_rates);
+  right_hand_side.equ(-1., affine->residual());
+  std::vector<std::pair<dealii::types::global_dof_index, double>> passed_on;
+  for (const auto &line : update_constraints.get_lines())
+    if (model.numbering->owned.is_element(line.index)) {
+      const unsigned int b = model.numbering->block_of(line.index);
+      const Block &block = model.numbering->blocks()[b];
+      double &force =
+          right_hand_side.block(b)
+              .trilinos_vector()[0][block.owned.index_within_set(line.index - block.begin)];
+      for (const auto &[other, weight] : line.entries)
+        passed_on.emplace_back(other, weight * force);
+      force = 0;
+    }
+  for (const auto &[other, force] : passed_on)
+    right_hand_side(other) += force;
+  right_hand_side.compress(dealii::VectorOperation::add);
+  if (share < 1)
+    right_hand_side.add(share - 1, held_back);
+
+  sizes.forces = affine->squares_of_forces();
+  sizes.on_free = sizes.forces;
+  for (unsigned int b = 0; b < sizes.on_free.size(); ++b)
+    sizes.on_free[b] *= cell_terms[0]->longest_sum();
+  for (auto *block_sums : {&sizes.forces, &sizes.on_free})
+    dealii::Utilities::MPI::sum(*block_sums, model.communicator, *block_sums);
+}
+
+/// Whether integrals give what products have given. Both stay within rounding of the forces, which sums of
+/// many cells keep.
+template <int dim>
+bool BlockSystem<dim>::is_as_integrated(const Vector &x)
+{
+  const double largest = 1e-10;
+  const Vector by_products = right_hand_side;
+  const Sizes sizes_of_products = sizes;
+  const unsigned int n_blocks = field_of_block.size();
+  const std::vector<double> none(n_blocks, 0.);
+  ghosted_scratch = x;
+  right_hand_side = 0;
+  sizes = {none, none, none, none};
+  assemble_all(false);
+  right_hand_side.compress(dealii::VectorOperation::add);
+  if (share < 1)
+    right_hand_side.add(share - 1, held_back);
+  dealii::Utilities::MPI::sum(sizes.forces, model.communicator, sizes.forces);
+  right_hand_side -= by_products;
+  bool is_equal = true;
+  for (unsigned int b = 0; b < n_blocks; ++b)
+    is_equal = is_equal && !(right_hand_side.block(b).l2_norm() > largest * std::sqrt(sizes.forces[b]));
+  right_hand_side = by_products;
+  sizes = sizes_of_products;
+  return is_equal;
+}
+
+/// K and M on the constraints of the update, which stay as they are when prescribed values change.
+template <int dim>
+void BlockSystem<dim>::find_summands()
+{
+  Rates without;
+  std::swap(without, step_rates); // cells see them
+  matrix = 0;
+  assemble_all(true);
+  matrix.compress(dealii::VectorOperation::add);
+  right_hand_side.compress(dealii::VectorOperation::add);
+  std::swap(without, step_rates);
+  summands[0].copy_from(matrix);
+  for (unsigned int order = 1; order <= model.order_in_time(); ++order) {
+    summands[order].copy_from(matrix);
+    summands[order] = 0;
+    affine->add_mass(update_constraints, order, summands[order]);
+  }
+}
+
+/// For another step. @pre affine_residual()
+template <int dim>
+void BlockSystem<dim>::combine_tangent()
+{
+  ++n_assemblies.tangents_by_sums;
+  if (summands.empty())
+    find_summands();
+  matrix = 0;
+  for (const auto &[order, summand] : summands)
+    matrix.add(order == 0 ? 1. : order == 1 ? step_rates.by_value : step_rates.second_by_value, summand);
+  rates_of_tangent = {{step_rates.by_value, step_rates.second_by_value}};
+}
+
+/// Where the second tangent is that of another step, as in the start of a scheme, a third one may never come.
 template <int dim>
 bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
 {
+  const unsigned int few_tangents = 2;
+  if ((!with_tangent || n_tangents >= few_tangents) && affine_residual() != nullptr) {
+    ghosted_scratch = x;
+    move_constraints_from(ghosted_scratch);
+    if (with_tangent)
+      combine_tangent();
+    assemble_by_products(x);
+    Assert(is_as_integrated(x), dealii::ExcMessage("products and integrals give different residuals"));
+    return true;
+  }
   ++(with_tangent ? n_assemblies.tangents : n_assemblies.residuals_alone);
   ghosted_scratch = x;
   move_constraints_from(ghosted_scratch);
@@ -625,6 +794,7 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   throw_on_all_ranks(fault, model.communicator);
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   has_tangent = with_tangent ? is_defined : has_tangent;
+  n_tangents += with_tangent ? 1 : 0;
   if (with_tangent)
     rates_of_tangent = {{step_rates.by_value, step_rates.second_by_value}};
   if (!is_defined) {
@@ -903,12 +1073,20 @@ bool BlockSystem<dim>::has_multipliers() const
 }
 
 template <int dim>
-NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x) const
+NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x)
 {
-  ConstraintLines lines = lines_at(time);
-  for (const auto dof : unconstrained)
-    lines.erase(dof);
-  return NodalForces<dim>(model, lines, constraints, ghosted(x), time, step_rates);
+  AffineResidual<dim> *products = affine_residual();
+  if (products != nullptr) {
+    std::exception_ptr fault;
+    try {
+      products->find_loads(time);
+    } catch (...) {
+      fault = std::current_exception();
+    }
+    throw_on_all_ranks(fault, model.communicator);
+    products->evaluate(x, owned_rates);
+  }
+  return NodalForces<dim>(model, lines, constraints, ghosted(x), time, step_rates, products);
 }
 
 template <int dim>
@@ -1032,13 +1210,15 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx, Vector &rest)
   const std::vector<double> before = forces();
   for (unsigned int row = 0; row < dx.n_blocks(); ++row)
     reference[row] = std::max(reference[row], before[row]);
-  matrix.for_each_product(dx, [&](const unsigned int row, const unsigned int column, const auto &product) {
-    rest.block(row) -= product;
-    if (row != column)
-      reference[row] = std::max(reference[row], product.l2_norm());
-  });
+  const bool is_zero = dx.linfty_norm() == 0;
+  if (!is_zero)
+    matrix.for_each_product(dx, [&](const unsigned int row, const unsigned int column, const auto &product) {
+      rest.block(row) -= product;
+      if (row != column)
+        reference[row] = std::max(reference[row], product.l2_norm());
+    });
   for (unsigned int b = 0; b < dx.n_blocks(); ++b)
-    if (is_constraint[b])
+    if (is_constraint[b] && !is_zero)
       reference[b] = std::max(reference[b], matrix.size_of_product(b, dx));
   // a block on which nothing acts keeps the rounding of the others, with which it is solved
   std::vector<double> rounding(fields.size(), 0.);

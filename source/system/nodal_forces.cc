@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/system/affine_residual.h>
 #include <dovetail/system/nodal_forces.h>
 
 #include <deal.II/base/mpi.h>
@@ -33,23 +34,26 @@ std::vector<bool> vertices_at_boundary(const Domain<dim> &domain)
 } // namespace
 
 template <int dim>
-NodalForces<dim>::NodalForces(const Model<dim> &model, const ConstraintLines &lines,
+NodalForces<dim>::NodalForces(const Model<dim> &model, const std::shared_ptr<const ConstraintLines> &lines,
                               const dealii::AffineConstraints<double> &constraints, const Vector &solution,
-                              const double t, const Rates &rates)
+                              const double t, const Rates &rates, AffineResidual<dim> *products)
     : t(t), rates(rates), model(model), lines(lines), constraints(constraints)
 {
   Vector residual(model.numbering->split(model.numbering->owned), model.communicator);
+  if (products != nullptr)
+    take_from(*products, solution, residual);
   for (const auto &domain : model.domains)
-    add_cells(*domain, solution, residual);
+    if (products == nullptr)
+      add_cells(*domain, solution, residual);
   for (const auto &interface : model.interfaces) {
-    transmissions[interface.get()] = {};
-    if (interface->is_active(t)) {
+    transmissions.try_emplace(interface.get());
+    if (interface->is_active(t) && products == nullptr) {
       if (interface->tie().parts().point_terms != nullptr)
         add_groups(*interface, solution, residual);
       add_terms(*interface, solution, residual);
     }
   }
-  residual.compress(dealii::VectorOperation::add);
+  residual.compress(products != nullptr ? dealii::VectorOperation::insert : dealii::VectorOperation::add);
   force = passed_on(residual);
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   const double undefined = std::numeric_limits<double>::quiet_NaN();
@@ -57,6 +61,17 @@ NodalForces<dim>::NodalForces(const Model<dim> &model, const ConstraintLines &li
     for (auto &[interface, list] : transmissions)
       for (Transmission &transmission : list)
         transmission.influx = {{undefined, undefined}};
+}
+
+template <int dim>
+void NodalForces<dim>::take_from(AffineResidual<dim> &products, const Vector &solution, Vector &residual)
+{
+  for (const auto &entry : *lines)
+    residual(entry.first) = products.residual()(entry.first);
+  for (const auto &interface : model.interfaces)
+    transmissions[interface.get()] = products.transmissions(*interface, solution);
+  for (unsigned int d = 0; d < model.domains.size(); ++d)
+    cell_flows.push_back({products.loads(d, solution), products.stored(d)});
 }
 
 template <int dim>
@@ -146,7 +161,7 @@ Vector NodalForces<dim>::passed_on(const Vector &residual) const
   const unsigned int longest_chain = 100;
   for (unsigned int link = 0; link < longest_chain; ++link) {
     passed = 0;
-    for (const auto &[dof, line] : lines) {
+    for (const auto &[dof, line] : *lines) {
       const double constrained_force = line.entries.empty() ? 0. : total(dof);
       for (const auto &[other, weight] : line.entries)
         passed(other) += weight * constrained_force;
@@ -166,7 +181,7 @@ template <int dim>
 Vector NodalForces<dim>::extended(const Vector &w) const
 {
   dealii::IndexSet needed = model.numbering->owned;
-  for (const auto &entry : lines)
+  for (const auto &entry : *lines)
     for (const auto &[other, weight] : entry.second.entries)
       needed.add_index(other);
   needed.compress();
@@ -178,7 +193,7 @@ Vector NodalForces<dim>::extended(const Vector &w) const
     seen = total;
     change = total;
     total = w;
-    for (const auto &[dof, line] : lines)
+    for (const auto &[dof, line] : *lines)
       for (const auto &[other, weight] : line.entries)
         total(dof) += weight * seen(other);
     total.compress(dealii::VectorOperation::add);

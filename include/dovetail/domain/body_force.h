@@ -27,6 +27,11 @@ public:
 
   bool is_given() const { return acceleration || rotation; }
   bool depends_on_displacement() const { return rotation && has_large_strain; }
+  bool depends_on_time() const
+  {
+    return (acceleration && acceleration->depends_on_time()) ||
+           (rotation && rotation->velocity.depends_on_time());
+  }
   /// The component of the domain with which the displacement begins.
   unsigned int first_component() const { return first; }
 

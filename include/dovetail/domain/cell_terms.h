@@ -45,6 +45,10 @@ public:
   /// From now on the terms of a field's own tangent go there, and not to the matrix of a cell. Boundaries'
   /// still do.
   void give_tangent_to(const Field &field, CellOperator<dim> &cells);
+  /// From now on assemble() leaves what assemble_given() adds out of the residual, or what
+  /// assemble_boundary() adds; the latter stays in the tangent.
+  void leave_out_given() { leaves_out_given = true; }
+  void leave_out_boundary() { leaves_out_boundary = true; }
   const Domain<dim> &body() const { return domain; }
   /// Whether some condition has a tangent on a face of the cell.
   bool has_boundary_tangent(const typename Domain<dim>::cell_iterator &cell) const;
@@ -69,15 +73,25 @@ public:
   bool assemble_loads(const typename Domain<dim>::cell_iterator &cell, double t,
                       const std::vector<double> &unknowns, std::vector<double> &residual);
 
+  /// The part of assemble_loads() that depends on no state: the given sources, without those of the laws.
+  /// Overwrites @p residual.
+  void assemble_given(const typename Domain<dim>::cell_iterator &cell, double t,
+                      std::vector<double> &residual);
+  /// That of the conditions on its boundary. Overwrites @p residual. @return false if a law is not defined.
+  bool assemble_boundary(const typename Domain<dim>::cell_iterator &cell, double t,
+                         const std::vector<double> &unknowns, std::vector<double> &residual);
+
   /// What the laws remember of a state: the trial of the domain's memory. @return false if one is not defined
   /// there.
   bool evaluate_memory(const typename Domain<dim>::cell_iterator &cell, double t,
                        const std::vector<double> &unknowns);
   /// Of the state before the first step, in the trial. @pre the material looks at it
   void look_at_start(const typename Domain<dim>::cell_iterator &cell, const std::vector<double> &unknowns);
-  /// The part of what is stored. Overwrites @p residual. @return false if nothing is; it is zero then.
+  /// The part of what is stored. Overwrites @p residual and, if @p tangent is not nullptr, its derivative.
+  /// @return false if nothing is stored; both are zero then.
   bool assemble_storage(const typename Domain<dim>::cell_iterator &cell, double t,
-                        const std::vector<double> &unknowns, std::vector<double> &residual);
+                        const std::vector<double> &unknowns, std::vector<double> &residual,
+                        dealii::FullMatrix<double> *tangent = nullptr);
 
   /// Of the last assemble(), by local unknown: the sum of the absolute contributions of all points.
   const std::vector<double> &forces() const { return force_sizes; }
@@ -112,6 +126,7 @@ private:
   /// is not defined there.
   bool add_lumped_storage(unsigned int q, double JxW, const std::vector<double> &unknowns,
                           std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
+  void add_storage_tangent(double JxW, dealii::FullMatrix<double> &tangent) const;
   bool add_storage_of_node(unsigned int a, double weight, std::vector<double> &residual,
                            dealii::FullMatrix<double> *tangent);
   /// The terms of the fluxes' derivatives, or those of the cell before if nothing can have changed.
@@ -162,6 +177,8 @@ private:
   dealii::FullMatrix<double> lumped_tangent;         ///< of a cell
   std::vector<dealii::types::global_dof_index> dofs; ///< scratch
   std::vector<const Condition<dim> *> flux_conditions;
+  bool leaves_out_given = false, leaves_out_boundary = false;
+  std::vector<double> left_out; // scratch
   std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
   std::vector<double> source_at_points, size_of_value; // scratch
   std::vector<dealii::Tensor<1, dim>> size_of_gradient;

@@ -109,6 +109,9 @@ public:
   /// Whether the derivatives are the same in all steps; if so, a linear scene assembles them once.
   virtual bool has_constant_tangent() const { return !adds_flux(); }
 
+  /// Whether what it prescribes or gives may change with t itself, beside its toggle.
+  virtual bool depends_on_time() const { return true; }
+
   /// Whether the condition keeps a component of the field from drifting by a constant.
   virtual bool removes_constant(const unsigned int component) const
   {

@@ -35,6 +35,7 @@ public:
   bool adds_flux() const override { return true; }
   bool is_linear() const override { return !coefficient.depends_on_scalars(); }
   bool has_constant_tangent() const override { return is_linear() && !coefficient.depends_on_time(); }
+  bool depends_on_time() const override { return coefficient.depends_on_time() || ambient.depends_on_time(); }
 
   void influx(const State<dim> &state, const dealii::Tensor<1, dim> & /*N*/,
               Influx<dim> &influx) const override

@@ -76,8 +76,10 @@ public:
   /// Whether constraints or equations of multipliers change with t because it does.
   bool has_moving_constraints() const
   {
-    return has_jump && given_jump.depends_on_time() && method->parts().elimination != nullptr;
+    return has_moving_jump() && method->parts().elimination != nullptr;
   }
+  /// Whether the prescribed jump changes with t.
+  bool has_moving_jump() const { return has_jump && given_jump.depends_on_time(); }
   /// Which of the unknowns of a group the jump of a tied field or its variation depends on, at any point of
   /// it.
   std::vector<bool> unknowns_in_jump(const typename Pairing<dim>::Group &group) const;

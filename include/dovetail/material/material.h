@@ -71,6 +71,7 @@ public:
   bool flux_depends(unsigned int field, unsigned int on_field) const;
   bool has_source(unsigned int field) const;
   bool has_load(unsigned int field) const; ///< a source that stores nothing
+  bool has_load_by_state() const;          ///< such a source depends on the fields
   /// The highest order of the rates that the terms of a component's field ask for; 0 in static scenes.
   unsigned int order_in_time(const unsigned int component) const { return orders_in_time[component]; }
   unsigned int order_in_time() const { return largest_order_in_time; } ///< of all fields

@@ -97,6 +97,8 @@ public:
   using VisitProduct =
       std::function<void(unsigned int row, unsigned int column, const Vector::BlockType &product)>;
   void for_each_product(const Vector &x, const VisitProduct &visit) const;
+  /// The unknowns that the own rows of a pair of parts multiply, by local column. Collective.
+  Epetra_Vector ghosted(unsigned int row, unsigned int column, const Vector &x) const;
   /// || |K| |x| || of the rows of a block. Collective.
   double size_of_product(unsigned int row, const Vector &x) const;
 
@@ -120,7 +122,6 @@ private:
   void visit_operator(unsigned int part, const Vector &x, const VisitProduct &visit) const;
   void visit_products(unsigned int row, unsigned int column, const Vector &x,
                       const VisitProduct &visit) const;
-  Epetra_Vector ghosted(unsigned int row, unsigned int column, const Vector &x) const;
 
   dealii::BlockIndices indices;
   std::vector<Place> place;

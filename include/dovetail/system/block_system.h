@@ -25,6 +25,9 @@
 
 namespace dovetail {
 
+template <int dim>
+class AffineResidual;
+
 /// Of a tangent: K, or its transpose.
 enum class Form { direct, transposed };
 
@@ -38,6 +41,7 @@ class BlockSystem
 {
 public:
   explicit BlockSystem(Model<dim> &model, Form form = Form::direct);
+  ~BlockSystem();
 
   /// From the next set_up() on: of each group of fields (Model::field_groups), whether its matrix has all
   /// entries. If not, the tangent of the cells is products; that of ties and conditions has entries.
@@ -102,6 +106,7 @@ public:
   struct Assemblies
   {
     unsigned long tangents = 0, residuals_alone = 0;
+    unsigned long tangents_by_sums = 0, residuals_by_products = 0; ///< in place of these (affine_residual.h)
   };
   const Assemblies &assemblies() const { return n_assemblies; }
 
@@ -149,7 +154,7 @@ public:
 
   /// What holds the constrained unknowns at a solution of the current time. Collective; refers to
   /// constraints of this system.
-  NodalForces<dim> nodal_forces(const Vector &x) const;
+  NodalForces<dim> nodal_forces(const Vector &x);
   bool has_multipliers() const; ///< some tie that is active now
   /// Before output: the multipliers of the ties at a solution and what they transmit. Collective.
   void find_multipliers(const Vector &x, const NodalForces<dim> &forces);
@@ -170,17 +175,28 @@ private:
 
   void make_relevant_set(double t);
   ConstraintLines lines_at(double t) const;
+  bool prescribes_by_time() const;
   bool are_prescribed(const ConstraintLines &lines) const;
-  void make_constraints(const ConstraintLines &lines);
+  void make_constraints(ConstraintLines lines);
   void make_sparsity(double t);
   std::vector<unsigned int> parts_of_blocks() const;
   bool has_entries(const std::string &field) const;
   void make_cell_terms();
   void make_cell_operators();
-  void add_pattern(const CellTerms<dim> &terms, dealii::DynamicSparsityPattern &pattern) const;
-  void add_pattern(const Interface<dim> &interface, dealii::DynamicSparsityPattern &pattern) const;
+  dealii::DynamicSparsityPattern make_pattern(double t,
+                                              const dealii::AffineConstraints<double> &lines) const;
+  void add_pattern(const CellTerms<dim> &terms, const dealii::AffineConstraints<double> &lines,
+                   dealii::DynamicSparsityPattern &pattern) const;
+  void add_pattern(const Interface<dim> &interface, const dealii::AffineConstraints<double> &lines,
+                   dealii::DynamicSparsityPattern &pattern) const;
+  void find_dropped(double t);
   void move_constraints_from(const Vector &ghosted);
   bool evaluate_memory(double t);
+  AffineResidual<dim> *affine_residual();
+  void assemble_by_products(const Vector &x);
+  void combine_tangent();
+  void find_summands();
+  bool is_as_integrated(const Vector &x);
   bool assemble_all(bool with_tangent);
   bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);
   bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
@@ -208,6 +224,7 @@ private:
   std::set<dealii::types::global_dof_index>
       unconstrained;                                    ///< of tie_lines, where they would have no solution
   std::set<dealii::types::global_dof_index> dropped;    ///< multipliers
+  std::shared_ptr<const ConstraintLines> lines; ///< of owned unknowns, without those unconstrained
   dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx
   std::vector<bool> constraints_move;                   ///< by block
@@ -218,7 +235,12 @@ private:
   std::vector<bool> groups_with_entries;
   std::map<unsigned int, std::shared_ptr<CellwiseTangent<dim>>> cellwise; ///< by part of the matrix
   bool has_tangent = false;                                               ///< since set_up
+  unsigned int n_tangents = 0;                                            ///< assembled, likewise
+  /// Of the tangent, by order of the rates by whose derivative they are multiplied; 0: the rest.
+  std::map<unsigned int, BlockMatrix> summands;
   Rates step_rates;                                                       ///< ghosted
+  Rates owned_rates;                                                      ///< the same, without the past
+  std::unique_ptr<AffineResidual<dim>> affine;                            ///< since set_up, once it is asked for
   std::array<double, 2> rates_of_tangent{}; ///< derivatives of the rates in the last tangent
   Undefined problem, problem_here;          ///< over all ranks; on this one, in the present assembly
   Assemblies n_assemblies;

@@ -7,6 +7,7 @@
 
 #include <dovetail/domain/constraint_lines.h>
 #include <dovetail/interface/transmission.h>
+#include <dovetail/system/flows.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 #include <dovetail/time/rates.h>
@@ -15,10 +16,14 @@
 
 #include <limits>
 #include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
 namespace dovetail {
+
+template <int dim>
+class AffineResidual;
 
 /// The forces that hold what constraints prescribe. With the residual R_i of all bodies and all terms of the
 /// ties, before constraints, and with the lines B_k = sum_i C_ki B_i + b_k of hanging nodes and ties,
@@ -34,10 +39,11 @@ public:
   /// @param lines those of the unknowns that this rank owns, as they are
   /// @param constraints the same for all relevant unknowns, resolved
   /// @param solution ghosted
-  /// @param rates ghosted, too; kept by reference. Collective.
-  NodalForces(const Model<dim> &model, const ConstraintLines &lines,
+  /// @param rates ghosted, too; kept by reference
+  /// @param products if not nullptr, evaluated at the solution: then no law is asked. Collective.
+  NodalForces(const Model<dim> &model, const std::shared_ptr<const ConstraintLines> &lines,
               const dealii::AffineConstraints<double> &constraints, const Vector &solution, double t,
-              const Rates &rates);
+              const Rates &rates, AffineResidual<dim> *products = nullptr);
 
   /// At an owned unknown that is constrained; NaN if a law is not defined somewhere.
   double operator()(const dealii::types::global_dof_index dof) const
@@ -46,14 +52,23 @@ public:
   }
   bool is_prescribed(const dealii::types::global_dof_index dof) const ///< an owned one, to a value
   {
-    const auto line = lines.find(dof);
-    return line != lines.end() && line->second.entries.empty();
+    const auto line = lines->find(dof);
+    return line != lines->end() && line->second.entries.empty();
   }
   /// The line that a boundary condition gave an owned unknown; nullptr if none did.
   const ConstraintLine *line_of_condition(const dealii::types::global_dof_index dof) const
   {
-    const auto line = lines.find(dof);
-    return line != lines.end() && line->second.is_of_condition ? &line->second : nullptr;
+    const auto line = lines->find(dof);
+    return line != lines->end() && line->second.is_of_condition ? &line->second : nullptr;
+  }
+  /// Calls @p visit(dof, line) with these of owned unknowns from @p begin to @p end, in order.
+  template <typename Visit>
+  void for_each_line_of_condition(const dealii::types::global_dof_index begin,
+                                  const dealii::types::global_dof_index end, const Visit &visit) const
+  {
+    for (auto line = lines->lower_bound(begin); line != lines->end() && line->first < end; ++line)
+      if (line->second.is_of_condition)
+        visit(line->first, line->second);
   }
   /// Whether a relevant unknown is prescribed, perhaps by way of others.
   bool is_fixed(dealii::types::global_dof_index dof) const;
@@ -71,6 +86,17 @@ public:
     return transmissions.at(&interface);
   }
 
+  /// What the cells of a domain get by sources and conditions and what they store, by component of the
+  /// domain, where that is known without asking laws; of this rank.
+  struct FlowsOfCells
+  {
+    Flows loads, stored;
+  };
+  const FlowsOfCells *flows_of_cells(const unsigned int domain) const
+  {
+    return cell_flows.empty() ? nullptr : &cell_flows[domain];
+  }
+
   /// Rounding of all sums of a field of a body and of those that follow it: 1e-15 sum_ij |K_ij x_j|,
   /// where x_j is at least what it was before the step. Expensive. Collective.
   double rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
@@ -79,6 +105,7 @@ public:
   const Rates &rates;
 
 private:
+  void take_from(AffineResidual<dim> &products, const Vector &solution, Vector &residual);
   void add_cells(const Domain<dim> &domain, const Vector &solution, Vector &residual);
   void add_groups(const Interface<dim> &interface, const Vector &solution, Vector &residual);
   void add_terms(const Interface<dim> &interface, const Vector &solution, Vector &residual) const;
@@ -91,10 +118,11 @@ private:
                           const std::vector<double> &values, Vector &residual) const;
 
   const Model<dim> &model;
-  const ConstraintLines lines;
+  const std::shared_ptr<const ConstraintLines> lines;
   const dealii::AffineConstraints<double> &constraints;
   bool is_defined = true;
   Vector force;
+  std::vector<FlowsOfCells> cell_flows; ///< by domain
   std::map<const Interface<dim> *, std::vector<Transmission>> transmissions;
 };
 

@@ -243,13 +243,16 @@ void CellTerms<dim>::assemble_given(const typename Domain<dim>::cell_iterator &c
 
 template <int dim>
 bool CellTerms<dim>::assemble_boundary(const typename Domain<dim>::cell_iterator &cell, const double t,
-                                       const std::vector<double> &unknowns, std::vector<double> &residual)
+                                       const std::vector<double> &unknowns, std::vector<double> &residual,
+                                       dealii::FullMatrix<double> *tangent)
 {
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(layout.size(), 0.);
+  if (tangent)
+    *tangent = 0;
   point.set_rates(nullptr, {});
   return flux_conditions.empty() || !cell->at_boundary() ||
-         add_boundary_terms(cell, t, unknowns, residual, nullptr);
+         add_boundary_terms(cell, t, unknowns, residual, tangent);
 }
 
 /// The points of a cell and their rates; the next tangent is not compared with that of the cell before.

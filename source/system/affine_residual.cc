@@ -26,8 +26,9 @@ bool AffineResidual<dim>::is_possible(const Model<dim> &model, const double t)
         return false;
   }
   return std::none_of(model.interfaces.begin(), model.interfaces.end(), [&](const auto &interface) {
-    return interface->is_active(t) && (interface->has_moving_jump() ||
-                                       interface->sides[source].domain == interface->sides[destination].domain);
+    return interface->is_active(t) &&
+           (interface->has_moving_jump() ||
+            interface->sides[source].domain == interface->sides[destination].domain);
   });
 }
 
@@ -38,9 +39,11 @@ AffineResidual<dim>::AffineResidual(const Model<dim> &model, const std::vector<u
     : model(model), time(t), time_of_loads(std::numeric_limits<double>::quiet_NaN())
 {
   const std::vector<dealii::IndexSet> owned = model.numbering->split(model.numbering->owned);
-  for (Vector *vector :
-       {&loads_at_rest, &moving_loads, &product, &unpaired, &storage, &rate, &all, &last_x})
+  for (Vector *vector : {&loads_at_rest, &moving_loads, &product, &unpaired, &storage, &rate, &all, &last_x})
     vector->reinit(owned, model.communicator);
+  for (Vector &sums : row_sums)
+    sums.reinit(owned, model.communicator);
+  find_components();
   no_constraints.reinit(relevant);
   no_constraints.close();
   stiffness.reinit(owned, part_of_block, pattern, model.communicator);
@@ -49,10 +52,9 @@ AffineResidual<dim>::AffineResidual(const Model<dim> &model, const std::vector<u
     bodies.push_back(std::make_unique<Body>(*domain));
     Body &body = *bodies.back();
     const auto &sources = domain->source().expressions;
-    body.has_moving_sources =
-        domain->body_force().depends_on_time() ||
-        std::any_of(sources.begin(), sources.end(),
-                    [](const auto &source) { return source.second.depends_on_time(); });
+    body.has_moving_sources = domain->body_force().depends_on_time() ||
+                              std::any_of(sources.begin(), sources.end(),
+                                          [](const auto &source) { return source.second.depends_on_time(); });
     for (const auto &condition : domain->conditions())
       if (condition->adds_flux() || condition->is_weak()) {
         follows_fields = follows_fields || condition->follows_fields();
@@ -102,11 +104,62 @@ void AffineResidual<dim>::assemble_stiffness()
   }
   stiffness.compress(dealii::VectorOperation::add);
   loads_at_rest.compress(dealii::VectorOperation::add);
+  for (Vector &sums : row_sums)
+    sums.compress(dealii::VectorOperation::add);
+}
+
+/// Of vectors.
+template <int dim>
+void AffineResidual<dim>::find_components()
+{
+  std::vector<Index> dofs;
+  for (const auto &domain : model.domains)
+    for (const auto &cell : domain->dof_handler().active_cell_iterators()) {
+      if (cell->is_artificial() || domain->material.solid_field() == nullptr)
+        continue;
+      domain->cell_dofs(cell, dofs);
+      for (const Field &field : domain->fields())
+        for (unsigned int c = 1; c < field.n_components; ++c)
+          for (unsigned int a = 0; a < domain->layout().n_nodes(field.first_component + c); ++a)
+            component_of[dofs[domain->layout().index(field.first_component + c, a)]] = c;
+    }
+  std::vector<Index> group_dofs; // of interfaces, also of cells of other ranks
+  for (const auto &interface : model.interfaces)
+    for (const auto &group : interface->pairing().groups) {
+      interface->group_dofs(group, group_dofs);
+      for (const TiedField &field : interface->fields)
+        for (const unsigned int side : {source, destination})
+          for (unsigned int c = 1; c < field.n_components; ++c) {
+            const unsigned int first = interface->first_unknown(side, field.first_component[side] + c);
+            for (unsigned int a = 0; a < field.n_nodes[side]; ++a)
+              component_of[group_dofs[first + a]] = c;
+          }
+    }
+}
+
+/// What local_matrix makes of constants. @pre It has no terms by which these would vanish.
+template <int dim>
+void AffineResidual<dim>::add_row_sums(const std::vector<Index> &dofs)
+{
+  const auto component = [this](const Index dof) {
+    const auto found = component_of.find(dof);
+    return found == component_of.end() ? 0 : found->second;
+  };
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int i = 0; i < dofs.size(); ++i)
+    for (unsigned int j = 0; j < dofs.size(); ++j) {
+      const Block &row = blocks[model.numbering->block_of(dofs[i])],
+                  &column = blocks[model.numbering->block_of(dofs[j])];
+      if (local_matrix(i, j) != 0 && row.field == column.field && !row.is_of_multipliers &&
+          !column.is_of_multipliers)
+        row_sums[component(dofs[j])](dofs[i]) += local_matrix(i, j);
+    }
 }
 
 /// local_matrix and a residual at x = 0.
 template <int dim>
-void AffineResidual<dim>::add_to_stiffness(const std::vector<Index> &dofs, const std::vector<double> &residual)
+void AffineResidual<dim>::add_to_stiffness(const std::vector<Index> &dofs,
+                                           const std::vector<double> &residual)
 {
   local_vector.reinit(dofs.size(), true);
   std::copy(residual.begin(), residual.end(), local_vector.begin());
@@ -124,6 +177,14 @@ void AffineResidual<dim>::assemble_body(const unsigned int d)
   std::vector<Index> dofs;
   const std::vector<double> zero(n_local, 0.);
   std::vector<double> residual(n_local);
+  bool sees_values = domain.material.has_load_by_state();
+  for (const Field &field : domain.fields()) {
+    sees_values = sees_values || domain.measure.has_hoop_strain(field);
+    for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
+      for (unsigned int e = field.first_component; e < field.first_component + field.n_components; ++e)
+        sees_values = sees_values || domain.material.coupling(c, e).flux_by_value ||
+                      domain.material.coupling(c, e).source_by_gradient;
+  }
   local_matrix.reinit(n_local, n_local);
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
@@ -133,11 +194,17 @@ void AffineResidual<dim>::assemble_body(const unsigned int d)
       const std::size_t first = cell->active_cell_index() * n;
       for (unsigned int c = 0; c < n; ++c) {
         const std::vector<double> &unit = domain.layout().unit(c);
-        body.influx[first + c] = -std::inner_product(unit.begin(), unit.end(),
-                                                     residual.begin() + domain.layout().first(c), 0.);
+        body.influx[first + c] =
+            -std::inner_product(unit.begin(), unit.end(), residual.begin() + domain.layout().first(c), 0.);
       }
-      if (domain.material.has_load_by_state() || body.terms.has_boundary_tangent(cell))
+      if (sees_values) {
+        add_row_sums(dofs);
         add_loads_by_state(body, first, dofs);
+      } else if (body.terms.has_boundary_tangent(cell)) {
+        body.terms.assemble_boundary(cell, time, zero, residual, &local_matrix);
+        add_row_sums(dofs);
+        add_loads_by_state(body, first, dofs);
+      }
     }
   body.by_state.close();
 }
@@ -169,6 +236,12 @@ void AffineResidual<dim>::assemble_joint(const Interface<dim> &interface)
   const std::vector<double> zero(n_local, 0.);
   std::vector<double> residual(n_local), sum(n_local);
   std::vector<Index> dofs;
+  const bool is_of_jumps = // of one field, which vanish for constants
+      std::none_of(interface.fields.begin(), interface.fields.end(), [&](const TiedField &field) {
+        const Domain<dim> &domain = *interface.sides[source].domain;
+        return field.has_partition() || field.names[source] != field.names[destination] ||
+               domain.measure.has_hoop_strain(domain.fields()[field.field[source]]);
+      });
   local_matrix.reinit(n_local, n_local);
   for (const auto &group : interface.pairing().groups) {
     interface.group_dofs(group, dofs);
@@ -177,6 +250,8 @@ void AffineResidual<dim>::assemble_joint(const Interface<dim> &interface)
     all_are_defined =
         terms.assemble(interface, group, time, zero, residual, &local_matrix) && all_are_defined;
     add_to_stiffness(dofs, residual);
+    if (!is_of_jumps)
+      add_row_sums(dofs);
     for (unsigned int f = 0; f < interface.fields.size(); ++f)
       for (unsigned int c = 0; c < interface.fields[f].n_components; ++c) {
         Transmission at_zero = {f, c, {{0, 0}}};
@@ -248,7 +323,7 @@ void AffineResidual<dim>::add_mass_of(const unsigned int d,
   const std::vector<double> zero(n_local, 0.);
   std::vector<double> residual(n_local);
   std::vector<Index> dofs;
-  Vector nothing = all;
+  Vector nothing = all; // of the local vectors, which are zero
   local_matrix.reinit(n_local, n_local);
   local_vector.reinit(n_local);
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
@@ -258,7 +333,8 @@ void AffineResidual<dim>::add_mass_of(const unsigned int d,
       all_are_defined =
           all_are_defined && std::isfinite(std::accumulate(residual.begin(), residual.end(), 0.));
       for (unsigned int c = 0; c < domain.n_components() && order > 0; ++c)
-        for (unsigned int a = 0; domain.material.order_in_time(c) != order && a < domain.layout().n_nodes(c); ++a)
+        for (unsigned int a = 0; domain.material.order_in_time(c) != order && a < domain.layout().n_nodes(c);
+             ++a)
           for (unsigned int j = 0; j < n_local; ++j)
             local_matrix(domain.layout().index(c, a), j) = 0;
       distribute_local_to_global(constraints, local_matrix, local_vector, dofs, matrix, nothing);
@@ -295,8 +371,8 @@ void AffineResidual<dim>::find_moving_loads(const unsigned int d, const double t
     no_constraints.distribute_local_to_global(local_vector, dofs, moving_loads);
     for (unsigned int c = 0; c < n; ++c) {
       const std::vector<double> &unit = domain.layout().unit(c);
-      body.moving_influx[cell->active_cell_index() * n + c] -= std::inner_product(
-          unit.begin(), unit.end(), residual.begin() + domain.layout().first(c), 0.);
+      body.moving_influx[cell->active_cell_index() * n + c] -=
+          std::inner_product(unit.begin(), unit.end(), residual.begin() + domain.layout().first(c), 0.);
     }
   };
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
@@ -320,18 +396,9 @@ void AffineResidual<dim>::find_kinds()
   std::map<std::string, int> number_of_field;
   Vector component = all;
   component = 0;
-  std::vector<Index> dofs;
-  for (const auto &domain : model.domains)
-    for (const auto &cell : domain->dof_handler().active_cell_iterators())
-      if (cell->is_locally_owned()) {
-        domain->cell_dofs(cell, dofs);
-        for (const Field &field : domain->fields())
-          for (unsigned int c = 1; c < field.n_components; ++c)
-            for (unsigned int a = 0; a < domain->layout().n_nodes(field.first_component + c); ++a)
-              if (const Index dof = dofs[domain->layout().index(field.first_component + c, a)];
-                  model.numbering->owned.is_element(dof))
-                component(dof) = c;
-      }
+  for (const auto &[dof, c] : component_of)
+    if (model.numbering->owned.is_element(dof))
+      component(dof) = c;
   component.compress(dealii::VectorOperation::insert);
 
   for (const Block &block : blocks)
@@ -431,8 +498,9 @@ void AffineResidual<dim>::multiply(const Vector &x)
         multiply_part(p, q, x);
 }
 
-/// Beside the product the squares of what pairs of unknowns of a field give, K_ij (x_j - x_i), where i is the
-/// same component at the node of the row: what is left of the product does not come from differences.
+/// As sum_j K_ij (x_j - x_i) + s_i x_i over the columns of the field of the row, where i is the same component at its
+/// node, so that values that are large beside their differences bring no rounding: what pairs of unknowns
+/// exchange adds up to nothing. Beside it the squares of these pairs, and what is left.
 template <int dim>
 void AffineResidual<dim>::multiply_part(const unsigned int p, const unsigned int q, const Vector &x)
 {
@@ -443,27 +511,30 @@ void AffineResidual<dim>::multiply_part(const unsigned int p, const unsigned int
   const Kinds &kind = kinds[p];
   for (unsigned int i = 0; i < numbering.blocks().size(); ++i) {
     const unsigned int block = numbering.blocks()[i], first = numbering.first_local_of(i);
-    double *const sums = product.block(block).trilinos_vector()[0],
-                  *const rests = unpaired.block(block).trilinos_vector()[0];
+    double *const sums = product.block(block).trilinos_vector()[0], *const rests = unpaired.block(block)
+                                                                                       .trilinos_vector()[0];
     double squares = 0;
     for (unsigned int row = first; row < numbering.first_local_of(i + 1); ++row) {
       int n = 0, *columns = nullptr;
       double *values = nullptr;
       matrix.ExtractMyRowView(row, n, values, columns);
-      double sum = 0, of_pairs = 0;
+      double of_others = 0, of_pairs = 0;
+      const bool is_of_field = p == q && kind.fields_of_rows[row] >= 0;
       for (int k = 0; k < n; ++k) {
         const int column = columns[k];
-        const double term = values[k] * factors[column];
-        sum += term;
-        if (p == q && kind.fields[column] == kind.fields_of_rows[row] && kind.fields[column] >= 0) {
-          const int partner = kind.at_node[row][kind.components[column]];
-          const double of_pair = term - (partner >= 0 ? values[k] * factors[partner] : 0.);
+        if (is_of_field && kind.fields[column] == kind.fields_of_rows[row]) {
+          const double of_pair =
+              values[k] * (factors[column] - factors[kind.at_node[row][kind.components[column]]]);
           of_pairs += of_pair;
           squares += of_pair * of_pair;
-        }
+        } else
+          of_others += values[k] * factors[column];
       }
-      sums[row - first] += sum;
-      rests[row - first] += sum - of_pairs;
+      for (unsigned int c = 0; is_of_field && c < dim; ++c)
+        if (const int own = kind.at_node[row][c]; own >= 0)
+          of_others += row_sums[c].block(block).trilinos_vector()[0][row - first] * factors[own];
+      sums[row - first] += of_pairs + of_others;
+      rests[row - first] += of_others;
     }
     pair_squares[block] += squares;
   }

@@ -218,7 +218,8 @@ void BlockSystem<dim>::make_constraints(ConstraintLines all_lines)
 }
 
 template <int dim>
-void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms, const dealii::AffineConstraints<double> &lines,
+void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms,
+                                   const dealii::AffineConstraints<double> &lines,
                                    dealii::DynamicSparsityPattern &pattern) const
 {
   const Domain<dim> &domain = terms.body();
@@ -658,9 +659,8 @@ void BlockSystem<dim>::assemble_by_products(const Vector &x)
     if (model.numbering->owned.is_element(line.index)) {
       const unsigned int b = model.numbering->block_of(line.index);
       const Block &block = model.numbering->blocks()[b];
-      double &force =
-          right_hand_side.block(b)
-              .trilinos_vector()[0][block.owned.index_within_set(line.index - block.begin)];
+      double &force = right_hand_side.block(b)
+                          .trilinos_vector()[0][block.owned.index_within_set(line.index - block.begin)];
       for (const auto &[other, weight] : line.entries)
         passed_on.emplace_back(other, weight * force);
       force = 0;

@@ -75,8 +75,9 @@ double difference(const Vector &a, const Vector &b)
   return error.linfty_norm() / b.linfty_norm();
 }
 
-/// Whether the flows of the cells and the forces of ties add up with the forces on nodes as integrals have it:
-/// the sum of the residual of all unknowns of a field is that of its loads, what is stored and transmitted.
+/// Whether the flows of the cells and the forces of ties add up with the forces on nodes as integrals have
+/// it: the sum of the residual of all unknowns of a field is that of its loads, what is stored and
+/// transmitted.
 template <int dim>
 double flows_error(const Model<dim> &model, const NodalForces<dim> &products, const Vector &x, const double t,
                    const Rates &rates)
@@ -102,8 +103,8 @@ double flows_error(const Model<dim> &model, const NodalForces<dim> &products, co
             continue;
           for (unsigned int c = 0; c < domain.n_components(); ++c)
             for (unsigned int a = 0; a < domain.layout().n_nodes(c); ++a)
-              sums[2 * c + kind] += (kind == 0 ? -1 : 1) * domain.layout().unit(c)[a] *
-                                    residual[domain.layout().index(c, a)];
+              sums[2 * c + kind] +=
+                  (kind == 0 ? -1 : 1) * domain.layout().unit(c)[a] * residual[domain.layout().index(c, a)];
         }
       }
     for (unsigned int c = 0; c < domain.n_components(); ++c) {
@@ -161,8 +162,8 @@ void check(const Case &of)
     const NodalForces<dim> expected = integrals.nodal_forces(x);
     const std::vector<double> transmitted = balance(model, x, integrals);
     integrals.assemble(x, true);
-    of_residual = std::max(of_residual,
-                           difference(products.negative_residual(), integrals.negative_residual()));
+    of_residual =
+        std::max(of_residual, difference(products.negative_residual(), integrals.negative_residual()));
     Vector v = x, Kv = x, expected_Kv = x;
     for (const auto i : model.numbering->owned)
       v(i) = products.is_constrained(i) ? 0. : noise(3 * i + k);
@@ -226,39 +227,39 @@ int main(int argc, char **argv)
                                                set("Ambient", "20*t")),
                     flux = condition("flux", set("Type", "flux") + set("Field", "temperature") +
                                                  set("Boundary ids", "1") + set("Expression", "4*t*y")),
-                    source = subsection("Source", set("temperature", "7*t*x + 1")),
-                    two = set("Degree", "2");
+                    source = subsection("Source", set("temperature", "7*t*x + 1")), two = set("Degree", "2");
   check<2>({"heat", heat, value("temperature", "1 + t*y") + source, air + two, nitsche, transient});
   check<3>({"heat in 3D", heat, value("temperature", "1") + two, flux, nitsche, transient});
   check<2>({"weak value", heat, value("temperature", "1 + t*y", set("Method", "Nitsche")), flux + source,
             nitsche + set("Theta", "0"), transient});
-  check<2>({"lumped", heat, value("temperature", "2"), air, dual, lumped, set("Refine boxes", "0.8; 0 : 1; 0.4")});
+  check<2>(
+      {"lumped", heat, value("temperature", "2"), air, dual, lumped, set("Refine boxes", "0.8; 0 : 1; 0.4")});
   check<2>({"multipliers", heat, value("temperature", "2*t"), air, standard, transient});
   check<2>({"pointwise", heat, value("temperature", "2*t"), air, pointwise, transient});
   check<2>({"resistance", heat, value("temperature", "2*t"), air, resistance, transient});
   check<2>({"around an axis", heat, value("temperature", "2"), air, nitsche,
             set("Geometry", "axisymmetric") + transient});
-  const std::string species = set("Species", "a, b") +
-                              subsection("Species a", set("Type", "Fick") + set("Diffusivity", "2") +
-                                                          set("Reaction", "-a")) +
-                              subsection("Species b", set("Type", "Fick") + set("Diffusivity", "1") +
-                                                          set("Reaction", "a - 3*b + x"));
-  check<2>({"species", species, value("a", "t"), "", nitsche + set("Partition coefficient", "1; 1"), transient});
-  const std::string elastic = subsection(
-      "Solid", set("Type", "linear elastic") + set("Young modulus", "3") + set("Poisson ratio", "0.3") +
-                   set("Density", "2") + set("Expansion coefficient", "0.1") +
-                   set("Reference temperature", "0.5"));
-  const std::string waves =
-      subsection("Steps", set("Kind", "transient") + set("Scheme", "generalised alpha") + set("Inertia", "true"));
-  const std::string spring = condition("spring", set("Type", "spring") + set("Boundary ids", "1") +
-                                                     set("Coefficient", "3; 2"));
+  const std::string species =
+      set("Species", "a, b") +
+      subsection("Species a", set("Type", "Fick") + set("Diffusivity", "2") + set("Reaction", "-a")) +
+      subsection("Species b", set("Type", "Fick") + set("Diffusivity", "1") + set("Reaction", "a - 3*b + x"));
+  check<2>(
+      {"species", species, value("a", "t"), "", nitsche + set("Partition coefficient", "1; 1"), transient});
+  const std::string elastic =
+      subsection("Solid", set("Type", "linear elastic") + set("Young modulus", "3") +
+                              set("Poisson ratio", "0.3") + set("Density", "2") +
+                              set("Expansion coefficient", "0.1") + set("Reference temperature", "0.5"));
+  const std::string waves = subsection(
+      "Steps", set("Kind", "transient") + set("Scheme", "generalised alpha") + set("Inertia", "true"));
+  const std::string spring =
+      condition("spring", set("Type", "spring") + set("Boundary ids", "1") + set("Coefficient", "3; 2"));
   check<2>({"waves and heat", elastic + heat, value("displacement", "t; 0") + set("Acceleration", "0; -t"),
             spring, nitsche, waves});
   check<2>({"heat beside a solid", elastic + heat, value("displacement", "t; 0"), spring, dual, transient});
-  check<2>({"conductivity in t", conducts("1 + t"), value("temperature", "2*t"), air, nitsche, transient, "", "",
-            false});
-  check<2>({"conductivity in T", conducts("1 + T^2"), value("temperature", "2*t"), air, nitsche, transient, "", "",
-            false});
-  check<2>({"jump in t", heat, value("temperature", "2*t"), air, nitsche + set("Jump", "t"), transient, "", "",
-            false});
+  check<2>({"conductivity in t", conducts("1 + t"), value("temperature", "2*t"), air, nitsche, transient, "",
+            "", false});
+  check<2>({"conductivity in T", conducts("1 + T^2"), value("temperature", "2*t"), air, nitsche, transient,
+            "", "", false});
+  check<2>({"jump in t", heat, value("temperature", "2*t"), air, nitsche + set("Jump", "t"), transient, "",
+            "", false});
 }

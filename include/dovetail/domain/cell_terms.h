@@ -77,9 +77,11 @@ public:
   /// Overwrites @p residual.
   void assemble_given(const typename Domain<dim>::cell_iterator &cell, double t,
                       std::vector<double> &residual);
-  /// That of the conditions on its boundary. Overwrites @p residual. @return false if a law is not defined.
+  /// That of the conditions on its boundary. Overwrites @p residual and, if @p tangent is not nullptr, its
+  /// derivative. @return false if a law is not defined.
   bool assemble_boundary(const typename Domain<dim>::cell_iterator &cell, double t,
-                         const std::vector<double> &unknowns, std::vector<double> &residual);
+                         const std::vector<double> &unknowns, std::vector<double> &residual,
+                         dealii::FullMatrix<double> *tangent = nullptr);
 
   /// What the laws remember of a state: the trial of the domain's memory. @return false if one is not defined
   /// there.

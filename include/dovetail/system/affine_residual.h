@@ -99,7 +99,9 @@ private:
                    BlockMatrix &matrix);
   void add_to_stiffness(const std::vector<Index> &dofs, const std::vector<double> &residual);
   void add_loads_by_state(Body &body, std::size_t cell, const std::vector<Index> &dofs);
+  void add_row_sums(const std::vector<Index> &dofs);
   void find_moving_loads(unsigned int d, double t);
+  void find_components();
   void find_kinds();
   void find_nodes(unsigned int part);
   void multiply(const Vector &x);
@@ -114,6 +116,10 @@ private:
   double time_of_loads;
   dealii::AffineConstraints<double> no_constraints;
   BlockMatrix stiffness, mass;
+  /// By component, of each row the sum of the stiffness over the columns of this component of its own field:
+  /// what a constant gives. Kept apart, since rounding in K would make something of it where that is nothing.
+  std::array<Vector, dim> row_sums;
+  std::map<Index, unsigned int> component_of; ///< of unknowns of this rank's terms, where it is not 0
   Vector loads_at_rest, moving_loads, product, unpaired, storage, rate, all, last_x;
   bool has_product = false;
   std::vector<double> pair_squares, storage_squares, force_squares; ///< by block

@@ -16,7 +16,8 @@ class LinearSums
 {
 public:
   /// The next sum. The unknowns of sums that follow one another are kept once if they are the same.
-  void add(const std::vector<dealii::types::global_dof_index> &dofs, const std::vector<double> &weights_of_sum);
+  void add(const std::vector<dealii::types::global_dof_index> &dofs,
+           const std::vector<double> &weights_of_sum);
   /// After the last one: find each unknown once.
   void close();
   unsigned int size() const { return places_of.size(); }

@@ -498,9 +498,9 @@ void AffineResidual<dim>::multiply(const Vector &x)
         multiply_part(p, q, x);
 }
 
-/// As sum_j K_ij (x_j - x_i) + s_i x_i over the columns of the field of the row, where i is the same component at its
-/// node, so that values that are large beside their differences bring no rounding: what pairs of unknowns
-/// exchange adds up to nothing. Beside it the squares of these pairs, and what is left.
+/// As sum_j K_ij (x_j - x_i) + s_i x_i over the columns of the field of the row, where i is the same
+/// component at its node, so that values that are large beside their differences bring no rounding: what
+/// pairs of unknowns exchange adds up to nothing. Beside it the squares of these pairs, and what is left.
 template <int dim>
 void AffineResidual<dim>::multiply_part(const unsigned int p, const unsigned int q, const Vector &x)
 {

@@ -243,8 +243,12 @@ int main(int argc, char **argv)
       set("Species", "a, b") +
       subsection("Species a", set("Type", "Fick") + set("Diffusivity", "2") + set("Reaction", "-a")) +
       subsection("Species b", set("Type", "Fick") + set("Diffusivity", "1") + set("Reaction", "a - 3*b + x"));
+  const std::string partition =
+      set("Species", "a") +
+      subsection("Species a", set("Type", "Fick") + set("Diffusivity", "2") + set("Reaction", "1 - a"));
+  check<2>({"species", species, value("a", "t"), "", nitsche, transient});
   check<2>(
-      {"species", species, value("a", "t"), "", nitsche + set("Partition coefficient", "1; 1"), transient});
+      {"partition", partition, value("a", "t"), "", nitsche + set("Partition coefficient", "3"), transient});
   const std::string elastic =
       subsection("Solid", set("Type", "linear elastic") + set("Young modulus", "3") +
                               set("Poisson ratio", "0.3") + set("Density", "2") +

@@ -74,10 +74,7 @@ public:
   bool has_prescribed_jump() const { return has_jump; }
   double prescribed_jump(const dealii::Point<dim> &X, double t, unsigned int component) const;
   /// Whether constraints or equations of multipliers change with t because it does.
-  bool has_moving_constraints() const
-  {
-    return has_moving_jump() && method->parts().elimination != nullptr;
-  }
+  bool has_moving_constraints() const { return has_moving_jump() && method->parts().elimination != nullptr; }
   /// Whether the prescribed jump changes with t.
   bool has_moving_jump() const { return has_jump && given_jump.depends_on_time(); }
   /// Which of the unknowns of a group the jump of a tied field or its variation depends on, at any point of

@@ -183,8 +183,7 @@ private:
   bool has_entries(const std::string &field) const;
   void make_cell_terms();
   void make_cell_operators();
-  dealii::DynamicSparsityPattern make_pattern(double t,
-                                              const dealii::AffineConstraints<double> &lines) const;
+  dealii::DynamicSparsityPattern make_pattern(double t, const dealii::AffineConstraints<double> &lines) const;
   void add_pattern(const CellTerms<dim> &terms, const dealii::AffineConstraints<double> &lines,
                    dealii::DynamicSparsityPattern &pattern) const;
   void add_pattern(const Interface<dim> &interface, const dealii::AffineConstraints<double> &lines,
@@ -224,7 +223,7 @@ private:
   std::set<dealii::types::global_dof_index>
       unconstrained;                                    ///< of tie_lines, where they would have no solution
   std::set<dealii::types::global_dof_index> dropped;    ///< multipliers
-  std::shared_ptr<const ConstraintLines> lines; ///< of owned unknowns, without those unconstrained
+  std::shared_ptr<const ConstraintLines> lines;         ///< of owned unknowns, without those unconstrained
   dealii::AffineConstraints<double> constraints;        ///< of x at the current time
   dealii::AffineConstraints<double> update_constraints; ///< of dx
   std::vector<bool> constraints_move;                   ///< by block
@@ -238,11 +237,11 @@ private:
   unsigned int n_tangents = 0;                                            ///< assembled, likewise
   /// Of the tangent, by order of the rates by whose derivative they are multiplied; 0: the rest.
   std::map<unsigned int, BlockMatrix> summands;
-  Rates step_rates;                                                       ///< ghosted
-  Rates owned_rates;                                                      ///< the same, without the past
-  std::unique_ptr<AffineResidual<dim>> affine;                            ///< since set_up, once it is asked for
-  std::array<double, 2> rates_of_tangent{}; ///< derivatives of the rates in the last tangent
-  Undefined problem, problem_here;          ///< over all ranks; on this one, in the present assembly
+  Rates step_rates;                            ///< ghosted
+  Rates owned_rates;                           ///< the same, without the past
+  std::unique_ptr<AffineResidual<dim>> affine; ///< since set_up, once it is asked for
+  std::array<double, 2> rates_of_tangent{};    ///< derivatives of the rates in the last tangent
+  Undefined problem, problem_here;             ///< over all ranks; on this one, in the present assembly
   Assemblies n_assemblies;
   Vector right_hand_side;
   Vector ghosted_scratch;

@@ -645,6 +645,8 @@ template <int dim>
 void BlockSystem<dim>::assemble_by_products(const Vector &x)
 {
   ++n_assemblies.residuals_by_products;
+  ghosted_scratch = x;
+  move_constraints_from(ghosted_scratch);
   std::exception_ptr fault;
   try {
     affine->find_loads(time);
@@ -677,6 +679,7 @@ void BlockSystem<dim>::assemble_by_products(const Vector &x)
     sizes.on_free[b] *= cell_terms[0]->longest_sum();
   for (auto *block_sums : {&sizes.forces, &sizes.on_free})
     dealii::Utilities::MPI::sum(*block_sums, model.communicator, *block_sums);
+  Assert(is_as_integrated(x), dealii::ExcMessage("products and integrals give different residuals"));
 }
 
 /// Whether integrals give what products have given. Both stay within rounding of the forces, which sums of
@@ -744,12 +747,9 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
 {
   const unsigned int few_tangents = 2;
   if ((!with_tangent || n_tangents >= few_tangents) && affine_residual() != nullptr) {
-    ghosted_scratch = x;
-    move_constraints_from(ghosted_scratch);
     if (with_tangent)
       combine_tangent();
     assemble_by_products(x);
-    Assert(is_as_integrated(x), dealii::ExcMessage("products and integrals give different residuals"));
     return true;
   }
   ++(with_tangent ? n_assemblies.tangents : n_assemblies.residuals_alone);

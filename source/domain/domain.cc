@@ -3,6 +3,7 @@
 
 #include <dovetail/domain/cell_examination.h>
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/domain/curved_cells.h>
 #include <dovetail/domain/domain.h>
 #include <dovetail/domain/face_nodes.h>
 #include <dovetail/domain/is_covered.h>
@@ -101,8 +102,11 @@ void Domain<dim>::choose_elements()
                   "is " + std::to_string(degree) +
                       ", but triangles and tetrahedra have the degrees 1 and 2 only (with deal.II 9.6 or "
                       "newer also 3).");
-    cell_mapping = mapping_of_simplices(*triangulation);
-    degree_of_mapping = has_curved_simplices(*triangulation) ? 2 : 1;
+    degree_of_mapping = has_curved_simplices(*triangulation) ? std::min(degree, 2u) : 1;
+    cell_mapping = mapping_of_simplices(*triangulation, degree_of_mapping);
+  } else if (has_curved_cells(*triangulation) && degree > 1) {
+    degree_of_mapping = 2;
+    cell_mapping = mapping_of_curved_cells(*triangulation);
   } else {
     degree_of_mapping = is_straight(*triangulation) ? 1 : degree;
     cell_mapping = std::make_unique<dealii::MappingQ<dim>>(degree_of_mapping);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/curved_cells.h>
+#include <dovetail/domain/curved_cube.h>
 #include <dovetail/domain/generator.h>
 #include <dovetail/domain/mesh.h>
 #include <dovetail/domain/mesh_examination.h>
@@ -19,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <set>
 
 namespace dovetail {
@@ -131,10 +134,31 @@ dealii::Point<dim> in_dim(const dealii::Point<3> &X)
   return result;
 }
 
+/// Of quadrilaterals and hexahedra whose vertices have changed places.
+template <int dim>
+void order_further_nodes(const MeshElements &before, const std::vector<dealii::CellData<dim>> &after,
+                         FurtherNodes<dim> &further_nodes)
+{
+  const auto around = vertices_around_further_nodes<dim>();
+  const auto pick = [](const auto &vertices, const std::vector<unsigned int> &places) {
+    std::set<unsigned int> picked;
+    for (const unsigned int v : places)
+      picked.insert(vertices[v]);
+    return picked;
+  };
+  for (std::size_t c = 0; c < further_nodes.size(); ++c) {
+    std::map<std::set<unsigned int>, dealii::Point<dim>> node;
+    for (unsigned int i = 0; i < around.size(); ++i)
+      node[pick(before.nodes_of(c), around[i])] = further_nodes[c][i];
+    for (unsigned int i = 0; i < around.size(); ++i)
+      further_nodes[c][i] = node.at(pick(after[c].vertices, around[i]));
+  }
+}
+
 template <int dim>
 void read_file(const Section &section, const std::string &file_name, const std::vector<std::string> &volumes,
                const MPI_Comm &communicator, dealii::Triangulation<dim> &mesh,
-               NodesOnEdges<dim> &nodes_on_edges, std::string &note)
+               FurtherNodes<dim> &further_nodes, std::string &note)
 {
   section.check(is_known_mesh_format(file_name), "File",
                 "names '" + file_name +
@@ -148,10 +172,10 @@ void read_file(const Section &section, const std::string &file_name, const std::
   vertices.reserve(content.nodes.size());
   for (const auto &node : content.nodes)
     vertices.push_back(in_dim<dim>(node));
-  nodes_on_edges.resize(content.nodes_on_edges.empty() ? 0 : content.cells.size());
-  for (std::size_t c = 0, i = 0; c < nodes_on_edges.size(); ++c)
-    for (auto &node : nodes_on_edges[c])
-      node = in_dim<dim>(content.nodes_on_edges[i++]);
+  further_nodes.resize(content.further_nodes.empty() ? 0 : content.cells.size());
+  for (std::size_t c = 0, i = 0; c < further_nodes.size(); ++c)
+    for (std::size_t n = content.further_nodes.size() / further_nodes.size(); n > 0; --n)
+      further_nodes[c].push_back(in_dim<dim>(content.further_nodes[i++]));
   auto cells = cell_data<dim>(content.cells);
   for (std::size_t c = 0; c < cells.size(); ++c)
     cells[c].material_id = content.cells.ids[c];
@@ -168,9 +192,11 @@ void read_file(const Section &section, const std::string &file_name, const std::
     faces.boundary_quads = std::move(boundary);
 
   try {
-    dealii::GridTools::delete_unused_vertices(vertices, cells, faces);
-    if (cells[0].vertices.size() == dealii::GeometryInfo<dim>::vertices_per_cell)
+    if (cells[0].vertices.size() == dealii::GeometryInfo<dim>::vertices_per_cell) {
       dealii::GridTools::consistently_order_cells(cells);
+      order_further_nodes<dim>(content.cells, cells, further_nodes);
+    }
+    dealii::GridTools::delete_unused_vertices(vertices, cells, faces);
     mesh.create_triangulation(vertices, cells, faces);
   } catch (const dealii::ExceptionBase &) { // on all ranks alike
     section.fail("File", "names '" + file_name +
@@ -181,7 +207,7 @@ void read_file(const Section &section, const std::string &file_name, const std::
 /// A file or a generator; the latter's arguments tell how large its mesh will be.
 template <int dim>
 void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, dealii::Triangulation<dim> &mesh,
-                      NodesOnEdges<dim> &nodes_on_edges, std::string &note)
+                      FurtherNodes<dim> &further_nodes, std::string &note)
 {
   const auto file_name = section.read_file_name(
       "File",
@@ -212,12 +238,14 @@ void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, deal
     mesh_generator.make(mesh);
     section.check(mesh.n_active_cells() > 0, "Generator", "gives a mesh without cells.");
   } else
-    read_file(section, file_name, volumes, communicator, mesh, nodes_on_edges, note);
+    read_file(section, file_name, volumes, communicator, mesh, further_nodes, note);
 }
 
 /// A distributed mesh together with the coarse mesh it came from: some of deal.II's manifolds refer to it.
 template <int dim>
-class MeshWithOrigin : public dealii::parallel::distributed::Triangulation<dim>, public WithNote
+class MeshWithOrigin : public dealii::parallel::distributed::Triangulation<dim>,
+                       public WithCurvedCells<dim>,
+                       public WithNote
 {
 public:
   using dealii::parallel::distributed::Triangulation<dim>::Triangulation;
@@ -347,14 +375,30 @@ private:
   unsigned int n_refinements;
 };
 
+/// Those of FE_Q(2), cell by cell.
+template <int dim>
+FurtherNodes<dim> all_nodes(const dealii::Triangulation<dim> &coarse_mesh,
+                            const FurtherNodes<dim> &further_nodes)
+{
+  FurtherNodes<dim> nodes(further_nodes.size());
+  for (const auto &cell : coarse_mesh.active_cell_iterators()) {
+    auto &of_cell = nodes[cell->index()];
+    for (const unsigned int v : cell->vertex_indices())
+      of_cell.push_back(cell->vertex(v));
+    const auto &further = further_nodes[cell->index()];
+    of_cell.insert(of_cell.end(), further.begin(), further.end());
+  }
+  return nodes;
+}
+
 } // namespace
 
 template <int dim>
 std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &communicator)
 {
   auto mesh = std::make_unique<MeshWithOrigin<dim>>(communicator);
-  NodesOnEdges<dim> nodes_on_edges;
-  make_coarse_mesh(section, communicator, mesh->origin, nodes_on_edges, mesh->note);
+  FurtherNodes<dim> further_nodes;
+  make_coarse_mesh(section, communicator, mesh->origin, further_nodes, mesh->note);
   section.name_boundaries(read_names_of_boundaries(section));
   const bool converts = section.choose("Cells", {"as they are", "simplices"}, 0,
                                        "simplices: divide quadrilaterals into triangles and hexahedra into "
@@ -375,11 +419,16 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
   dealii::Triangulation<dim> coarse_mesh;
   coarse_mesh.copy_triangulation(mesh->origin);
   transform(scale, shift_in_dim, coarse_mesh);
-  for (auto &cell_nodes : nodes_on_edges)
+  for (auto &cell_nodes : further_nodes)
     for (dealii::Point<dim> &node : cell_nodes)
       node = dealii::Point<dim>(scale * node + shift_in_dim);
   if (local_refinement.is_asked_for())
     local_refinement.check(coarse_mesh, converts);
+  section.check(!converts || further_nodes.empty() || coarse_mesh.all_reference_cells_are_simplex(), "Cells",
+                std::string("is simplices, but the mesh has curved ") +
+                    (dim == 2 ? "quadrilaterals" : "hexahedra") +
+                    ", which are not divided. Remove it, or make a mesh of " +
+                    (dim == 2 ? "triangles" : "tetrahedra") + " of second order.");
   const bool becomes_simplices = converts || coarse_mesh.all_reference_cells_are_simplex();
   const double n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator);
   const double n_parts = coarse_mesh.all_reference_cells_are_simplex() || !converts ? 1.
@@ -389,10 +438,12 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
                    coarse_mesh.n_active_cells() * std::pow(2., dim * n_refinements) * n_parts,
                    becomes_simplices ? n_ranks : 1., communicator);
   if (becomes_simplices) {
-    make_simplices(n_refinements, coarse_mesh, nodes_on_edges);
-    return distribute(coarse_mesh, nodes_on_edges, mesh->note, communicator);
+    make_simplices(n_refinements, coarse_mesh, further_nodes);
+    return distribute(coarse_mesh, further_nodes, mesh->note, communicator);
   }
   mesh->copy_triangulation(coarse_mesh);
+  if (!further_nodes.empty())
+    mesh->curve(all_nodes(coarse_mesh, further_nodes), *mesh);
   if (is_straight(mesh->origin))
     mesh->origin.clear();
   mesh->refine_global(n_refinements);
@@ -410,6 +461,8 @@ bool has_simplices(const Mesh<dim> &mesh)
 template <int dim>
 bool is_straight(const dealii::Triangulation<dim> &mesh)
 {
+  if (has_curved_cells(mesh))
+    return false;
   for (const auto id : mesh.get_manifold_ids())
     if (id != dealii::numbers::flat_manifold_id)
       return false;

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/curved_cube.h>
+#include <dovetail/domain/curved_simplex.h>
 #include <dovetail/domain/mesh_examination.h>
 
 #include <deal.II/base/geometry_info.h>
 #include <deal.II/base/quadrature_lib.h>
+
+#include <boost/pending/disjoint_sets.hpp>
 
 #include <algorithm>
 #include <array>
@@ -74,9 +78,10 @@ struct Face
   }
 };
 
-std::array<unsigned int, 4> sort_vertices(const std::vector<unsigned int> &vertices)
+template <std::size_t n = 4>
+std::array<unsigned int, n> sort_vertices(const std::vector<unsigned int> &vertices)
 {
-  std::array<unsigned int, 4> sorted;
+  std::array<unsigned int, n> sorted;
   sorted.fill(std::numeric_limits<unsigned int>::max());
   std::copy(vertices.begin(), vertices.end(), sorted.begin());
   std::sort(sorted.begin(), sorted.end());
@@ -98,12 +103,14 @@ public:
     order_as_in_dealii();
     check_different_nodes();
     turn_mirrored_cells();
-    collect_nodes_on_edges();
+    collect_further_nodes();
+    look_for_turned_curves();
     check_doubled_cells();
     sort_faces();
     check_faces_between_cells();
     choose_faces_of_boundary();
     look_for_cracks();
+    look_for_parts();
   }
 
 private:
@@ -142,6 +149,8 @@ private:
         nodes[v] = mesh.cells.nodes_of(cell)[place[v]];
     return "element " + name_of(cell) + " (nodes " + numbers_of(nodes) + ") around " + place_of(nodes);
   }
+
+  void add_note(const std::string &words) { mesh.note += (mesh.note.empty() ? "" : "; ") + words; }
 
   std::string words_of_face(const std::vector<unsigned int> &vertices) const
   {
@@ -195,62 +204,99 @@ private:
                         std::to_string(mesh.node_numbers[mesh.cells.nodes[0]]) + ".");
   }
 
-  /// The further nodes of cells of second order stand in the middle of vertices, or are those of curved
-  /// edges.
+  /// The further nodes of cells of second order stand in the middle of vertices, or the cells are curved.
   void leave_vertices_only()
   {
     MeshElements vertices_only;
     for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
       const unsigned int *nodes = mesh.cells.nodes_of(c);
       for (unsigned int i = n_vertices; i < mesh.cells.n_nodes(c); ++i)
-        look_at_further_node(c, nodes, nodes[i], middles_of_cell.at({dim, n_vertices})[i - n_vertices]);
+        look_at_further_node(nodes, nodes[i], middles_of_cell.at({dim, n_vertices})[i - n_vertices]);
       vertices_only.add(mesh.cells.numbers[c], mesh.cells.ids[c], vertices_of(c));
     }
     mesh.cells = std::move(vertices_only);
   }
 
-  void look_at_further_node(const std::size_t cell, const unsigned int *nodes, const unsigned int node,
+  void look_at_further_node(const unsigned int *nodes, const unsigned int node,
                             const std::vector<unsigned int> &around)
   {
     dealii::Point<3> middle;
     for (const unsigned int v : around)
       middle += mesh.nodes[nodes[v]] / double(around.size());
     const double length = mesh.nodes[nodes[around[0]]].distance(mesh.nodes[nodes[around[1]]]);
-    const bool is_straight = middle.distance(mesh.nodes[node]) <= 1e-6 * length;
-    if (n_vertices > dim + 1) {
-      if (!is_straight)
-        throw MeshError(words_of(cell) + " is curved: its node " + std::to_string(mesh.node_numbers[node]) +
-                        " does not stand in the middle between vertices. Curved " +
-                        (dim == 2 ? "quadrilaterals" : "hexahedra") +
-                        " of files are not understood; make a mesh of " +
-                        (dim == 2 ? "triangles" : "tetrahedra") +
-                        " of second order, or one of first order that is finer at round boundaries.");
-      return;
-    }
-    is_curved = is_curved || !is_straight;
-    const auto edge = std::minmax(nodes[around[0]], nodes[around[1]]);
-    const auto [known, is_new] = node_on_edge.emplace(edge, node);
+    is_curved = is_curved || middle.distance(mesh.nodes[node]) > 1e-6 * length;
+    std::vector<unsigned int> vertices;
+    for (const unsigned int v : around)
+      vertices.push_back(nodes[v]);
+    const auto [known, is_new] = node_between.emplace(sort_vertices<8>(vertices), node);
     if (mesh.nodes[known->second].distance(mesh.nodes[node]) > 1e-6 * length)
-      throw MeshError("the edge between the nodes " + numbers_of({edge.first, edge.second}) + " around " +
-                      place_of({edge.first, edge.second}) + " has two different nodes on it, " +
-                      numbers_of({known->second, node}) +
+      throw MeshError((vertices.size() == 2 ? "the edge between the nodes " : "the face with the nodes ") +
+                      numbers_of(vertices) + " around " + place_of(vertices) +
+                      " has two different nodes on it, " + numbers_of({known->second, node}) +
                       ", so the elements that share it do not fit together.");
   }
 
-  /// In the order that MeshFile wants; an edge of an element of first order is straight.
-  void collect_nodes_on_edges()
+  /// As MeshFile wants them. Edges without a node of their own, as elements of first order have, are
+  /// straight.
+  void collect_further_nodes()
   {
     for (std::size_t c = 0; is_curved && c < mesh.cells.size(); ++c) {
-      const auto vertices = vertices_of(c);
-      for (unsigned int i = 0; i < n_vertices; ++i)
-        for (unsigned int j = i + 1; j < n_vertices; ++j) {
-          const auto found = node_on_edge.find(std::minmax(vertices[i], vertices[j]));
-          mesh.nodes_on_edges.push_back(
-              found != node_on_edge.end()
-                  ? mesh.nodes[found->second]
-                  : dealii::Point<3>((mesh.nodes[vertices[i]] + mesh.nodes[vertices[j]]) / 2));
-        }
+      const auto nodes = n_vertices == dim + 1 ? nodes_of_curved_simplex(vertices_of(c))
+                                               : nodes_of_curved_cube<dim>(vertices_of(c));
+      mesh.further_nodes.insert(mesh.further_nodes.end(), nodes.begin(), nodes.end());
     }
+  }
+
+  /// The node between some vertices; nullptr if the file has none.
+  const dealii::Point<3> *find_between(const std::vector<unsigned int> &vertices) const
+  {
+    const auto found = node_between.find(sort_vertices<8>(vertices));
+    return found != node_between.end() ? &mesh.nodes[found->second] : nullptr;
+  }
+
+  dealii::Point<3> on_edge(const unsigned int a, const unsigned int b) const
+  {
+    const dealii::Point<3> *const node = find_between({a, b});
+    return node != nullptr ? *node : dealii::Point<3>((mesh.nodes[a] + mesh.nodes[b]) / 2);
+  }
+
+  std::vector<dealii::Point<3>> nodes_of_curved_simplex(const std::vector<unsigned int> &vertices) const
+  {
+    std::vector<dealii::Point<3>> nodes;
+    for (unsigned int i = 0; i < vertices.size(); ++i)
+      for (unsigned int j = i + 1; j < vertices.size(); ++j)
+        nodes.push_back(on_edge(vertices[i], vertices[j]));
+    return nodes;
+  }
+
+  /// Without a node of the file in the middle of a face or of the cell: by transfinite interpolation of the
+  /// lines and faces (Gordon and Hall, 1973), which is what elements with 8 and 20 nodes are.
+  template <int structdim>
+  std::vector<dealii::Point<3>> nodes_of_curved_cube(const std::vector<unsigned int> &vertices) const
+  {
+    using Cube = dealii::GeometryInfo<structdim>;
+    std::vector<dealii::Point<3>> nodes;
+    dealii::Point<3> vertex_sum, line_sum, face_sum;
+    for (const unsigned int v : vertices)
+      vertex_sum += mesh.nodes[v];
+    for (unsigned int l = 0; l < Cube::lines_per_cell; ++l) {
+      nodes.push_back(
+          on_edge(vertices[Cube::line_to_cell_vertices(l, 0)], vertices[Cube::line_to_cell_vertices(l, 1)]));
+      line_sum += nodes.back();
+    }
+    if constexpr (structdim == 3)
+      for (unsigned int f = 0; f < Cube::faces_per_cell; ++f) {
+        std::vector<unsigned int> face;
+        for (unsigned int v = 0; v < Cube::vertices_per_face; ++v)
+          face.push_back(vertices[Cube::face_to_cell_vertices(f, v)]);
+        nodes.push_back(nodes_of_curved_cube<2>(face).back());
+        face_sum += nodes.back();
+      }
+    const dealii::Point<3> *const middle = find_between(vertices);
+    nodes.push_back(middle != nullptr ? *middle
+                    : structdim == 2  ? dealii::Point<3>(line_sum / 2 - vertex_sum / 4)
+                                      : dealii::Point<3>(face_sum / 2 - line_sum / 4 + vertex_sum / 8));
+    return nodes;
   }
 
   void order_as_in_dealii()
@@ -362,17 +408,28 @@ private:
         std::swap(nodes[v], nodes[v + 2]);
   }
 
+  /// Of curved cells. No error: a quadrature rule may not see the part that is turned over.
+  void look_for_turned_curves()
+  {
+    std::vector<std::size_t> turned;
+    for (std::size_t c = 0; is_curved && c < mesh.cells.size(); ++c)
+      if (n_vertices == dim + 1 ? CurvedSimplex(mesh, c, vertices_of(c)).is_turned_over()
+                                : CurvedCube<dim>(mesh, c, vertices_of(c)).is_turned_over())
+        turned.push_back(c);
+    if (!turned.empty())
+      add_note(std::to_string(turned.size()) +
+               (turned.size() == 1 ? " curved cell is" : " curved cells are") +
+               " turned over in a part (det dX/dxi is not positive there), first " + words_of(turned[0]) +
+               ": values near it are doubtful. Make the mesh finer where the boundary is curved, or let the "
+               "mesh generator mend its curved cells (Gmsh: Mesh.HighOrderOptimize = 2)");
+  }
+
   void check_doubled_cells() const
   {
     std::vector<std::pair<std::array<unsigned int, 8>, std::size_t>> cells;
     cells.reserve(mesh.cells.size());
-    for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
-      std::array<unsigned int, 8> sorted;
-      sorted.fill(std::numeric_limits<unsigned int>::max());
-      std::copy_n(mesh.cells.nodes_of(c), n_vertices, sorted.begin());
-      std::sort(sorted.begin(), sorted.end());
-      cells.emplace_back(sorted, c);
-    }
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+      cells.emplace_back(sort_vertices<8>(vertices_of(c)), c);
     std::sort(cells.begin(), cells.end());
     const auto twice = std::adjacent_find(cells.begin(), cells.end(),
                                           [](const auto &a, const auto &b) { return a.first == b.first; });
@@ -524,14 +581,31 @@ private:
       if (places[i].first == places[i - 1].first && n++ == 0)
         first = i;
     if (n > 0)
-      mesh.note +=
-          (mesh.note.empty() ? "" : "; ") + std::to_string(n) +
-          (n == 1 ? " node of the mesh stands" : " nodes of the mesh stand") +
-          " where another one does, for instance the nodes " +
-          numbers_of({places[first - 1].second, places[first].second}) + " at " +
-          place_of({places[first].second}) +
-          ": the body has a crack there, nothing passes through it. If that is not meant, merge such "
-          "nodes (Gmsh: Coherence Mesh)";
+      add_note(std::to_string(n) + (n == 1 ? " node of the mesh stands" : " nodes of the mesh stand") +
+               " where another one does, for instance the nodes " +
+               numbers_of({places[first - 1].second, places[first].second}) + " at " +
+               place_of({places[first].second}) +
+               ": the body has a crack there, nothing passes through it. If that is not meant, merge such "
+               "nodes (Gmsh: Coherence Mesh)");
+  }
+
+  /// Cells that hang together by faces. Where parts touch, nothing passes from one to the other.
+  void look_for_parts()
+  {
+    boost::disjoint_sets_with_storage<> parts(mesh.cells.size());
+    for (std::size_t f = 1; f < all_faces.size(); ++f)
+      if (all_faces[f - 1].sorted == all_faces[f].sorted)
+        parts.union_set(all_faces[f - 1].cell, all_faces[f].cell);
+    std::map<std::size_t, std::size_t> first_cells; // of the parts
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+      first_cells.emplace(parts.find_set(c), c);
+    if (first_cells.size() > 1)
+      add_note("the body falls into " + std::to_string(first_cells.size()) +
+               " parts that have no face in common, for instance at " +
+               words_of(first_cells.begin()->second) + " and at " +
+               words_of(std::next(first_cells.begin())->second) +
+               ": nothing passes from one to the other, even where they touch or overlap. If they are to be "
+               "one, mesh them together (Gmsh: BooleanFragments), or make a domain of each and tie them");
   }
 
   /// The vertex of deal.II at which the vertices of a quadrilateral or hexahedron of a file stand.
@@ -542,7 +616,7 @@ private:
   unsigned int n_vertices = 0;
   bool is_ordered = false; ///< as in deal.II
   bool is_curved = false;
-  std::map<std::pair<unsigned int, unsigned int>, unsigned int> node_on_edge; ///< of simplices
+  std::map<std::array<unsigned int, 8>, unsigned int> node_between; ///< some vertices, of second order
   const std::vector<std::vector<unsigned int>> *faces = nullptr;
   std::vector<Face> all_faces;
 };

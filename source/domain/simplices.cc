@@ -148,8 +148,8 @@ std::vector<dealii::Point<dim>> nodes_of_cell(const typename dealii::Triangulati
 /// The nodes on the edges of the parts of a curved cell: images of the middles in its reference coordinates.
 template <int dim>
 void divide_edges(const typename dealii::Triangulation<dim>::cell_iterator &cell,
-                  const std::vector<Simplex> &parts, const NodesOnEdges<dim> &nodes_on_edges,
-                  Middles<dim> &middle, NodesOnEdges<dim> &result)
+                  const std::vector<Simplex> &parts, const FurtherNodes<dim> &nodes_on_edges,
+                  Middles<dim> &middle, FurtherNodes<dim> &result)
 {
   static const SimplexBasis<dim> quadratic(2);
   static std::vector<double> values(quadratic.size());
@@ -163,7 +163,7 @@ void divide_edges(const typename dealii::Triangulation<dim>::cell_iterator &cell
     place[middle(cell->vertex_index(i), cell->vertex_index(j))] =
         dealii::Point<dim>((reference_vertex<dim>(i) + reference_vertex<dim>(j)) / 2);
   for (const Simplex &part : parts) {
-    result.emplace_back();
+    result.emplace_back(edges<dim>().size());
     for (unsigned int e = 0; e < edges<dim>().size(); ++e) {
       const auto [i, j] = edges<dim>()[e];
       quadratic.evaluate(dealii::Point<dim>((place.at(part[i]) + place.at(part[j])) / 2), values,
@@ -176,11 +176,11 @@ void divide_edges(const typename dealii::Triangulation<dim>::cell_iterator &cell
 
 /// Divide every triangle into 4, every tetrahedron into 8.
 template <int dim>
-void divide_simplices(dealii::Triangulation<dim> &mesh, NodesOnEdges<dim> &nodes_on_edges)
+void divide_simplices(dealii::Triangulation<dim> &mesh, FurtherNodes<dim> &nodes_on_edges)
 {
   std::vector<dealii::Point<dim>> vertices = mesh.get_vertices();
   Middles<dim> middle(vertices);
-  NodesOnEdges<dim> part_nodes;
+  FurtherNodes<dim> part_nodes;
   std::vector<dealii::CellData<dim>> cells;
   dealii::SubCellData faces;
   for (const auto &cell : mesh.active_cell_iterators()) {
@@ -229,7 +229,7 @@ class MeshOfSimplices : public dealii::parallel::fullydistributed::Triangulation
 {
 public:
   using dealii::parallel::fullydistributed::Triangulation<dim>::Triangulation;
-  std::unordered_map<dealii::types::coarse_cell_id, typename NodesOnEdges<dim>::value_type> nodes_on_edges;
+  std::unordered_map<dealii::types::coarse_cell_id, typename FurtherNodes<dim>::value_type> nodes_on_edges;
   bool is_curved = false; ///< also on ranks without cells
 };
 
@@ -263,7 +263,7 @@ private:
 
 template <int dim>
 void make_simplices(const unsigned int n_refinements, dealii::Triangulation<dim> &mesh,
-                    NodesOnEdges<dim> &nodes_on_edges)
+                    FurtherNodes<dim> &nodes_on_edges)
 {
   if (mesh.all_reference_cells_are_simplex())
     for (unsigned int i = 0; i < n_refinements; ++i)
@@ -278,7 +278,7 @@ void make_simplices(const unsigned int n_refinements, dealii::Triangulation<dim>
 
 template <int dim>
 std::unique_ptr<Mesh<dim>> distribute(dealii::Triangulation<dim> &mesh,
-                                      const NodesOnEdges<dim> &nodes_on_edges, const std::string &note,
+                                      const FurtherNodes<dim> &nodes_on_edges, const std::string &note,
                                       const MPI_Comm &communicator)
 {
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator);
@@ -308,21 +308,21 @@ bool has_curved_simplices(const Mesh<dim> &mesh)
 }
 
 template <int dim>
-std::unique_ptr<dealii::Mapping<dim>> mapping_of_simplices(const Mesh<dim> &mesh)
+std::unique_ptr<dealii::Mapping<dim>> mapping_of_simplices(const Mesh<dim> &mesh, const unsigned int degree)
 {
-  if (has_curved_simplices(mesh))
+  if (degree > 1)
     return std::make_unique<QuadraticMapping<dim>>(dynamic_cast<const MeshOfSimplices<dim> &>(mesh));
   return std::make_unique<dealii::MappingFE<dim>>(dealii::FE_SimplexP<dim>(1));
 }
 
-template void make_simplices<2>(unsigned int, dealii::Triangulation<2> &, NodesOnEdges<2> &);
-template void make_simplices<3>(unsigned int, dealii::Triangulation<3> &, NodesOnEdges<3> &);
-template std::unique_ptr<Mesh<2>> distribute<2>(dealii::Triangulation<2> &, const NodesOnEdges<2> &,
+template void make_simplices<2>(unsigned int, dealii::Triangulation<2> &, FurtherNodes<2> &);
+template void make_simplices<3>(unsigned int, dealii::Triangulation<3> &, FurtherNodes<3> &);
+template std::unique_ptr<Mesh<2>> distribute<2>(dealii::Triangulation<2> &, const FurtherNodes<2> &,
                                                 const std::string &, const MPI_Comm &);
-template std::unique_ptr<Mesh<3>> distribute<3>(dealii::Triangulation<3> &, const NodesOnEdges<3> &,
+template std::unique_ptr<Mesh<3>> distribute<3>(dealii::Triangulation<3> &, const FurtherNodes<3> &,
                                                 const std::string &, const MPI_Comm &);
-template std::unique_ptr<dealii::Mapping<2>> mapping_of_simplices<2>(const Mesh<2> &);
-template std::unique_ptr<dealii::Mapping<3>> mapping_of_simplices<3>(const Mesh<3> &);
+template std::unique_ptr<dealii::Mapping<2>> mapping_of_simplices<2>(const Mesh<2> &, unsigned int);
+template std::unique_ptr<dealii::Mapping<3>> mapping_of_simplices<3>(const Mesh<3> &, unsigned int);
 template bool has_curved_simplices<2>(const Mesh<2> &);
 template bool has_curved_simplices<3>(const Mesh<3> &);
 

@@ -8,6 +8,7 @@
 #include <dovetail/interface/side_points.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/distributed/p4est_wrappers.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/numerics/error_estimator.h>
 
@@ -292,17 +293,44 @@ double marking_threshold(const std::vector<double> &squares, const double share,
   }
 }
 
+namespace {
+
+/// Those of cells that can be divided, the others zero; p4est has a finest level.
+template <int dim>
+std::vector<std::vector<double>> divisible(const Model<dim> &model, const ErrorEstimate &estimate)
+{
+  constexpr int finest_level = dealii::internal::p4est::functions<dim>::max_level - 1;
+  auto squares = estimate.squares;
+  for (unsigned int d = 0; d < squares.size(); ++d)
+    for (const auto &cell : model.domains[d]->mesh().active_cell_iterators())
+      if (!model.domains[d]->can_refine() || cell->level() >= finest_level)
+        squares[d][cell->active_cell_index()] = 0;
+  return squares;
+}
+
+} // namespace
+
+template <int dim>
+bool can_refine(const Model<dim> &model, const ErrorEstimate &estimate)
+{
+  double largest = 0;
+  for (const auto &squares : divisible(model, estimate))
+    for (const double square : squares)
+      largest = std::max(largest, square);
+  return dealii::Utilities::MPI::max(largest, model.communicator) > 0;
+}
+
 template <int dim>
 std::vector<std::vector<bool>> mark_cells(const Model<dim> &model, const ErrorEstimate &estimate,
                                           const double share)
 {
+  const auto by_domain = divisible(model, estimate);
   std::vector<double> squares;
-  for (unsigned int d = 0; d < model.domains.size(); ++d)
-    if (model.domains[d]->can_refine())
-      squares.insert(squares.end(), estimate.squares[d].begin(), estimate.squares[d].end());
+  for (const auto &domain_squares : by_domain)
+    squares.insert(squares.end(), domain_squares.begin(), domain_squares.end());
   const double threshold = marking_threshold(squares, share, model.communicator);
   std::vector<std::vector<bool>> marked;
-  for (const auto &domain_squares : estimate.squares) {
+  for (const auto &domain_squares : by_domain) {
     marked.emplace_back();
     for (const double square : domain_squares)
       marked.back().push_back(square > 0 && square >= threshold);
@@ -312,6 +340,8 @@ std::vector<std::vector<bool>> mark_cells(const Model<dim> &model, const ErrorEs
 
 template ErrorEstimate estimate_error(const Model<2> &, const Vector &, double);
 template ErrorEstimate estimate_error(const Model<3> &, const Vector &, double);
+template bool can_refine(const Model<2> &, const ErrorEstimate &);
+template bool can_refine(const Model<3> &, const ErrorEstimate &);
 template std::vector<std::vector<bool>> mark_cells(const Model<2> &, const ErrorEstimate &, double);
 template std::vector<std::vector<bool>> mark_cells(const Model<3> &, const ErrorEstimate &, double);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/curved_cube.h>
+#include <dovetail/domain/curved_simplex.h>
 #include <dovetail/domain/mesh_examination.h>
 #include <dovetail/domain/mesh_file.h>
 #include <dovetail/domain/symmetric_eigenvalues.h>
@@ -51,6 +53,10 @@ public:
           highest[d] = std::max(highest[d], mesh.nodes[nodes[v]][d]);
         }
       add_cell(nodes);
+      volume += n_vertices == dim + 1 ? CurvedSimplex(mesh, c, {nodes, nodes + n_vertices}).measure()
+                : mesh.further_nodes.empty()
+                    ? volume_of_hypercube(nodes)
+                    : CurvedCube<dim>(mesh, c, {nodes, nodes + n_vertices}).measure();
     }
   }
 
@@ -92,16 +98,13 @@ private:
         }
       }
       largest_aspect = std::max(largest_aspect, aspect_of(is_simplex ? J * from_regular_simplex() : J));
-      if (is_simplex && v == 0)
-        volume += std::abs(dealii::determinant(J)) / (dim == 2 ? 2 : 6);
     }
-    if (!is_simplex)
-      add_volume_of_hypercube(nodes);
   }
 
-  void add_volume_of_hypercube(const unsigned int *nodes)
+  double volume_of_hypercube(const unsigned int *nodes) const
   {
     static const dealii::QGauss<dim> gauss(2);
+    double volume = 0;
     for (unsigned int q = 0; q < gauss.size(); ++q) {
       Tensor<2, dim> J;
       for (unsigned int v = 0; v < n_vertices; ++v) {
@@ -113,6 +116,7 @@ private:
       }
       volume += gauss.weight(q) * dealii::determinant(J);
     }
+    return volume;
   }
 
   /// Maps the edges of a regular simplex to unit vectors.
@@ -141,22 +145,35 @@ private:
   const unsigned int n_vertices;
 };
 
-template <int dim>
-double area_of(const MeshFile &mesh, const std::vector<unsigned int> &vertices)
+/// A face of a cell, its vertices in circular order.
+struct FaceOfCell
 {
-  const auto X = [&](const unsigned int v) { return mesh.nodes[vertices[v]]; };
-  if (dim == 2)
-    return X(0).distance(X(1));
-  if (vertices.size() == 3)
-    return dealii::cross_product_3d(X(1) - X(0), X(2) - X(0)).norm() / 2;
-  return dealii::cross_product_3d(X(2) - X(0), X(3) - X(1)).norm() / 2; // in circular order
+  std::vector<unsigned int> vertices;
+  std::size_t cell;
+  unsigned int id = 0;
+};
+
+template <int dim>
+double area_of(const MeshFile &mesh, const FaceOfCell &face)
+{
+  const bool is_of_simplex = mesh.cells.n_nodes(face.cell) == dim + 1;
+  if (is_of_simplex || (dim == 2 && mesh.further_nodes.empty()))
+    return CurvedSimplex(mesh, face.cell, face.vertices).measure();
+  if (!mesh.further_nodes.empty()) {
+    auto vertices = face.vertices;
+    if (dim == 3)
+      std::swap(vertices[2], vertices[3]);
+    return CurvedCube<dim - 1>(mesh, face.cell, vertices).measure();
+  }
+  const auto X = [&](const unsigned int v) { return mesh.nodes[face.vertices[v]]; };
+  return dealii::cross_product_3d(X(2) - X(0), X(3) - X(1)).norm() / 2;
 }
 
 /// By id: number of faces and their area. Faces that the file does not mark have the id 0.
 template <int dim>
 std::map<unsigned int, std::pair<std::size_t, double>> boundaries_of(const MeshFile &mesh)
 {
-  std::map<std::vector<unsigned int>, std::pair<unsigned int, std::vector<unsigned int>>> faces;
+  std::map<std::vector<unsigned int>, FaceOfCell> faces; // by their vertices in ascending order
   const unsigned int n = mesh.cells.n_nodes(0);
   const auto sorted = [](std::vector<unsigned int> vertices) {
     std::sort(vertices.begin(), vertices.end());
@@ -174,19 +191,19 @@ std::map<unsigned int, std::pair<std::size_t, double>> boundaries_of(const MeshF
           vertices.push_back(mesh.cells.nodes_of(c)[dealii::GeometryInfo<dim>::face_to_cell_vertices(f, v)]);
       if (vertices.size() == 4)
         std::swap(vertices[2], vertices[3]);
-      if (const auto [place, is_new] = faces.emplace(sorted(vertices), std::make_pair(0, vertices)); !is_new)
+      if (const auto [place, is_new] = faces.emplace(sorted(vertices), FaceOfCell{vertices, c}); !is_new)
         faces.erase(place);
     }
   for (std::size_t f = 0; f < mesh.faces.size(); ++f)
     if (const auto found =
             faces.find(sorted({mesh.faces.nodes_of(f), mesh.faces.nodes_of(f) + mesh.faces.n_nodes(f)}));
         found != faces.end())
-      found->second.first = mesh.faces.ids[f];
+      found->second.id = mesh.faces.ids[f];
   std::map<unsigned int, std::pair<std::size_t, double>> result;
   for (const auto &[key, face] : faces) {
-    auto &[n_faces, area] = result[face.first];
+    auto &[n_faces, area] = result[face.id];
     ++n_faces;
-    area += area_of<dim>(mesh, face.second);
+    area += area_of<dim>(mesh, face);
   }
   return result;
 }
@@ -224,9 +241,9 @@ bool print_volume(const std::string &title, MeshFile mesh, std::ostream &out)
           : n_vertices == 8 ? "hexahedra"
           : dim == 2        ? "quadrilaterals"
                             : "tetrahedra")
-      << (n_nodes == n_vertices         ? " of first order"
-          : mesh.nodes_on_edges.empty() ? " of second order, straight"
-                                        : " of second order, curved")
+      << (n_nodes == n_vertices        ? " of first order"
+          : mesh.further_nodes.empty() ? " of second order, straight"
+                                       : " of second order, curved")
       << (dim == 2 ? ", area " : ", volume ") << digits(measures.volume) << "\n ";
   for (unsigned int d = 0; d < dim; ++d)
     out << (d == 0 ? " " : ", ") << "xyz"[d] << " from " << digits(measures.lowest[d]) << " to "

@@ -101,6 +101,8 @@ std::string AdaptiveCycles<dim>::end_of_cycles(const unsigned int cycle, const E
            " unknowns: set Adaptive unknowns";
   if (estimate.is_rounding())
     return "the estimated error is rounding";
+  if (!dovetail::can_refine(model, estimate))
+    return "all cells that err are the finest that there can be";
   return "";
 }
 

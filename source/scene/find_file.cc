@@ -51,6 +51,14 @@ std::string find_file(const std::string &name, const Location &from, const Scene
   return on_first_rank<std::string>([&] { return first_that_exists(name, files); });
 }
 
+std::string content_of(const std::string &file)
+{
+  std::ostringstream stream;
+  stream << std::ifstream(file).rdbuf();
+  const std::string content = stream.str(), byte_order_mark = "\xEF\xBB\xBF";
+  return content.compare(0, 3, byte_order_mark) == 0 ? content.substr(3) : content;
+}
+
 FileTexts read_files_on_first_rank(const std::string &file)
 {
   return on_first_rank<FileTexts>([&] { return read_files(file); });
@@ -63,11 +71,8 @@ FileTexts read_on_first_rank(const std::vector<std::string> &files)
     for (const std::string &file : files)
       if (const std::string obstacle = obstacle_to_reading(file, largest_scene); !obstacle.empty())
         found.obstacles[file] = obstacle;
-      else {
-        std::ostringstream content;
-        content << std::ifstream(file).rdbuf();
-        found.texts[file] = content.str();
-      }
+      else
+        found.texts[file] = content_of(file);
     return found;
   });
 }

@@ -69,9 +69,7 @@ void collect_files(const std::string &file, FileTexts &texts)
     texts.obstacles[file] = obstacle;
     return;
   }
-  std::ostringstream content;
-  content << std::ifstream(file).rdbuf();
-  texts.texts[file] = content.str();
+  texts.texts[file] = content_of(file);
   for (const LogicalLine &line : logical_lines(texts.texts[file]))
     if (line.keyword == "include") {
       const std::string place = first_that_exists(line.rest, {file});

@@ -107,6 +107,9 @@ FileTexts read_files_on_first_rank(const std::string &file);
 /// The texts of these files, for all ranks. Collective.
 FileTexts read_on_first_rank(const std::vector<std::string> &files);
 
+/// The content of a file, without the byte order mark that some editors and spreadsheets write.
+std::string content_of(const std::string &file);
+
 /// The texts of all tables that the formulas of a scene name, table(T, file.csv); the entries get the paths
 /// where these files were found. Collective.
 FileTexts read_tables(SceneTree &tree);

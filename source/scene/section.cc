@@ -473,7 +473,7 @@ std::string Section::peek(const std::string &subsection, const std::string &name
   const std::string path = subsection.empty() ? section_path : join_path(section_path, subsection);
   state().declarations.add_known_entry(path, name);
   const SceneTree::Entry *entry = state().tree.find(path, name);
-  return entry ? entry->value : "";
+  return entry ? with_tables(entry->value, state().tables) : "";
 }
 
 void Section::give(const std::string &subsection, const std::string &name, const std::string &value,

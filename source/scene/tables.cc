@@ -82,7 +82,7 @@ std::vector<std::string> words_of(std::string line)
   return words;
 }
 
-/// "x_1, y_1, x_2, y_2, …" of two columns; the first line may be a heading.
+/// "x_1, y_1, x_2, y_2, …" of two columns; the first line may be a heading without a number.
 std::string pairs_of(const std::string &file, const std::string &text)
 {
   std::istringstream lines(text);
@@ -99,11 +99,10 @@ std::string pairs_of(const std::string &file, const std::string &text)
       throw UserError("names the table " + file + ", whose line " + std::to_string(number) + " " + message);
     };
     const bool has_numbers = std::all_of(words.begin(), words.end(), is_number);
-    if (!has_numbers && may_be_heading) {
-      may_be_heading = false;
-      continue;
-    }
+    const bool is_heading = may_be_heading && std::none_of(words.begin(), words.end(), is_number);
     may_be_heading = false;
+    if (is_heading)
+      continue;
     if (words.size() != 2 || !has_numbers)
       fail("is '" + dealii::Utilities::trim(line).substr(0, 40) +
            "', but must be two numbers: argument, value. Decimals are written with a point.");

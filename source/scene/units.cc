@@ -131,6 +131,19 @@ std::optional<double> Units::from_si(const std::string &unit) const
   return factor;
 }
 
+namespace {
+
+/// Component by component.
+std::string convert_formula(const std::string &formula, const std::string &factor)
+{
+  std::string converted;
+  for (const std::string &component : dealii::Utilities::split_string_list(formula, ';'))
+    converted += (converted.empty() ? "" : "; ") + factor + " * (" + component + ")";
+  return converted;
+}
+
+} // namespace
+
 std::string converted_from_si(const SceneTree::Entry &entry, const std::string &description,
                               const SceneTree &tree)
 {
@@ -154,8 +167,8 @@ std::string converted_from_si(const SceneTree::Entry &entry, const std::string &
   for (const std::string &word : dealii::Utilities::split_string_list(entry.value, ',')) {
     char *end = nullptr;
     const double value = std::strtod(word.c_str(), &end);
-    if (end == word.c_str() || *end != 0) // a formula
-      return digits_of(*factor) + " * (" + entry.value + ")";
+    if (end == word.c_str() || *end != 0)
+      return convert_formula(entry.value, digits_of(*factor));
     numbers += (numbers.empty() ? "" : ", ") + digits_of(value * *factor);
   }
   return numbers;

@@ -4,8 +4,10 @@
 #include <dovetail/system/block_system.h>
 
 #include <dovetail/compatibility.h>
+#include <dovetail/domain/curved_cells.h>
 #include <dovetail/domain/locking.h>
 #include <dovetail/domain/mesh_note.h>
+#include <dovetail/domain/simplices.h>
 #include <dovetail/interface/side_points.h>
 #include <dovetail/system/affine_residual.h>
 #include <dovetail/system/constraints.h>
@@ -1108,6 +1110,10 @@ NoteList BlockSystem<dim>::notes() const
   for (const auto &domain : model.domains) {
     if (const std::string sentence = note_on_mesh(domain->mesh()); !sentence.empty())
       all.push_back(of_mesh(sentence).of(domain->name));
+    if (domain->degree == 1 && (has_curved_cells(domain->mesh()) || has_curved_simplices(domain->mesh())))
+      all.push_back(
+          of_mesh("the cells of the file are curved, but those of degree 1 are straight. Set Degree = 2")
+              .of(domain->name));
     for (const Note &note : notes_on_locking(*domain, model.communicator))
       all.push_back(note.of(domain->name));
   }

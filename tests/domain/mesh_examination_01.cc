@@ -24,7 +24,7 @@ void show(const std::string &what, const Reader &reader, const std::string &cont
     MeshFile mesh = reader(text, dim);
     examine<dim>(mesh);
     std::cout << mesh.cells.size() << " cells, " << mesh.faces.size() << " faces";
-    for (const auto &node : mesh.nodes_on_edges)
+    for (const auto &node : mesh.further_nodes)
       std::cout << ", (" << node << ")";
     std::cout << (mesh.note.empty() ? "" : ", ") << mesh.note;
   } catch (const MeshError &error) {
@@ -123,11 +123,16 @@ void show_odd_meshes()
   curved[4] = "0.7 0.7 0";
   show<2>("second order, curved", read_gmsh, gmsh(curved, {"9 1 2 3 4 5 6"}));
   show<2>("second order, curved, mirrored", read_gmsh, gmsh(curved, {"9 1 3 2 6 5 4"}));
+  curved[4] = "0.2 0.2 0";
+  show<2>("second order, turned over in a part", read_gmsh, gmsh(curved, {"9 1 2 3 4 5 6"}));
   show<2>("mirrored cells, an inner line, a node of nobody", read_gmsh,
           gmsh({"0 0 0", "1 0 0", "1 1 0", "0 1 0", "2 0 0", "2 1 0", "9 9 9"},
                {"3 4 3 2 1", "3 2 5 6 3", "1 2 3", "1 1 2"}));
   show<2>("a crack", read_gmsh,
           gmsh({"0 0 0", "1 0 0", "1 1 0", "0 1 0", "2 0 0", "2 1 0", "1 0 0"}, {"3 1 2 3 4", "3 7 5 6 3"}));
+  show<2>("two parts", read_gmsh,
+          gmsh({"0 0 0", "1 0 0", "1 1 0", "0 1 0", "1 -1 0", "2 -1 0", "2 2 0", "1 2 0"},
+               {"3 1 2 3 4", "3 5 6 7 8"}));
   show<2>("thin", read_gmsh, gmsh({"0 0 5", "1 0 5", "1 1e-8 5", "0 1e-8 5"}, {"2 1 2 3", "2 1 3 4"}));
   show<3>("thin in 3D", read_gmsh,
           gmsh({"100 0 0", "101 0 0", "100 1e-6 0", "100 0 1e-6"}, {"4 2 1 3 4", "2 1 2 3"}));

@@ -20,7 +20,7 @@ using Mesh = dealii::parallel::DistributedTriangulationBase<dim>;
 /// Make the mesh that a `subsection Mesh` describes: File (.msh 2.2 and 4.1, .inp of Abaqus or AVS UCD, .vtk,
 /// .unv) or Generator with Arguments; then X -> Scale X + Shift (curved manifolds follow), then global
 /// Refinements, then the local ones, or what Cells asks for. All cells have one shape. Triangles and
-/// tetrahedra are straight and on one level, each a cell of the coarse mesh.
+/// tetrahedra are on one level, each a cell of the coarse mesh. Cells of second order remain curved.
 template <int dim>
 std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &communicator);
 

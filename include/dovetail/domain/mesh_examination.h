@@ -12,8 +12,8 @@ namespace dovetail {
 /// Bring the vertices of every cell into deal.II's order, mirrored cells the right way round, leave out other
 /// nodes, and examine the mesh in a time linear in the cells (times log, to sort their faces):
 ///
-/// * quadrilaterals and hexahedra are straight, also those of second order; of curved triangles and
-/// tetrahedra the nodes on the edges are kept;
+/// * the further nodes of curved cells of second order are kept; cells of which a part is turned over get a
+/// note;
 /// * all cells have one shape and different nodes, and lie in one plane in 2D;
 /// * det dX/dxi has one sign at the Gauss points of a cell, which is turned round if that is minus;
 /// * no two cells have the same nodes, at most two cells share a face, from its two sides and with their

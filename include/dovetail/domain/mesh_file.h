@@ -60,9 +60,11 @@ struct MeshFile
   std::vector<std::int64_t> node_numbers; ///< as in the file
   MeshElements cells, faces;              ///< of the dimension of the scene and of one less
 
-  /// The nodes on the edges of curved triangles or tetrahedra, cell by cell, of the edges 01, 02, 12 or 01,
-  /// 02, 03, 12, 13, 23 of the cell's vertices. Empty where all cells are straight. Found by examine().
-  std::vector<dealii::Point<3>> nodes_on_edges;
+  /// The nodes of curved cells beside their vertices, cell by cell. Of triangles and tetrahedra: on the edges
+  /// 01, 02, 12 or 01, 02, 03, 12, 13, 23 of the vertices; of quadrilaterals and hexahedra: those of FE_Q(2)
+  /// on the lines, on the faces in 3D, and in the middle. Empty where all cells are straight. Found by
+  /// examine().
+  std::vector<dealii::Point<3>> further_nodes;
 
   std::map<std::string, std::vector<unsigned int>> boundary_names; ///< ids of the faces that have the name
   /// Cells by the names of volumes, which may be numbers: of the whole file, on the rank that reads it.
@@ -75,7 +77,7 @@ struct MeshFile
   template <class Archive>
   void serialize(Archive &archive, const unsigned int)
   {
-    archive &nodes &node_numbers &cells &faces &nodes_on_edges &boundary_names &note;
+    archive &nodes &node_numbers &cells &faces &further_nodes &boundary_names &note;
   }
 };
 

@@ -16,31 +16,31 @@
 
 namespace dovetail {
 
-/// The nodes on the edges of curved triangles or tetrahedra: for each cell (in the order of the mesh) those
-/// of the edges 01, 02, 12 or 01, 02, 03, 12, 13, 23 of its vertices. Empty where all cells are straight.
+/// The nodes of curved cells of a file beside their vertices, for each cell of a mesh:
+/// MeshFile::further_nodes. Empty where all cells are straight.
 template <int dim>
-using NodesOnEdges = std::vector<std::array<dealii::Point<dim>, dim *(dim + 1) / 2>>;
+using FurtherNodes = std::vector<std::vector<dealii::Point<dim>>>;
 
 /// Refine a mesh and make it one of simplices on one level, without manifolds. Quadrilaterals and hexahedra
 /// are divided into 8 triangles or 24 tetrahedra after the refinement: the vertices then follow a curved
 /// boundary. The parts of a curved simplex are those of its image X(xi): the body remains what it is.
 template <int dim>
 void make_simplices(unsigned int n_refinements, dealii::Triangulation<dim> &mesh,
-                    NodesOnEdges<dim> &nodes_on_edges);
+                    FurtherNodes<dim> &nodes_on_edges);
 
 /// Give every rank its share, with a note, of a mesh of one level that all ranks have. Its cells are numbered
 /// alike on any number of ranks (CellId), and there may be fewer than ranks.
 template <int dim>
 std::unique_ptr<Mesh<dim>> distribute(dealii::Triangulation<dim> &mesh,
-                                      const NodesOnEdges<dim> &nodes_on_edges, const std::string &note,
+                                      const FurtherNodes<dim> &nodes_on_edges, const std::string &note,
                                       const MPI_Comm &communicator);
 
-/// X(xi) = sum_a phi_a(xi) X_a with the quadratic functions phi_a of FE_SimplexP and, where the mesh has
-/// curved cells, its nodes on edges; else of degree 1.
+/// X(xi) = sum_a phi_a(xi) X_a with the functions phi_a of FE_SimplexP of a @p degree: 1, or 2 with the nodes
+/// on edges of a mesh with curved cells.
 template <int dim>
-std::unique_ptr<dealii::Mapping<dim>> mapping_of_simplices(const Mesh<dim> &mesh);
+std::unique_ptr<dealii::Mapping<dim>> mapping_of_simplices(const Mesh<dim> &mesh, unsigned int degree);
 
-/// Whether that is of second order.
+/// Whether it has curved cells.
 template <int dim>
 bool has_curved_simplices(const Mesh<dim> &mesh);
 

@@ -38,6 +38,11 @@ ErrorEstimate estimate_error(const Model<dim> &model, const Vector &ghosted, dou
 /// symmetric, whatever the ranks. Collective.
 double marking_threshold(const std::vector<double> &squares, double share, const MPI_Comm &communicator);
 
+/// Whether a cell with an estimated error can be divided: cells of quadrilaterals or hexahedra can, down to the
+/// finest level of p4est. Collective.
+template <int dim>
+bool can_refine(const Model<dim> &model, const ErrorEstimate &estimate);
+
 /// The cells above that threshold, of all domains that can be refined. Collective.
 template <int dim>
 std::vector<std::vector<bool>> mark_cells(const Model<dim> &model, const ErrorEstimate &estimate,

@@ -21,6 +21,11 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
   all_facts.near_null_space = [this]() { return near_null_space(); };
   all_facts.field_of_row = [this]() { return field_of_row(); };
   all_facts.stiffness_of_row = [this]() { return stiffness_of_row(); };
+  all_facts.n_blocks = group.blocks.size();
+  all_facts.contrast = [this]() {
+    const std::vector<int> field = field_of_block(); // the units of several differ
+    return *std::max_element(field.begin(), field.end()) == 0 ? contrast() : 1;
+  };
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
   if (group.positions)
@@ -77,21 +82,31 @@ void GroupSystem::scale_multipliers(GroupVector &x) const
     saddle->scale_multipliers(x);
 }
 
-/// Ratio of the largest to the smallest mean diagonal entry of the blocks: how much the bodies differ in
-/// stiffness.
-double GroupSystem::contrast() const
+/// The mean diagonal entry of each block.
+std::vector<double> GroupSystem::mean_diagonals() const
 {
-  double largest = 0, smallest = std::numeric_limits<double>::infinity();
+  std::vector<double> means;
   for (const unsigned int block : group.blocks) {
     double sum = 0;
     for (const double entry : matrix->diagonal(block))
       sum += std::abs(entry);
-    const double mean = dealii::Utilities::MPI::sum(sum, matrix->get_mpi_communicator()) /
-                        matrix->get_row_indices().block_size(block);
-    largest = std::max(largest, mean);
-    smallest = std::min(smallest, mean);
+    means.push_back(dealii::Utilities::MPI::sum(sum, matrix->get_mpi_communicator()) /
+                    matrix->get_row_indices().block_size(block));
   }
-  return largest / smallest;
+  return means;
+}
+
+/// The largest ratio of the mean diagonal entries of two blocks that are coupled. In a long chain of bodies
+/// each of which is a little stiffer than the one before, only neighbours matter.
+double GroupSystem::contrast() const
+{
+  const std::vector<double> means = mean_diagonals();
+  double largest = 1;
+  for (unsigned int i = 0; i < means.size(); ++i)
+    for (unsigned int j = 0; j < means.size(); ++j)
+      if (matrix->has_block(group.blocks[i], group.blocks[j]) && means[j] > 0)
+        largest = std::max(largest, means[i] / means[j]);
+  return largest;
 }
 
 /// Of a geometric mean those rows are a small part to which a constraint adds the stiffness of another body.
@@ -132,13 +147,12 @@ unsigned int GroupSystem::largest_number_of_modes() const
 /// share vectors, so a chain of any length needs two sets.
 GroupSystem::Modes GroupSystem::near_null_space() const
 {
-  const double largest_shared_contrast = 1e3;
   const unsigned int largest_number = 24;
   const unsigned int n_of_block = largest_number_of_modes();
   const std::vector<unsigned int> set_of = color_blocks();
   const unsigned int n_sets = *std::max_element(set_of.begin(), set_of.end()) + 1;
-  const bool is_shared =
-      n_sets * n_of_block > largest_number || (!group.allows_jumps && contrast() <= largest_shared_contrast);
+  const bool is_shared = n_sets * n_of_block > largest_number ||
+                         (!group.allows_jumps && contrast() <= GroupFacts::large_contrast);
   const unsigned int n_own = merged->numbering().first_local_of(group.blocks.size());
   Modes modes(is_shared ? n_of_block : n_sets * n_of_block, std::vector<double>(n_own, 0.));
   for (unsigned int i = 0; i < group.blocks.size(); ++i) {

@@ -45,6 +45,7 @@ private:
   std::vector<int> field_of_row() const;
   std::vector<GroupFacts::Place> places() const;
   unsigned int largest_number_of_modes() const;
+  std::vector<double> mean_diagonals() const;
   double contrast() const;
   std::vector<double> stiffness_of_row() const;
   std::vector<unsigned int> color_blocks() const;

@@ -61,6 +61,7 @@ struct LinearSolver::Group
   bool prepare(Member &member, const GroupOperator &K);
   std::optional<unsigned int> iterate(GroupVector &x, const GroupVector &b);
   unsigned int iterate_to_residual(GroupVector &x, const GroupVector &b);
+  bool is_rounding(double residual, const GroupVector &x) const;
   bool solve_directly(GroupVector &x, const GroupVector &b);
   std::optional<unsigned int> solve(GroupVector &x, const GroupVector &b);
   bool takes_direct() const { return is_decided ? is_direct : is_direct_by_size(); }
@@ -154,8 +155,7 @@ std::optional<unsigned int> LinearSolver::Group::iterate(GroupVector &x, const G
   return is_done ? std::optional<unsigned int>(n_iterations) : std::nullopt;
 }
 
-/// Iterate until the true residual, not only that of the recurrence, is small, or rounding stops its
-/// decrease.
+/// Iterate until the true residual, not only that of the recurrence, is small, or is what rounding leaves.
 unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const GroupVector &b)
 {
   const GroupOperator &K = system.scaled();
@@ -175,7 +175,7 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
     const double new_norm = residual.l2_norm();
     if (!std::isfinite(new_norm))
       throw std::runtime_error("the residual is not finite");
-    const bool is_done = new_norm <= 2 * goal || new_norm > norm / 10;
+    const bool is_done = new_norm <= 2 * goal || new_norm > norm / 10 || is_rounding(new_norm, x);
     norm = new_norm;
     if (is_done)
       break;
@@ -183,6 +183,13 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
   ended_at = norm <= std::max(2 * goal, rounding(system.plain(), x)) ? 0 : norm / given.l2_norm();
   system.scale_multipliers(x);
   return n_iterations;
+}
+
+/// Whether a solution that rounding does not disturb could have this residual: another pass would solve for
+/// noise.
+bool LinearSolver::Group::is_rounding(const double residual, const GroupVector &x) const
+{
+  return !system.facts().has_multipliers && residual <= 2 * system.plain().rounding_of_product(x);
 }
 
 bool LinearSolver::Group::solve_directly(GroupVector &x, const GroupVector &b)

@@ -5,12 +5,14 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <Epetra_Import.h>
 #include <Epetra_Map.h>
 #include <Epetra_MpiComm.h>
 #include <Epetra_Vector.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace dovetail {
 
@@ -126,6 +128,34 @@ std::pair<double, double> MergedMatrix::largest_row() const
     return dealii::Utilities::MPI::max(own, block_matrix.get_mpi_communicator());
   };
   return {largest(sums), largest(lengths)};
+}
+
+double MergedMatrix::rounding_of_product(const GroupVector &x) const
+{
+  GroupVector sizes = vector(), sums = vector();
+  sizes.trilinos_vector().Abs(x.trilinos_vector());
+  for_each_pair([&](const Part &p, const Part &q, const Epetra_CrsMatrix &matrix) {
+    const Epetra_Vector own(View, matrix.DomainMap(), sizes.trilinos_vector()[0] + q.first_local);
+    Epetra_Vector seen(matrix.ColMap());
+    if (matrix.Importer() == nullptr)
+      seen = own;
+    else
+      seen.Import(own, *matrix.Importer(), Insert);
+    for (int row = 0; row < matrix.NumMyRows(); ++row) {
+      int n = 0, *columns = nullptr;
+      double *values = nullptr;
+      matrix.ExtractMyRowView(row, n, values, columns);
+      for (int k = 0; k < n; ++k)
+        sums.trilinos_vector()[0][p.first_local + row] += std::abs(values[k]) * seen[columns[k]];
+    }
+  });
+  if (cells() != nullptr) { // of a smooth function, with rows as in largest_row
+    GroupVector of_cells = vector();
+    diagonal(of_cells);
+    of_cells.scale(sizes);
+    sums.add(std::sqrt(static_cast<double>(cells()->row_length())), of_cells);
+  }
+  return std::numeric_limits<double>::epsilon() / 2 * sums.l2_norm();
 }
 
 void MergedMatrix::gather(const BlockVector &from, GroupVector &to) const

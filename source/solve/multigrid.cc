@@ -80,6 +80,7 @@ private:
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
   const Epetra_CrsMatrix *added_rows = nullptr;     ///< as of GroupOperator
   Means means = Means::usual;                       ///< until an iteration is slow with them
+  bool is_mixed = false; ///< stiff and soft bodies, more than two: no aggregate has nodes of two
   std::unique_ptr<Cycle> cycle;
   std::unique_ptr<MatrixLevel> finest;         ///< of by_degree
   std::unique_ptr<DegreeCoarsening> by_degree; ///< instead, for a degree above one
@@ -111,7 +112,10 @@ void Multigrid::make(const GroupOperator &K)
               [&]() { symmetric_part = make_symmetric_part(*matrix, facts.field_of_row()); });
     matrix = symmetric_part.get();
   }
-  ranks.run("multigrid", [&]() { make_levels(); });
+  ranks.run("multigrid", [&]() {
+    is_mixed = facts.n_blocks > 2 && facts.contrast && facts.contrast() > GroupFacts::large_contrast;
+    make_levels();
+  });
 }
 
 void Multigrid::make_levels()
@@ -134,9 +138,12 @@ std::unique_ptr<Cycle> Multigrid::make_cycle_of_degree_one(const Epetra_CrsMatri
                                                            const std::vector<GroupFacts::Place> &places) const
 {
   const auto make_smoother = [this](const Epetra_CrsMatrix &level) {
-    return means == Means::usual ? ChebyshevSmoother::with_diagonal(level, {2, 10})
-                                 : ChebyshevSmoother::with_factorisation(level, {4, 40});
+    return means != Means::usual ? ChebyshevSmoother::with_factorisation(level, {4, 40})
+           : is_mixed            ? ChebyshevSmoother::with_diagonal(level, {4, 20})
+                                 : ChebyshevSmoother::with_diagonal(level, {2, 10});
   };
+  if (means == Means::usual && is_mixed)
+    return make_cycle(A, its_modes, places, Semicoarsen::always, make_smoother);
   if (means == Means::usual)
     return std::make_unique<SmoothedAggregation>(A, its_modes, make_smoother);
   return make_cycle(A, its_modes, places,
@@ -148,7 +155,7 @@ std::unique_ptr<Cycle> Multigrid::make_cycle_of_degree_one(const Epetra_CrsMatri
 /// iterations.
 Multigrid::Means Multigrid::means_for(const double n_expected) const
 {
-  const double slow = 30, very_slow = 100;
+  const double slow = is_mixed ? 60 : 30, very_slow = 100; // there, factorisations hardly save an iteration
   if (n_expected > (means == Means::usual ? very_slow : slow))
     return Means::semicoarsening;
   return n_expected > slow ? Means::factorisation : means;
@@ -174,14 +181,24 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
 
   const unsigned int n_between_checks = 8;
   const double usual_decades = 10;
-  const double norm = b.l2_norm();
+  double largest = 0, smallest = 0; // of the residuals, which grow at first where bodies are stiff
+  unsigned int n_of_largest = 0;
   Means next = means;
   const auto gives_up = [&](const unsigned int n, const double residual) {
+    if (residual >= largest) {
+      largest = smallest = residual;
+      n_of_largest = n;
+    }
+    smallest = std::min(smallest, residual);
     if (n == 0 || n % n_between_checks != 0)
       return false;
-    const double decades = std::log10(norm / residual);
-    next = means_for(decades > 0 ? n * usual_decades / decades : std::numeric_limits<double>::infinity());
-    return next > means;
+    const double decades = std::log10(largest / smallest);
+    const auto expected = [&](const unsigned int n_counted) {
+      return decades > 0 ? n_counted * usual_decades / decades : std::numeric_limits<double>::infinity();
+    };
+    const bool is_slow = means_for(expected(n - n_of_largest)) > means;
+    next = is_slow ? means_for(expected(n)) : means;
+    return is_slow;
   };
   return solve_in_two_attempts(
       K, x, b, [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, gives_up); },

@@ -33,8 +33,7 @@ std::vector<unsigned int> node_of_rows(const LevelNodes &nodes)
   return node;
 }
 
-/// Calls @p action(column, value) for the entries of an own row that are not zero; column: the own row of the
-/// same number, or -1.
+/// Calls @p action(column, value) for the entries of an own row that are not zero.
 template <typename Action>
 void for_entries(const Epetra_CrsMatrix &A, const int row, const Action &action)
 {
@@ -43,23 +42,103 @@ void for_entries(const Epetra_CrsMatrix &A, const int row, const Action &action)
   A.ExtractMyRowView(row, n, values, columns);
   for (int k = 0; k < n; ++k)
     if (values[k] != 0)
-      action(A.Importer() == nullptr ? columns[k] : A.LRID(A.GCID(columns[k])), values[k], k);
+      action(columns[k], values[k]);
 }
 
-NodeGraph graph_of(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
+/// By column what is known by row.
+Epetra_MultiVector of_columns(const Epetra_CrsMatrix &A, const Epetra_MultiVector &of_rows)
 {
-  const std::vector<unsigned int> node = node_of_rows(nodes);
+  Epetra_MultiVector result(A.ColMap(), of_rows.NumVectors());
+  if (A.Importer() == nullptr)
+    result = of_rows;
+  else
+    result.Import(of_rows, *A.Importer(), Insert);
+  return result;
+}
+
+/// The nodes that a matrix refers to: the own ones, and after them those of other ranks.
+struct SeenNodes
+{
+  SeenNodes(const Epetra_CrsMatrix &A, const LevelNodes &own);
+
+  std::vector<unsigned int> of_column; ///< of A
+  std::vector<unsigned int> body, n_rows;
+  std::vector<std::array<double, 3>> position;
+
+private:
+  void add(unsigned int its_body, const std::array<double, 3> &its_position);
+};
+
+SeenNodes::SeenNodes(const Epetra_CrsMatrix &A, const LevelNodes &own)
+{
+  const std::vector<unsigned int> node = node_of_rows(own);
+  Epetra_MultiVector of_rows(A.OperatorDomainMap(), 4); // position and body
+  for (unsigned int row = 0; row < node.size(); ++row) {
+    for (unsigned int d = 0; d < 3; ++d)
+      of_rows[d][row] = own.position[node[row]][d];
+    of_rows[3][row] = own.body[node[row]];
+  }
+  const Epetra_MultiVector known = of_columns(A, of_rows);
+  for (unsigned int i = 0; i < own.size(); ++i)
+    add(own.body[i], own.position[i]);
+  for (int column = 0; column < A.NumMyCols(); ++column) {
+    const int row = A.LRID(A.GCID(column)); // -1 on another rank
+    const std::array<double, 3> its_position = {{known[0][column], known[1][column], known[2][column]}};
+    const auto its_body = static_cast<unsigned int>(known[3][column]);
+    if (row < 0 && (body.size() == own.size() || position.back() != its_position || body.back() != its_body))
+      add(its_body, its_position);
+    of_column.push_back(row < 0 ? body.size() - 1 : node[row]);
+    ++n_rows[of_column.back()];
+  }
+}
+
+void SeenNodes::add(const unsigned int its_body, const std::array<double, 3> &its_position)
+{
+  body.push_back(its_body);
+  position.push_back(its_position);
+  n_rows.push_back(0);
+}
+
+/// By own node the nodes that are seen.
+NodeGraph graph_of(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const SeenNodes &seen)
+{
   NodeGraph graph(nodes.size());
   for (unsigned int n = 0; n < nodes.size(); ++n) {
     for (int row = nodes.first_row[n]; row < nodes.first_row[n + 1]; ++row)
-      for_entries(A, row, [&](const int column, double, int) {
-        if (column >= 0 && node[column] != n)
-          graph[n].push_back(node[column]);
+      for_entries(A, row, [&](const int column, double) {
+        if (seen.of_column[column] != n)
+          graph[n].push_back(seen.of_column[column]);
       });
     std::sort(graph[n].begin(), graph[n].end());
     graph[n].erase(std::unique(graph[n].begin(), graph[n].end()), graph[n].end());
   }
   return graph;
+}
+
+/// Without the nodes of other ranks.
+NodeGraph own_part(NodeGraph graph)
+{
+  for (auto &neighbours : graph)
+    neighbours.erase(std::lower_bound(neighbours.begin(), neighbours.end(), graph.size()), neighbours.end());
+  return graph;
+}
+
+/// Of each seen node: the distance to the node next to it in its body, with which it is coupled.
+std::vector<double> shortest_couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes,
+                                       const SeenNodes &seen, const NodeGraph &graph)
+{
+  std::vector<double> shortest(seen.body.size(), std::numeric_limits<double>::infinity());
+  for (unsigned int i = 0; i < nodes.size(); ++i)
+    for (const unsigned int j : graph[i])
+      if (seen.body[j] == seen.body[i])
+        shortest[i] = std::min(shortest[i], distance(seen.position[i], seen.position[j]));
+  Epetra_MultiVector of_rows(A.OperatorDomainMap(), 1);
+  for (unsigned int i = 0; i < nodes.size(); ++i)
+    std::fill(of_rows[0] + nodes.first_row[i], of_rows[0] + nodes.first_row[i + 1], shortest[i]);
+  const Epetra_MultiVector known = of_columns(A, of_rows);
+  for (int column = 0; column < A.NumMyCols(); ++column)
+    shortest[seen.of_column[column]] = known[0][column];
+  return shortest;
 }
 
 /// By node the aggregate that it belongs to, or none if nothing is coupled with it; and the root of each.
@@ -162,7 +241,9 @@ std::vector<std::vector<int>> rows_of_aggregates(const Epetra_CrsMatrix &A, cons
     if (aggregates.of_node[node] != none)
       for (int row = nodes.first_row[node]; row < nodes.first_row[node + 1]; ++row) {
         bool is_coupled = false; // or prescribed
-        for_entries(A, row, [&](const int column, double, int) { is_coupled = is_coupled || column != row; });
+        for_entries(A, row, [&](const int column, double) {
+          is_coupled = is_coupled || A.GCID(column) != A.GRID(row);
+        });
         if (is_coupled)
           rows[aggregates.of_node[node]].push_back(row);
       }
@@ -212,23 +293,20 @@ Coarse make_coarse(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epe
 
 /// A_near.
 std::unique_ptr<Epetra_CrsMatrix> without_far_couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes,
-                                                        const NodeGraph &near)
+                                                        const Couplings &couplings)
 {
   const std::vector<unsigned int> node = node_of_rows(nodes);
   auto result = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), A.ColMap(), 0);
   std::vector<double> values;
   std::vector<int> columns;
   for (int row = 0; row < A.NumMyRows(); ++row) {
-    const unsigned int i = node[row];
-    int n = 0, *own_columns = nullptr;
-    double *own_values = nullptr;
-    A.ExtractMyRowView(row, n, own_values, own_columns);
+    const std::vector<unsigned int> &near = couplings.near[node[row]];
     columns.clear();
     values.clear();
-    for_entries(A, row, [&](const int column, const double value, const int k) {
-      if (column < 0 || node[column] == i ||
-          std::binary_search(near[i].begin(), near[i].end(), node[column])) {
-        columns.push_back(own_columns[k]);
+    for_entries(A, row, [&](const int column, const double value) {
+      const unsigned int other = couplings.node_of_column[column];
+      if (other == node[row] || std::binary_search(near.begin(), near.end(), other)) {
+        columns.push_back(column);
         values.push_back(value);
       }
     });
@@ -384,23 +462,20 @@ LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places)
   return nodes;
 }
 
-Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
-    : all(graph_of(A, nodes)), near(nodes.size())
+Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(nodes.size())
 {
   const double largest_ratio = 2;
-  std::vector<double> shortest(nodes.size(), std::numeric_limits<double>::infinity());
-  for (unsigned int i = 0; i < nodes.size(); ++i)
-    for (const unsigned int j : all[i])
-      if (nodes.body[j] == nodes.body[i])
-        shortest[i] = std::min(shortest[i], distance(nodes.position[i], nodes.position[j]));
+  SeenNodes seen(A, nodes);
+  all = graph_of(A, nodes, seen);
+  const std::vector<double> shortest = shortest_couplings(A, nodes, seen, all);
   std::array<double, 3> counts{}, sums{}; // of nodes that see a far one, of all, and of rows together
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[2] += nodes.first_row[i + 1] - nodes.first_row[i];
     for (const unsigned int j : all[i])
-      if (nodes.body[i] == nodes.body[j] && distance(nodes.position[i], nodes.position[j]) <=
-                                                largest_ratio * std::max(shortest[i], shortest[j])) {
+      if (seen.body[i] == seen.body[j] && distance(seen.position[i], seen.position[j]) <=
+                                              largest_ratio * std::max(shortest[i], shortest[j])) {
         near[i].push_back(j);
-        counts[2] += nodes.first_row[j + 1] - nodes.first_row[j];
+        counts[2] += seen.n_rows[j];
       }
     counts[0] += near[i].size() < all[i].size();
   }
@@ -408,6 +483,7 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
   A.Comm().SumAll(counts.data(), sums.data(), counts.size());
   share_of_far = sums[1] > 0 ? sums[0] / sums[1] : 0;
   rows_together = sums[1] > 0 ? sums[2] / sums[1] : 0;
+  node_of_column = std::move(seen.of_column);
 }
 
 std::unique_ptr<Cycle> make_cycle(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
@@ -421,7 +497,8 @@ std::unique_ptr<Cycle> make_cycle(const Epetra_CrsMatrix &A, const Epetra_MultiV
     LevelNodes nodes = nodes_of_rows(places);
     const Couplings couplings(A, nodes);
     const bool is_cheap = modes.NumVectors() < largest_cheap * couplings.rows_together;
-    if (couplings.share_of_far > least_share && (is_cheap || when == Semicoarsen::if_stretched))
+    if (when == Semicoarsen::always ||
+        (couplings.share_of_far > least_share && (is_cheap || when == Semicoarsen::if_stretched)))
       return std::make_unique<Semicoarsening>(A, modes, std::move(nodes), make_smoother);
   }
   return std::make_unique<SmoothedAggregation>(A, modes, make_smoother);
@@ -438,11 +515,12 @@ Semicoarsening::Semicoarsening(const Epetra_CrsMatrix &A, const Epetra_MultiVect
   std::unique_ptr<Epetra_MultiVector> owned_modes;
   while (matrix->NumGlobalRows() > largest_coarse) {
     const Couplings couplings(*matrix, nodes);
-    Coarse coarse = make_coarse(*matrix, nodes, *modes, Aggregates(couplings.near, couplings.all));
+    const Aggregates aggregates(own_part(couplings.near), couplings.all);
+    Coarse coarse = make_coarse(*matrix, nodes, *modes, aggregates);
     if (coarse.T->NumGlobalCols() > largest_growth * matrix->NumGlobalRows())
       break;
     Level level;
-    level.P = smoothed(coarse, *without_far_couplings(*matrix, nodes, couplings.near), *modes);
+    level.P = smoothed(coarse, *without_far_couplings(*matrix, nodes, couplings), *modes);
     level.smoother = make_smoother(*matrix);
     auto next = MatrixLevel(*matrix).restricted(*level.P);
     level.A = matrix;

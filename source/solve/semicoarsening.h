@@ -32,7 +32,8 @@ struct LevelNodes
 };
 LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places);
 
-/// By node the nodes of this rank that a matrix couples with it.
+/// By node of this rank the nodes that a matrix couples with it: those of this rank by their number, and
+/// after them those of other ranks. Ascending.
 using NodeGraph = std::vector<std::vector<unsigned int>>;
 
 /// The couplings of A, and those of them that are short: within a body, and at most twice as long as the
@@ -40,10 +41,11 @@ using NodeGraph = std::vector<std::vector<unsigned int>>;
 /// other, but a tie of cells that are long across it is a weak spring beside the stiffness along it.
 struct Couplings
 {
-  Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes);
+  Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes); ///< collective
 
   NodeGraph all, near;
-  double share_of_far = 0;  ///< of the nodes of all ranks: with a coupling that is not short
+  std::vector<unsigned int> node_of_column; ///< of A
+  double share_of_far = 0;                  ///< of the nodes of all ranks: with a coupling that is not short
   double rows_together = 0; ///< mean of all ranks: of a node and those that short couplings connect with it
 };
 
@@ -87,8 +89,9 @@ private:
 
 /// When to take Semicoarsening in place of SmoothedAggregation.
 enum class Semicoarsen {
-  if_cheap,    ///< if that reduces the number of unknowns by about two or more
-  if_stretched ///< if more than a tenth of the nodes have couplings that are not short
+  if_cheap,     ///< if that reduces the number of unknowns by about two or more
+  if_stretched, ///< if more than a tenth of the nodes have couplings that are not short
+  always        ///< no aggregate has nodes of two bodies
 };
 
 /// @param places of the rows of A; empty if they are not known: SmoothedAggregation

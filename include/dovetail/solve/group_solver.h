@@ -83,6 +83,11 @@ struct GroupFacts : GroupTraits
   /// Of each own row of the bodies: the mean of the diagonal entries of its block. May be missing.
   /// Collective.
   std::function<std::vector<double>()> stiffness_of_row;
+  unsigned int n_blocks = 1; ///< of the bodies
+  /// The largest ratio of the stiffnesses of two blocks that are coupled, of one field. May be missing.
+  /// Collective.
+  std::function<double()> contrast;
+  static constexpr double large_contrast = 1e3; ///< from here on bodies hardly share a mode
   /// Of each own row of the bodies: the number of its block, and where its node is. May be missing.
   struct Place
   {

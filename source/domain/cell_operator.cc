@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include "point_products.h"
+#include <dovetail/domain/point_products.h>
 
 #include <dovetail/domain/cell_operator.h>
 

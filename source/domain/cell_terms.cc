@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include "point_products.h"
+#include <dovetail/domain/point_products.h>
 
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/scene/undefined.h>
@@ -11,7 +11,6 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <set>
 #include <utility>
 
 namespace dovetail {
@@ -134,7 +133,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   if (!operators.empty())
     product_sizes.assign(layout.size(), 0.);
   if (tangent)
-    *tangent = 0;
+    std::fill_n(&(*tangent)(0, 0), tangent->n_elements(), 0.);
   if (tangent && !lumped.empty())
     lumped_tangent.reinit(residual.size(), residual.size());
   point.state.t = t;
@@ -150,8 +149,8 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     }
     add_flux(JxW, residual);
     add_source_of_laws(JxW, residual);
-    if (tangent)
-      responses[q] = point.response;
+    if (tangent) // the next point overwrites all that is not zero in every response
+      std::swap(responses[q], point.response);
     if (tangent && !operators.empty())
       give_away(cell, q, JxW, unknowns);
     if (!add_lumped_storage(q, JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr)) {
@@ -181,9 +180,14 @@ void CellTerms<dim>::add_flux(const double JxW, std::vector<double> &residual)
 {
   for (unsigned int c = 0; c < n; ++c) {
     const unsigned int first = layout.first(c), n_nodes = layout.n_nodes(c);
-    const dealii::Tensor<1, dim> *gradients = &point.shape_gradients()[layout.first_shape(c)];
-    for (unsigned int a = 0; a < n_nodes; ++a)
-      add(first + a, (point.response.flux[c] * gradients[a]) * JxW, residual);
+    const dealii::Tensor<1, dim> *gradients = &point.shape_gradients()[layout.first_shape(c)],
+                                 flux = point.response.flux[c];
+    double *const sums = &residual[first], *const sizes = &force_sizes[first];
+    for (unsigned int a = 0; a < n_nodes; ++a) {
+      const double force = (flux * gradients[a]) * JxW;
+      sums[a] += force;
+      sizes[a] += std::abs(force);
+    }
   }
 }
 
@@ -474,6 +478,13 @@ template <int dim>
 void fill_derivatives(const Response<dim> &response, const unsigned int pair, const Coupling &coupling,
                       const double JxW, const unsigned int n_rows, const unsigned int n_columns, double *D)
 {
+  if (n_rows == dim && n_columns == dim) { // of the flux by the gradient alone
+    const dealii::Tensor<2, dim> &by_gradient = response.by_gradient[pair];
+    for (unsigned int I = 0; I < dim; ++I)
+      for (unsigned int J = 0; J < dim; ++J)
+        D[I * dim + J] = JxW * by_gradient[I][J];
+    return;
+  }
   std::fill_n(D, n_rows * n_columns, 0.);
   for (unsigned int I = 0; I < dim; ++I) {
     for (unsigned int J = 0; coupling.flux_by_gradient && J < dim; ++J)
@@ -490,21 +501,43 @@ void fill_derivatives(const Response<dim> &response, const unsigned int pair, co
 /// What is needed of one cell after another.
 struct TangentScratch
 {
-  std::map<std::pair<unsigned int, bool>, ShapeTable> tables; ///< by first shape, with values
-  std::set<std::pair<unsigned int, bool>> of_this_cell;
-  std::vector<double> derivatives;
+  struct Table : ShapeTable
+  {
+    bool is_of_this_cell = false;
+  };
+  std::map<std::pair<unsigned int, bool>, Table> tables; ///< by first shape, with values
+  std::vector<double> derivatives, JxW;
+
+  template <int dim>
+  void enter_cell(const Domain<dim> &domain, const dealii::FEValues<dim> &cell_values)
+  {
+    for (auto &table : tables)
+      table.second.is_of_this_cell = false;
+    JxW.resize(cell_values.n_quadrature_points);
+    for (const unsigned int q : cell_values.quadrature_point_indices())
+      JxW[q] = domain.measure(cell_values, q);
+  }
 
   template <int dim>
   const ShapeTable &table(const CellLayout<dim> &layout, const unsigned int component, const bool with_value,
                           const dealii::FEValues<dim> &cell_values)
   {
-    const std::pair<unsigned int, bool> key(layout.first_shape(component), with_value);
-    ShapeTable &result = tables[key];
-    if (of_this_cell.insert(key).second)
+    Table &result = tables[{layout.first_shape(component), with_value}];
+    if (!result.is_of_this_cell)
       tabulate(layout, component, cell_values, with_value, result);
+    result.is_of_this_cell = true;
     return result;
   }
 };
+
+/// Of a block of a matrix with rows that begin @p row_length apart.
+void copy_transposed(const unsigned int n_rows, const unsigned int n_columns, const double *from, double *to,
+                     const std::size_t row_length)
+{
+  for (unsigned int b = 0; b < n_columns; ++b)
+    for (unsigned int a = 0; a < n_rows; ++a)
+      to[b * row_length + a] = from[a * row_length + b];
+}
 
 /// Whether both components belong to a field whose own tangent is symmetric.
 template <int dim>
@@ -524,7 +557,7 @@ void add_pairs(const Domain<dim> &domain, const Pairs &pairs, const std::vector<
 {
   static thread_local TangentScratch scratch;
   const CellLayout<dim> &layout = domain.layout();
-  scratch.of_this_cell.clear();
+  scratch.enter_cell(domain, cell_values);
   for (const auto &[c, d, index, coupling] : pairs) {
     const bool is_from_symmetry = is_symmetric(domain, c, d);
     if (is_from_symmetry && d < c)
@@ -535,13 +568,13 @@ void add_pairs(const Domain<dim> &domain, const Pairs &pairs, const std::vector<
     const unsigned int n_entries = rows.n_directions * columns.n_directions;
     scratch.derivatives.resize(responses.size() * n_entries);
     for (unsigned int q = 0; q < responses.size(); ++q)
-      fill_derivatives(responses[q], index, coupling, domain.measure(cell_values, q), rows.n_directions,
-                       columns.n_directions, &scratch.derivatives[q * n_entries]);
+      fill_derivatives(responses[q], index, coupling, scratch.JxW[q], rows.n_directions, columns.n_directions,
+                       &scratch.derivatives[q * n_entries]);
     add_cell_matrix(rows, columns, scratch.derivatives, is_from_symmetry && c == d,
                     &tangent(layout.first(c), layout.first(d)), tangent.n());
-    for (unsigned int a = 0; is_from_symmetry && c != d && a < layout.n_nodes(c); ++a)
-      for (unsigned int b = 0; b < layout.n_nodes(d); ++b)
-        tangent(layout.index(d, b), layout.index(c, a)) = tangent(layout.index(c, a), layout.index(d, b));
+    if (is_from_symmetry && c != d)
+      copy_transposed(layout.n_nodes(c), layout.n_nodes(d), &tangent(layout.first(c), layout.first(d)),
+                      &tangent(layout.first(d), layout.first(c)), tangent.n());
   }
 }
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include "point_products.h"
+#include <dovetail/domain/point_products.h>
 
 #include <algorithm>
+#include <cmath>
 
-// One version for each generation of processors, of which the loader takes one. A sanitizer cannot look into
-// the choice, which is made before it has started.
+// One version for each level of the instruction set, of which the loader takes one. Not for the name of a
+// processor (arch=haswell), which is of one maker: those of others would get the version without wide
+// vectors. A sanitizer cannot look into the choice, which is made before it has started.
 #if defined(__x86_64__) && defined(__linux__) && !defined(__SANITIZE_ADDRESS__)
-#define DOVETAIL_WIDEST_VECTORS                                                                              \
-  __attribute__((target_clones("arch=skylake-avx512", "arch=haswell", "default")))
+#define DOVETAIL_WIDEST_VECTORS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define DOVETAIL_WIDEST_VECTORS
 #endif
@@ -28,6 +29,24 @@ DOVETAIL_WIDEST_VECTORS void add_at_points(const std::vector<PointTerm> &terms, 
   }
 }
 
+DOVETAIL_WIDEST_VECTORS void add_up_sizes(const std::size_t n, const double *A, const double *const x,
+                                          double *const sums)
+{
+  constexpr unsigned int width = 8;
+  for (std::size_t i = 0; i < n; ++i, A += n) {
+    double s[width] = {};
+    std::size_t j = 0;
+    for (; j + width <= n; j += width)
+      for (unsigned int k = 0; k < width; ++k)
+        s[k] += std::abs(A[j + k] * x[j + k]);
+    for (; j < n; ++j)
+      s[0] += std::abs(A[j] * x[j]);
+    for (unsigned int k = 1; k < width; ++k)
+      s[0] += s[k];
+    sums[i] = s[0];
+  }
+}
+
 void ShapeTable::reinit(const unsigned int points, const unsigned int directions,
                         const unsigned int functions)
 {
@@ -42,23 +61,27 @@ void ShapeTable::reinit(const unsigned int points, const unsigned int directions
 
 namespace {
 
-/// y = sum_I D_IJ phi_I for all directions J of the columns, at every point.
+/// y = sum_I D_IJ phi_I for all directions J of the columns, at every point. A block of functions stays in
+/// the registers.
 DOVETAIL_WIDEST_VECTORS void multiply_rows(const std::size_t n_points, const std::size_t n_rows,
                                            const std::size_t n_columns, const std::size_t n, const double *D,
                                            const double *phi, double *y)
 {
-  for (std::size_t q = 0; q < n_points; ++q, phi += n_rows * n)
-    for (std::size_t J = 0; J < n_columns; ++J, y += n) {
-      double *const __restrict__ to = y;
-      for (std::size_t a = 0; a < n; ++a)
-        to[a] = 0;
-      for (std::size_t I = 0; I < n_rows; ++I) {
-        const double factor = D[(q * n_rows + I) * n_columns + J];
-        const double *const __restrict__ from = phi + I * n;
-        for (std::size_t a = 0; a < n; ++a)
-          to[a] += factor * from[a];
+  constexpr unsigned int block = ShapeTable::block;
+  for (std::size_t q = 0; q < n_points; ++q, phi += n_rows * n, D += n_rows * n_columns)
+    for (std::size_t J = 0; J < n_columns; ++J, y += n)
+      for (std::size_t a = 0; a < n; a += block) {
+        double s[block] = {};
+        for (std::size_t I = 0; I < n_rows; ++I) {
+          const double factor = D[I * n_columns + J];
+          const double *const __restrict__ from = phi + I * n + a;
+          for (unsigned int b = 0; b < block; ++b)
+            s[b] += factor * from[b];
+        }
+        double *const __restrict__ to = y + a;
+        for (unsigned int b = 0; b < block; ++b)
+          to[b] = s[b];
       }
-    }
 }
 
 constexpr unsigned int n_rows_of_block = 4;
@@ -95,14 +118,17 @@ void add_cell_matrix(const ShapeTable &rows, const ShapeTable &columns, const st
       if (is_symmetric && b + ShapeTable::block <= a)
         continue;
       sum_block(n, D_rows.data() + a, rows.stride, columns.values.data() + b, columns.stride, sums);
-      const unsigned int end_a = std::min(a + n_rows_of_block, rows.n_functions),
-                         end_b = std::min(b + ShapeTable::block, columns.n_functions);
-      for (unsigned int i = a; i < end_a; ++i)
-        for (unsigned int j = is_symmetric ? std::max(i, b) : b; j < end_b; ++j) {
-          C[i * row_length + j] += sums[i - a][j - b];
-          if (is_symmetric && i != j)
-            C[j * row_length + i] += sums[i - a][j - b];
-        }
+      // what is skipped below the diagonal is the mirror image of the blocks behind that of the rows
+      const bool is_mirrored = is_symmetric && b > a / ShapeTable::block * ShapeTable::block;
+      const unsigned int n_a = std::min(n_rows_of_block, rows.n_functions - a),
+                         n_b = std::min(ShapeTable::block, columns.n_functions - b);
+      double *const block = C + a * row_length + b, *const mirror = C + b * row_length + a;
+      for (unsigned int i = 0; i < n_a; ++i)
+        for (unsigned int j = 0; j < n_b; ++j)
+          block[i * row_length + j] += sums[i][j];
+      for (unsigned int j = 0; is_mirrored && j < n_b; ++j)
+        for (unsigned int i = 0; i < n_a; ++i)
+          mirror[j * row_length + i] += sums[i][j];
     }
 }
 

@@ -84,11 +84,10 @@ bool HyperelasticLaw::evaluate(const Tensor<2, 3> &H, double e, bool with_deriva
   if (!is_defined(elastic))
     return false;
   elastic_response(elastic, response.P, with_derivatives ? &response.dP_dF : nullptr);
-  if (with_derivatives) {
+  if (with_derivatives && response.needs_dP_de)
     response.dP_de = s * (2. * response.P - contract(response.dP_dF, elastic.F));
-    if (e != 0)
-      response.dP_dF *= s;
-  }
+  if (with_derivatives && e != 0)
+    response.dP_dF *= s;
   if (e != 0)
     response.P *= s * s;
   return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");

@@ -149,6 +149,22 @@ void add_symmetric_product(const Tensor<2, 3> &A, const Tensor<2, 3> &B, Tensor<
           D[i][J][m][N] += A[i][J] * B[m][N] + B[i][J] * A[m][N];
 }
 
+/// D_iJmN = A_iJ Q_mN + Q_iJ B_mN + c Q_iN Q_mJ
+void set_products_with_Q(const Tensor<2, 3> &Q, const Tensor<2, 3> &A, const Tensor<2, 3> &B, const double c,
+                         Tensor<4, 3> &D)
+{
+  for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int J = 0; J < 3; ++J) {
+      const double A_iJ = A[i][J], Q_iJ = Q[i][J];
+      for (unsigned int m = 0; m < 3; ++m) {
+        const double across = c * Q[m][J];
+        Tensor<1, 3> &row = D[i][J][m];
+        for (unsigned int N = 0; N < 3; ++N)
+          row[N] = A_iJ * Q[m][N] + Q_iJ * B[m][N] + across * Q[i][N];
+      }
+    }
+}
+
 /// D_iJmN = A_iJ Q_mN + Q_iJ B_mN + Q_iN S_mJ + T_iN Q_mJ
 void set_products_with_Q(const Tensor<2, 3> &Q, const Tensor<2, 3> &A, const Tensor<2, 3> &B,
                          const Tensor<2, 3> &S, const Tensor<2, 3> &T, Tensor<4, 3> &D)
@@ -170,8 +186,7 @@ Tensor<4, 3> derivative_of_G(const InvariantKinematics &kinematics, const unsign
 {
   const auto &[beta, factor, I, N, G] = kinematics.invariants[k];
   Tensor<4, 3> result;
-  set_products_with_Q(kinematics.Q, -beta * G, -beta * factor * N, beta * factor * I * kinematics.Q,
-                      Tensor<2, 3>(), result);
+  set_products_with_Q(kinematics.Q, -beta * G, -beta * factor * N, beta * factor * I, result);
   kinematics.add_derivative_of_N(k, factor, result);
   return result;
 }
@@ -200,7 +215,7 @@ void add_change_of_energy(const IsochoricEnergy &W, const InvariantKinematics &k
     G.push_back(J * Q);
     h.push_back(J * (scalar_product(w, Q) * Q - Q * transpose(w) * Q));
     by_F.emplace_back();
-    set_products_with_Q(Q, J * Q, Tensor<2, 3>(), -J * Q, Tensor<2, 3>(), by_F.back());
+    set_products_with_Q(Q, J * Q, Tensor<2, 3>(), -J, by_F.back());
   }
   for (unsigned int k = 0; k < G.size(); ++k) {
     const double g = scalar_product(w, G[k]);
@@ -246,10 +261,11 @@ void Volumetric::read_function(const Section &section)
 
 VolumetricEnergy Volumetric::times(const double kappa, const double J_minus_1) const
 {
-  const double J = 1 + J_minus_1, log_J = std::log1p(J_minus_1), power = std::exp(-exponent * log_J);
-  switch (choice) {
-  case 0:
+  const double J = 1 + J_minus_1;
+  if (choice == 0) // by far the most frequent one needs no logarithm
     return {kappa / 2 * J_minus_1 * (J + 1) / J, kappa / 2 * (1 + 1 / (J * J)), -kappa / (J * J * J)};
+  const double log_J = std::log1p(J_minus_1), power = std::exp(-exponent * log_J);
+  switch (choice) {
   case 1:
     return {kappa * J_minus_1, kappa, 0};
   case 2:
@@ -327,7 +343,7 @@ void InvariantLaw::elastic_response(const Deformation &deformation, Tensor<2, 3>
   }
   if (D == nullptr)
     return;
-  set_products_with_Q(Q, before_Q, after_Q, across * Q, Tensor<2, 3>(), *D);
+  set_products_with_Q(Q, before_Q, after_Q, across, *D);
   for (unsigned int k = 0; k < invariants.size(); ++k)
     kinematics.add_derivative_of_N(k, W_k[k] * invariants[k].factor, *D);
   if (!varies(W))

@@ -80,6 +80,7 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
   thread_local SolidLaw::Response local; // its tensor of fourth order is not cleared where nobody asks for it
   static_cast<SolidLaw::Place &>(local) = place(state);
   local.P = 0;
+  local.needs_dP_de = expansion.has_value();
   if (with_derivatives) {
     local.dP_dF = 0;
     local.dP_de = 0;

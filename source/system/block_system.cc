@@ -7,6 +7,7 @@
 #include <dovetail/domain/curved_cells.h>
 #include <dovetail/domain/locking.h>
 #include <dovetail/domain/mesh_note.h>
+#include <dovetail/domain/point_products.h>
 #include <dovetail/domain/simplices.h>
 #include <dovetail/interface/side_points.h>
 #include <dovetail/system/affine_residual.h>
@@ -360,6 +361,7 @@ void BlockSystem<dim>::make_sparsity(const double t)
   n_tangents = 0;
   affine.reset();
   summands.clear();
+  positions.clear();
   matrix.clear();
   matrix.reinit(model.numbering->split(model.numbering->owned), parts_of_blocks(), pattern,
                 model.communicator);
@@ -971,6 +973,9 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns(n_local), residual(n_local);
   local_matrix.reinit(n_local, n_local);
+  positions.resize(model.domains.size());
+  if (with_tangent && has_tangent && form == Form::direct && cell_terms[d]->has_entries() && !positions[d])
+    positions[d] = std::make_unique<KeptPositions<dim>>(domain, matrix);
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
@@ -983,7 +988,10 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
       add_sizes(dofs, cell_terms[d]->forces(), unknowns, cell_terms[d]->longest_sum(), has_local_matrix);
       if (with_tangent && !cell_terms[d]->products().empty())
         add_products(dofs, cell_terms[d]->products(), cell_terms[d]->longest_sum());
-      scatter(residual, dofs, has_local_matrix);
+      if (!has_local_matrix || !positions[d] ||
+          !positions[d]->add(cell->active_cell_index(), dofs, update_constraints, local_matrix, residual,
+                             right_hand_side))
+        scatter(residual, dofs, has_local_matrix);
     }
   return true;
 }
@@ -1135,10 +1143,12 @@ void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_ind
                                  const std::vector<double> &forces, const std::vector<double> &unknowns,
                                  const unsigned int longest_sum, const bool with_tangent)
 {
+  thread_local std::vector<double> row_sums;
+  row_sums.assign(dofs.size(), 0.);
+  if (with_tangent)
+    add_up_sizes(dofs.size(), &local_matrix(0, 0), unknowns.data(), row_sums.data());
   for (unsigned int i = 0; i < dofs.size(); ++i) {
-    double row_sum = 0;
-    for (unsigned int j = 0; with_tangent && j < dofs.size(); ++j)
-      row_sum += std::abs(local_matrix(i, j) * unknowns[j]);
+    const double row_sum = row_sums[i];
     const auto add = [&](const unsigned int block, const double weight) {
       const double force = weight * weight * forces[i] * forces[i];
       sizes.forces[block] += force;

@@ -55,10 +55,11 @@ public:
   /// Mark the pairs of local unknowns that it couples.
   void add_boundary_couplings(const typename Domain<dim>::cell_iterator &cell,
                               dealii::Table<2, bool> &couples) const;
-  /// Whether the tangent of a cell has entries.
+  /// Whether the tangent of every cell has entries, and of this one.
+  bool has_entries() const { return !pairs.empty() || !lumped.empty(); }
   bool has_entries(const typename Domain<dim>::cell_iterator &cell) const
   {
-    return !pairs.empty() || !lumped.empty() || has_boundary_tangent(cell);
+    return has_entries() || has_boundary_tangent(cell);
   }
 
   /// Overwrites @p residual and, if @p tangent is not nullptr, the tangent. @return false if a law is not

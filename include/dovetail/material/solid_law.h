@@ -47,6 +47,7 @@ public:
     dealii::Tensor<2, 3> P;     ///< first Piola-Kirchhoff stress [Pa]
     dealii::Tensor<4, 3> dP_dF; ///< [i][J][k][L] = dP_iJ/dF_kL, filled only if derivatives are asked for
     dealii::Tensor<2, 3> dP_de; ///< derivative by the thermal strain, likewise
+    bool needs_dP_de = true;    ///< else a law may leave it out
   };
 
   /// Second derivatives of the scalar w:P(F, e), which the exact tangent of Nitsche's method needs for theta

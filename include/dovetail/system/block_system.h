@@ -9,6 +9,7 @@
 #include <dovetail/scene/undefined.h>
 #include <dovetail/solve/block_matrix.h>
 #include <dovetail/system/cellwise_tangent.h>
+#include <dovetail/system/kept_positions.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/nodal_forces.h>
 #include <dovetail/system/unrestrained_mode.h>
@@ -246,6 +247,7 @@ private:
   Vector right_hand_side;
   Vector ghosted_scratch;
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
+  std::vector<std::unique_ptr<KeptPositions<dim>>> positions; ///< by domain, from the second tangent on
   dealii::FullMatrix<double> local_matrix;
   dealii::Vector<double> local_rhs;
   /// Sums of squares over cells and ties, by block: of the forces; of those on free unknowns, and of

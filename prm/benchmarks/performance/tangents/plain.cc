@@ -13,7 +13,7 @@
 //     plain_tangents DEGREE N          N cells in each direction
 //
 // Prints one line: unknowns, the relative difference of the norms of both matrices, and the processor seconds
-// of one assembly, each the median of five.
+// of one assembly, and of reading the matrix once in a product with a vector, each the median of five.
 
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/system/block_system.h>
@@ -238,6 +238,16 @@ Dovetail::Dovetail(const std::string &law, const unsigned int degree, const unsi
   system.begin_step(0, x);
 }
 
+/// Reads the matrix once, as a product with a vector does.
+struct Stream
+{
+  explicit Stream(const Plain &plain) : plain(plain), product(plain.right_hand_side) {}
+  void assemble() { plain.matrix.vmult(product, plain.right_hand_side); }
+
+  const Plain &plain;
+  Vector<double> product;
+};
+
 template <typename Assembly>
 double seconds(Assembly &assembly)
 {
@@ -259,18 +269,21 @@ void run(const unsigned int degree, const unsigned int n)
   Dovetail entries(rubber, degree, n, true, 1), products(rubber, degree, n, false, 1),
       elastic(steel, degree, n, true, 1e-3), plastic(yielding, degree, n, true, 1e-3);
   Plain plain(entries.mesh(), degree);
-  std::vector<double> times[5];
+  Stream stream(plain);
+  std::vector<double> times[6];
   for (unsigned int i = 0; i < 5; ++i) {
     times[0].push_back(seconds(plain));
     times[1].push_back(seconds(entries));
     times[2].push_back(seconds(products));
     times[3].push_back(seconds(elastic));
     times[4].push_back(seconds(plastic));
+    times[5].push_back(seconds(stream));
   }
   std::cout << "unknowns " << plain.right_hand_side.size() << " difference "
             << std::abs(entries.norm() / plain.matrix.frobenius_norm() - 1) << " plain " << median(times[0])
             << " entries " << median(times[1]) << " products " << median(times[2]) << " elastic "
-            << median(times[3]) << " plastic " << median(times[4]) << std::endl;
+            << median(times[3]) << " plastic " << median(times[4]) << " stream " << median(times[5])
+            << std::endl;
 }
 
 } // namespace

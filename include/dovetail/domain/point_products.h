@@ -23,6 +23,9 @@ struct PointTerm
 void add_at_points(const std::vector<PointTerm> &terms, std::size_t n, const double *A, const double *x,
                    double *y);
 
+/// sums[i] = sum_j |A_ij x_j| of the n x n matrix A.
+void add_up_sizes(std::size_t n, const double *A, const double *x, double *sums);
+
 /// Shape functions at the points of a cell: [point][direction][function]; the last direction may be the value
 /// itself.
 struct ShapeTable
@@ -40,8 +43,8 @@ struct ShapeTable
 };
 
 /// C_ab += sum_q phi_a(q)^T D(q) phi_b(q), with @p D [point][direction of phi_a][direction of phi_b] and rows
-/// of C that begin @p row_length apart. @p is_symmetric: so is C, and each pair is computed once. The sums
-/// run over blocks of C that fit into the registers, with the widest vectors that the processor has.
+/// of C that begin @p row_length apart. @p is_symmetric: so is C, and each pair of blocks is computed once.
+/// The sums run over blocks of C that fit into the registers, with the widest vectors that the processor has.
 void add_cell_matrix(const ShapeTable &rows, const ShapeTable &columns, const std::vector<double> &D,
                      bool is_symmetric, double *C, std::size_t row_length);
 

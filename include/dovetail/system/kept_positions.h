@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Where the matrices of a domain's cells go: searched once, then kept.
+
+#pragma once
+
+#include <dovetail/domain/domain.h>
+#include <dovetail/solve/block_matrix.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace dovetail {
+
+/// Adds the local matrix and vector of one cell after another, as distribute_local_to_global(). The
+/// components of a field at a node follow each other in the matrix, so that one position is kept for each
+/// pair of nodes, two bytes. Cells with unknowns that follow others or are moved, of several parts, or of
+/// another rank are not added.
+template <int dim>
+class KeptPositions
+{
+public:
+  /// @p matrix: with these entries as long as this object lives.
+  KeptPositions(const Domain<dim> &domain, const BlockMatrix &matrix);
+
+  /// @return false, and nothing is added, if the cell needs the general way.
+  bool add(unsigned int cell_index, const std::vector<BlockMatrix::size_type> &dofs,
+           const dealii::AffineConstraints<double> &constraints,
+           const dealii::FullMatrix<double> &local_matrix, const std::vector<double> &local_residual,
+           BlockMatrix::Vector &right_hand_side);
+
+private:
+  using Index = BlockMatrix::size_type;
+
+  /// Compressed rows of this rank.
+  struct Rows
+  {
+    int *first, *columns;
+    double *values;
+    bool exist; ///< in this form
+  };
+  Rows rows() const;
+  bool find_rows(const std::vector<Index> &dofs, int *row_of_dof, int *column_of_dof) const;
+  bool find(const std::vector<Index> &dofs, int *row_of_dof, std::uint16_t *positions);
+
+  const BlockMatrix &matrix;
+  const unsigned int n_local;                   ///< unknowns of a cell
+  std::vector<std::vector<unsigned int>> nodes; ///< their components of one field
+  unsigned int part = 0;
+  bool has_one_part = true;
+  struct BlockOfDofs ///< of the domain
+  {
+    Index begin, end;
+    unsigned int number, first_row; ///< among all blocks; of this rank in the part
+  };
+  std::vector<BlockOfDofs> blocks;
+
+  enum class Way : char { unknown, kept, general };
+  std::vector<Way> way;                 ///< by cell
+  std::vector<int> all_rows;            ///< [cell][unknown]
+  std::vector<std::uint16_t> positions; ///< in the row, [cell][node of the row][node of the column]
+};
+
+} // namespace dovetail

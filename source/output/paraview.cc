@@ -201,6 +201,15 @@ PieceOfPicture Paraview<dim>::show(Block &block, const dealii::DataOutBase::VtkF
              : DomainPicture<dim>(*block.domain, block.quantities, solution, time).piece(flags);
 }
 
+/// Hexahedra are written as degree^3 linear ones: VTK reads Lagrange's wrongly where a file has several
+/// pieces.
+template <int dim>
+bool Paraview<dim>::has_higher_order_cells(const Block &block)
+{
+  return block.domain != nullptr && block.domain->degree > 1 && !block.domain->has_simplices() &&
+         (dim == 2 || block.is_of_boundary);
+}
+
 template <int dim>
 void Paraview<dim>::write(const double time, const Vector &solution, const Reactions<dim> *reactions)
 {
@@ -215,10 +224,12 @@ void Paraview<dim>::write(const double time, const Vector &solution, const React
     if (quantity->is_of_nodes())
       quantity->set_reactions(*reactions);
   const double time_of_series = numbers_steps ? times.size() + 1 : time;
-  const auto flags = flags_at(time_of_series);
-  for (Block &block : blocks)
+  for (Block &block : blocks) {
+    auto flags = flags_at(time_of_series);
+    flags.write_higher_order_cells = has_higher_order_cells(block);
     write_picture(directory + "/steps/" + file_of(block.stem, times.size(), ".vtu"), flags,
                   [&]() { return show(block, flags, time, solution); });
+  }
   times.push_back(time_of_series);
   write_index_of_step();
   write_series();

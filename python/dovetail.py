@@ -20,6 +20,7 @@ The module needs nothing but Python 3.7; where numpy is installed, histories are
 import copy
 import csv
 import json
+import math
 import os
 import re
 import shutil
@@ -37,9 +38,12 @@ class InputError(ValueError):
 
 
 def find_program():
-    """The path of the program: $DOVETAIL, the build beside this file, or `dovetail` on the PATH."""
-    beside = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "build", "release", "dovetail")
-    for candidate in (os.environ.get("DOVETAIL"), os.path.normpath(beside), shutil.which("dovetail")):
+    """The path of the program: $DOVETAIL, the build or the installed program beside this file, or `dovetail` on the
+    PATH."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    beside = os.path.normpath(os.path.join(here, "..", "build", "release", "dovetail"))
+    installed = os.path.normpath(os.path.join(here, "..", "..", "..", "bin", "dovetail"))
+    for candidate in (os.environ.get("DOVETAIL"), beside, installed, shutil.which("dovetail")):
         if candidate and os.access(candidate, os.X_OK):
             return candidate
     raise FileNotFoundError("The program dovetail was not found. Build it with ./run, put it on the PATH, or set "
@@ -47,7 +51,10 @@ def find_program():
 
 
 def text_of(value):
-    """As a scene writes it: True as true, a list as its elements with commas, a vector (tuple) with semicolons."""
+    """As a scene writes it: True as true, a list or an array of numpy as its elements with commas, a vector (tuple)
+    with semicolons."""
+    if hasattr(value, "tolist"):  # of numpy: an array, or a number, whose repr is not that of Python
+        value = value.tolist()
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
@@ -122,7 +129,7 @@ class Result:
 
     report     the dictionary of report.json (doc/theory/output.md)
     converged  whether all steps converged; if not, the report is that of the last good one
-    directory  of the results
+    directory  of the results, which the next run into it replaces; report and history stay
     log        what the program printed
     """
 
@@ -132,9 +139,11 @@ class Result:
         found = re.findall(r"^ *results: (.*)$", log, re.MULTILINE)
         self.directory = found[-1].strip() if found else None
         self.report = None
+        self._history = None
         if self.directory is not None:
             with open(os.path.join(self.directory, "report.json")) as stream:
                 self.report = json.load(stream)
+            self._history = _read_columns(os.path.join(self.directory, "probes.csv"))
 
     @property
     def probes(self):
@@ -147,18 +156,25 @@ class Result:
 
     @property
     def history(self):
-        """The columns of probes.csv by name, one number per step. Transient scenes write that file."""
-        file = os.path.join(self.directory, "probes.csv")
-        if not os.path.exists(file):
-            raise FileNotFoundError("The run has no history: only transient scenes write %s." % file)
-        with open(file, newline="") as stream:
-            rows = list(csv.reader(stream))
-        columns = {name: [float(row[i]) for row in rows[1:]] for i, name in enumerate(rows[0])}
+        """The columns of probes.csv by name, one number per step, as they were at the end of this run: NaN where there
+        is none, as of a probe that came with --resume. Transient scenes write that file."""
+        if self._history is None:
+            raise FileNotFoundError("The run has no history: only transient scenes write %s."
+                                    % os.path.join(self.directory or "", "probes.csv"))
         try:
             import numpy
         except ImportError:
-            return columns
-        return {name: numpy.array(numbers) for name, numbers in columns.items()}
+            return self._history
+        return {name: numpy.array(numbers) for name, numbers in self._history.items()}
+
+
+def _read_columns(file):
+    if not os.path.exists(file):
+        return None
+    with open(file, newline="") as stream:
+        rows = list(csv.reader(stream))
+    number = lambda row, i: float(row[i]) if i < len(row) and row[i].strip() else math.nan
+    return {name: [number(row, i) for row in rows[1:]] for i, name in enumerate(rows[0])} if rows else None
 
 
 def _launcher(ranks):

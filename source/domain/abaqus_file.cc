@@ -15,8 +15,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <memory>
 #include <set>
+#include <sstream>
 #include <unordered_map>
 
 namespace dovetail {
@@ -143,6 +147,8 @@ public:
     next_line();
     while (has_line) {
       const AbaqusKeyword keyword = read_keyword();
+      if (reads_input(keyword))
+        open_input(keyword["INPUT"]);
       next_line();
       read_block(keyword);
       while (is_data())
@@ -159,8 +165,11 @@ private:
   void next_line()
   {
     do {
-      has_line = !text.at_end();
-      line = std::string(text.rest_of_line());
+      while (!inputs.empty() && inputs.back()->at_end())
+        inputs.pop_back();
+      MeshText &from = inputs.empty() ? text : *inputs.back();
+      has_line = !from.at_end();
+      line = std::string(from.rest_of_line());
       line.erase(std::remove_if(line.begin(), line.end(),
                                 [](const char c) { return c == ' ' || c == '\t' || c == '\r' || c == '"'; }),
                  line.end());
@@ -199,6 +208,27 @@ private:
     return keyword;
   }
 
+  /// Whether the lines of a keyword that is read stand in another file.
+  static bool reads_input(const AbaqusKeyword &keyword)
+  {
+    static const std::set<std::string> names = {"*NODE", "*ELEMENT", "*NSET", "*ELSET", "*INCLUDE"};
+    return keyword.has("INPUT") && names.count(keyword.name) > 0;
+  }
+
+  /// The next lines are those of a file beside this one; messages name the line of the keyword.
+  void open_input(const std::string &name)
+  {
+    const auto path = std::filesystem::path(text.file_name()).parent_path() / name;
+    std::error_code error;
+    text.check(std::filesystem::is_regular_file(path, error),
+               "INPUT names the file '" + name + "', which is not there: it is looked for in " +
+                   (path.parent_path().empty() ? "the working directory" : path.parent_path().string()));
+    text.check(inputs.size() < 100, "the file '" + name + "' includes itself");
+    std::ostringstream content;
+    content << std::ifstream(path, std::ios::binary).rdbuf();
+    inputs.push_back(std::make_unique<MeshText>(content.str()));
+  }
+
   void read_block(const AbaqusKeyword &keyword)
   {
     static const std::map<std::string, void (AbaqusReader::*)(const AbaqusKeyword &)> blocks = {
@@ -207,8 +237,8 @@ private:
         {"*SURFACE", &AbaqusReader::read_surface},    {"*SOLIDSECTION", &AbaqusReader::read_section},
         {"*PART", &AbaqusReader::begin_part},         {"*ENDPART", &AbaqusReader::end_part},
         {"*INSTANCE", &AbaqusReader::begin_instance}, {"*ENDINSTANCE", &AbaqusReader::end_part}};
-    static const std::set<std::string> generators = {"*NGEN",   "*NFILL",   "*NCOPY", "*ELGEN",
-                                                     "*ELCOPY", "*INCLUDE", "*SYSTEM"};
+    static const std::set<std::string> generators = {"*NGEN",  "*NFILL",  "*NCOPY",
+                                                     "*ELGEN", "*ELCOPY", "*SYSTEM"};
     text.check(generators.count(keyword.name) == 0,
                "the keyword " + keyword.name +
                    " is not read. Write a file that holds all nodes and elements in global coordinates (in "
@@ -277,12 +307,22 @@ private:
 
   void read_nodes(const AbaqusKeyword &keyword)
   {
+    const std::string system = boost::to_upper_copy(keyword["SYSTEM"]);
+    text.check(!keyword.has("SYSTEM") || system == "R" || system == "C",
+               "*NODE, SYSTEM=" + keyword["SYSTEM"] +
+                   " is not read, only R (x, y, z) and C (r, angle in degrees, z). Write a file that holds "
+                   "all nodes in global coordinates (in Abaqus/CAE: Job, Write Input)");
     for (; is_data(); next_line()) {
       const auto words = words_of_line();
       text.check(words.size() > dim, "a node needs a number and " + std::to_string(dim) + " coordinates");
       dealii::Point<3> position;
       for (unsigned int d = 0; d < 3 && d + 1 < words.size(); ++d)
         position[d] = text.to_number(words[d + 1], "a coordinate of the node " + words[0]);
+      if (system == "C") {
+        const double r = position[0], angle = position[1] * std::acos(-1.) / 180;
+        position[0] = r * std::cos(angle);
+        position[1] = r * std::sin(angle);
+      }
       const auto number = number_of(words[0], "the number of a node");
       text.check(current->node_index.emplace(number, current->nodes.size()).second,
                  "the node " + std::to_string(number) + " is given a second time");
@@ -389,6 +429,8 @@ private:
     const std::size_t n = owner == nullptr                   ? n_own
                           : member == &AbaqusPart::node_sets ? owner->nodes.size()
                                                              : owner->elements.size();
+    if (parameter == "NSET" && keyword.has("ELSET"))
+      add_nodes_of_elements(keyword["ELSET"], set);
     for (; is_data(); next_line()) {
       const auto words = words_of_line();
       if (keyword.has("GENERATE")) {
@@ -402,6 +444,24 @@ private:
     for (auto &[name, numbers] : set.numbers) {
       std::sort(numbers.begin(), numbers.end());
       numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    }
+  }
+
+  /// The nodes of all elements in a set of these.
+  void add_nodes_of_elements(const std::string &name, AbaqusSet &set) const
+  {
+    AbaqusSet elements;
+    add_to_set(name, "", current->element_sets, &AbaqusPart::element_sets, elements);
+    for (const auto &[instance, numbers] : elements.numbers) {
+      const AbaqusPart &owner = instance.empty() ? *current : *find_instance(instance);
+      for (const auto number : numbers) {
+        const auto found = owner.element_index.find(number);
+        text.check(found != owner.element_index.end(),
+                   "the element " + std::to_string(number) + " of the set '" + name + "' does not exist");
+        const AbaqusElement &element = owner.elements[found->second];
+        const auto &nodes = element.nodes.empty() ? element.facet : element.nodes;
+        set.numbers[instance].insert(set.numbers[instance].end(), nodes.begin(), nodes.end());
+      }
     }
   }
 
@@ -494,6 +554,7 @@ private:
   }
 
   MeshText &text;
+  std::vector<std::unique_ptr<MeshText>> inputs; ///< files within the file, the innermost last
   const unsigned int dim;
   std::string line;
   bool has_line = false;

@@ -4,6 +4,8 @@
 #include <dovetail/domain/mesh_file.h>
 #include <dovetail/domain/mesh_text.h>
 
+#include <boost/algorithm/string/case_conv.hpp>
+
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -67,9 +69,10 @@ public:
   std::string path;
 };
 
+/// In small letters: capitals do not count.
 std::string suffix_of(const std::string &file_name)
 {
-  return std::filesystem::path(file_name).extension().string();
+  return boost::to_lower_copy(std::filesystem::path(file_name).extension().string());
 }
 
 } // namespace
@@ -92,7 +95,7 @@ MeshFile read_mesh_file(const std::string &file_name, const unsigned int dim)
     mesh.note = file_name + " was converted by the Python module meshio";
     return mesh;
   }
-  MeshText text(content_of(file_name));
+  MeshText text(content_of(file_name), file_name);
   MeshFile mesh = readers.at(suffix_of(file_name))(text, dim);
   if (mesh.format.empty())
     mesh.format = suffix_of(file_name);

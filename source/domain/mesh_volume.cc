@@ -19,6 +19,14 @@ bool is_whole_number(const std::string &text)
   return !text.empty() && text.size() < 10 && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
+std::string words_on_unwritable(const std::vector<std::string> &names)
+{
+  for (const std::string &name : names)
+    if (name.find_first_of(",#") != std::string::npos)
+      return " A name with ',' or '#' cannot be written in a scene: take the id, or rename the volume.";
+  return "";
+}
+
 /// Names first, then numbers that are no names.
 std::string names_of_volumes(const MeshFile &mesh)
 {
@@ -34,7 +42,7 @@ std::string names_of_volumes(const MeshFile &mesh)
   if (numbers.size() > 30)
     numbers.resize(30);
   return (names.empty() ? "It names no volumes" : "It has the volumes " + comma_separated(names)) +
-         ", and the ids " + comma_separated(numbers) + ".";
+         ", and the ids " + comma_separated(numbers) + "." + words_on_unwritable(names);
 }
 
 std::vector<std::size_t> cells_of_volume(const std::string &name, const MeshFile &mesh)

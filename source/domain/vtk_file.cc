@@ -3,8 +3,8 @@
 //
 // VTK's legacy format, an unstructured grid in ASCII with CELLS as before version 5 (number of points,
 // points) or since then (OFFSETS, CONNECTIVITY); VTK file formats, vtk.org. The ids are the cell data
-// "MaterialID", of cells and of faces alike, 0 without them. Nodes and elements are counted from 0, as VTK
-// does.
+// "MaterialID", or "CellEntityIds" as Gmsh calls them, of cells and of faces alike, 0 without them. Nodes and
+// elements are counted from 0, as VTK does.
 
 #include <dovetail/domain/mesh_text.h>
 
@@ -56,11 +56,17 @@ private:
         type = text.integer("a type of a cell", 0, 1000);
     } else if (name == "CELL_DATA" || name == "POINT_DATA")
       is_cell_data = name == "CELL_DATA";
-    else if (name == "SCALARS" && is_cell_data && text.peek() == "MaterialID")
+    else if (name == "SCALARS" && is_cell_data && is_name_of_ids(text.peek()))
       read_scalar_ids();
-    else if (name == "MaterialID" && is_cell_data)
+    else if (is_name_of_ids(name) && is_cell_data)
       read_ids_of_field();
     // all else is data that nobody asks for
+  }
+
+  /// Without a MaterialID the entities count.
+  bool is_name_of_ids(const std::string_view name) const
+  {
+    return name == "MaterialID" || (name == "CellEntityIds" && ids.empty());
   }
 
   void read_points()

@@ -419,6 +419,7 @@ ordered_json measure_domains(const Model<dim> &model, const Vector &solution, co
   for (const auto &domain : model.domains) {
     ordered_json result;
     result["cells"] = domain->mesh().n_global_active_cells();
+    result["degree"] = domain->degree;
     result["dofs"] = domain->dof_handler().n_dofs();
     result["volume"] = volume(*domain, model.communicator);
     measure_errors(*domain, solution, t, result);

@@ -321,7 +321,7 @@ NoteList Probes<dim>::notes() const
   NoteList notes;
   for (const Probe &probe : probes)
     if (probe.field_of_law != nullptr && probe.X)
-      if (const std::string why = why_singular(model, *probe.X, *probe.field_of_law); !why.empty())
+      if (const std::string why = why_singular(model, *probe.X, *probe.field_of_law, 0.); !why.empty())
         notes.push_back(of_singular_probe("the point of the probe " + probe.name + " lies at " + why +
                                           ", where its quantity grows without bound as the mesh is refined: "
                                           "move the point away from it, or take a mean over a part of it"));
@@ -335,7 +335,7 @@ NoteList Probes<dim>::notes_on_extremes(const Vector &solution, const double t) 
   const auto why_at = [&](const Probe &probe) {
     for (const auto &vertices : places_of_extremes(probe.region, *probe.quantity, *probe.reduce, solution, t))
       for (const auto &X : vertices)
-        if (const std::string why = why_singular(model, X, *probe.field_of_law); !why.empty())
+        if (const std::string why = why_singular(model, X, *probe.field_of_law, t); !why.empty())
           return why + " at " + in_words(X);
     return std::string();
   };

@@ -181,8 +181,63 @@ Corner<dim> corner_at(const Model<dim> &model, const dealii::Point<dim> &X)
 
 } // namespace
 
+namespace {
+
+/// How a face holds a field at the time t.
+enum class Hold { nothing, parts, all };
+
 template <int dim>
-std::string why_singular(const Model<dim> &model, const dealii::Point<dim> &X, const Field &field)
+Hold hold_of(const Model<dim> &model, const FaceAtPoint<dim> &face, const Field &field, const double t)
+{
+  unsigned int n_held = 0;
+  bool holds_normal = false;
+  for (const auto &condition : model.domains[face.domain]->conditions())
+    if (condition->boundary_ids.count(face.id) > 0 && condition->field.name == field.name &&
+        !condition->follows_fields() && condition->is_active(t)) {
+      if (condition->constrains_normal()) // its components are those of the normals of all its planes
+        holds_normal = true;
+      else
+        n_held += condition->prescribed_components().size();
+    }
+  return n_held >= field.n_components ? Hold::all : n_held > 0 || holds_normal ? Hold::parts : Hold::nothing;
+}
+
+/// Whether the flux grows without bound where a face that is held meets one that is free. The angle between
+/// them in the material is 180 degrees less that between their normals, or more at a re-entrant corner. The
+/// exponent of a scalar is pi / (2 angle) (singular beyond 90 degrees); that of a clamped displacement is
+/// less than 1 beyond some 60 degrees, depending on Poisson's ratio (Williams 1952). One that is held along
+/// one direction is half of a free wedge of twice the angle.
+template <int dim>
+bool is_singular_end(const FaceAtPoint<dim> &held, const Hold hold, const FaceAtPoint<dim> &free,
+                     const Field &field, const dealii::Point<dim> &X)
+{
+  const bool is_clamped = hold == Hold::all && field.n_components > 1;
+  const double smallest_cosine =
+      is_clamped ? -0.3 : 0.4; // of the normals: 72 and 114 degrees; facets turn some
+  return held.N * free.N > smallest_cosine || (rises_above(held, free, X) && rises_above(free, held, X));
+}
+
+template <int dim>
+bool has_singular_end(const Model<dim> &model, const Corner<dim> &corner, const Field &field,
+                      const dealii::Point<dim> &X, const double t)
+{
+  std::vector<Hold> holds;
+  for (const auto &face : corner.free)
+    holds.push_back(hold_of(model, face, field, t));
+  for (unsigned int i = 0; i < holds.size(); ++i)
+    for (unsigned int j = 0; j < holds.size(); ++j)
+      if (holds[i] != Hold::nothing && holds[j] == Hold::nothing &&
+          corner.free[i].domain == corner.free[j].domain &&
+          is_singular_end(corner.free[i], holds[i], corner.free[j], field, X))
+        return true;
+  return false;
+}
+
+} // namespace
+
+template <int dim>
+std::string why_singular(const Model<dim> &model, const dealii::Point<dim> &X, const Field &field,
+                         const double t)
 {
   const Corner<dim> corner = corner_at(model, X);
   for (const auto &one : corner.free)
@@ -196,10 +251,12 @@ std::string why_singular(const Model<dim> &model, const dealii::Point<dim> &X, c
       if (cosine < std::sqrt(0.75) && (field.n_components > 1 || cosine > 0.1))
         return "the end of an interface between two materials";
     }
+  if (has_singular_end(model, corner, field, X, t))
+    return "the end of a prescribed " + field.name;
   return {};
 }
 
-template std::string why_singular(const Model<2> &, const dealii::Point<2> &, const Field &);
-template std::string why_singular(const Model<3> &, const dealii::Point<3> &, const Field &);
+template std::string why_singular(const Model<2> &, const dealii::Point<2> &, const Field &, double);
+template std::string why_singular(const Model<3> &, const dealii::Point<3> &, const Field &, double);
 
 } // namespace dovetail

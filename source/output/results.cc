@@ -4,10 +4,12 @@
 #include <dovetail/output/results.h>
 
 #include <dovetail/measure/balance.h>
+#include <dovetail/measure/bending_stiffness.h>
 #include <dovetail/measure/jumps.h>
 #include <dovetail/measure/measures.h>
 #include <dovetail/measure/resolution.h>
 #include <dovetail/measure/spectrum.h>
+#include <dovetail/measure/used_ranges.h>
 #include <dovetail/output/preview.h>
 #include <dovetail/output/shared_file.h>
 
@@ -296,6 +298,9 @@ void Results<dim>::explain(const Solution<dim> &solution)
 {
   const Vector ghosted = solution.system.ghosted(solution.x);
   notes.add(explain_resolution(model, ghosted, solution.t));
+  notes.add(explain_stiffness(model, ghosted));
+  notes.add(explain_tables(model, text, ghosted));
+  notes.add(explain_coefficients(model, ghosted, solution.t));
   notes.add(probes.notes_on_extremes(ghosted, solution.t));
   notes.add(explain_jumps(model, solution.t, report()["domains"], report()["interfaces"]));
 }

@@ -13,7 +13,8 @@ namespace dovetail {
 
 namespace {
 
-const NoteName of_units("units", "lengths and moduli look as if they were given in different units");
+const NoteName of_units("units",
+                        "lengths, moduli or densities look as if they were given in different units");
 const NoteName of_unused_density("unused density", "a Density of the scene takes part in nothing");
 
 /// Whether the scene itself gives a part of a material a Density; files of materials are for all purposes.
@@ -21,6 +22,26 @@ bool has_density(const Section &scene, const std::string &material, const std::s
 {
   return scene.peek("Materials file").empty() &&
          std::strtod(scene.peek("Material " + material + "/" + part, "Density").c_str(), nullptr) > 0;
+}
+
+/// Osmium has 22600 kg/m^3.
+const double largest_density = 3e4;
+
+void add_notes_on_magnitude_of_density(const std::string &material, const Section &scene,
+                                       const std::string &units, NoteList &notes)
+{
+  const double in_units = Units(units).from_si("kg/m^3").value_or(1.);
+  for (const char *part : {"Solid", "Heat"}) {
+    const double density =
+        std::strtod(scene.peek("Material " + material + "/" + part, "Density").c_str(), nullptr);
+    if (density <= largest_density * in_units)
+      continue;
+    std::ostringstream text;
+    text << "Material " << material << "/" << part << ": the Density " << density
+         << " is higher than that of any matter in the Units " << units << "; in these, steel has "
+         << 7850 * in_units;
+    notes.push_back(of_units(text.str()));
+  }
 }
 
 template <int dim>
@@ -71,6 +92,9 @@ NoteList notes_on_magnitudes(const Model<dim> &model, const Section &scene)
       for (const Note &note : condition->notes())
         notes.push_back(note.of(condition->section.path()));
   }
+  for (const auto &material : model.materials)
+    if (!units.empty())
+      add_notes_on_magnitude_of_density(material->name, scene, units, notes);
   add_notes_on_density(model, scene, notes);
   return notes;
 }

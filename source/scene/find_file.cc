@@ -29,6 +29,14 @@ Result on_first_rank(const Find &find)
   return dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, is_root ? find() : Result(), 0);
 }
 
+/// That of the installed program, ../share/dovetail/materials beside its folder.
+std::filesystem::path library_of_materials()
+{
+  std::error_code error;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
+  return program.parent_path().parent_path() / "share" / "dovetail" / "materials";
+}
+
 } // namespace
 
 std::string first_that_exists(const std::string &name, const std::vector<std::string> &files)
@@ -48,7 +56,14 @@ std::string find_file(const std::string &name, const Location &from, const Scene
   if (from.line > 0) // else it is given by --set, or by the one file of a scene
     files.push_back(from.file);
   files.push_back(tree.location_of("").file);
-  return on_first_rank<std::string>([&] { return first_that_exists(name, files); });
+  return on_first_rank<std::string>([&] {
+    const std::string found = first_that_exists(name, files);
+    std::error_code error;
+    if (found != name || std::filesystem::exists(name, error))
+      return found;
+    const auto in_library = library_of_materials() / name;
+    return std::filesystem::exists(in_library, error) ? in_library.string() : name;
+  });
 }
 
 std::string content_of(const std::string &file)

@@ -18,6 +18,7 @@ struct SceneState
   Declarations declarations;
   bool is_documenting = false;
   FileTexts tables;                                    ///< that formulas name, by their paths
+  std::vector<FormulaWithTables> formulas_with_tables; ///< that have been read
   std::map<std::string, BoundaryNames> boundary_names; ///< by the sections of the domains, "Domain left"
 
   /// "Interface seam, scene.prm line 41: ", of the entry @p name if the scene has it, else of the section.

@@ -181,6 +181,11 @@ BoundaryNames SceneText::boundary_names(const std::string &domain) const
   return found == implementation->boundary_names.end() ? BoundaryNames() : found->second;
 }
 
+const std::vector<FormulaWithTables> &SceneText::formulas_with_tables() const
+{
+  return implementation->formulas_with_tables;
+}
+
 const std::string &SceneText::file_name() const
 {
   return implementation->tree.location_of("").file;

@@ -105,15 +105,29 @@ std::string formula_range(const bool is_scalar, const unsigned int dim,
          (dim == 2 ? "x, y, t" : "x, y, z, t") + (scalars.empty() ? "" : ", " + comma_separated(scalars));
 }
 
+/// Keeps a formula if it has tables, once.
+void note_tables(const FormulaWithTables &formula, std::vector<FormulaWithTables> &known)
+{
+  const bool has_tables = formula.text.find("table") != std::string::npos;
+  const bool is_known = std::any_of(known.begin(), known.end(), [&](const FormulaWithTables &other) {
+    return other.path == formula.path && other.entry == formula.entry;
+  });
+  if (has_tables && !is_known)
+    known.push_back(formula);
+}
+
 Expression parse_expression(const Section &section, const std::string &name, const std::string &text,
                             const std::vector<unsigned int> &n_components,
-                            const std::vector<std::string> &scalars, const FileTexts &tables)
+                            const std::vector<std::string> &scalars, SceneState &state)
 {
   if (text.empty())
     return Expression(n_components.front());
   Expression expression;
   try {
-    expression = Expression(with_tables(text, tables), {section.dimension(), scalars});
+    const std::string formula = with_tables(text, state.tables);
+    expression = Expression(formula, {section.dimension(), scalars});
+    if (expression.depends_on_scalars() && !section.documenting())
+      note_tables({section.path(), name, scalars, formula}, state.formulas_with_tables);
   } catch (const UserError &error) {
     section.fail(name, error.what());
   }
@@ -169,8 +183,17 @@ std::vector<unsigned int> ids_of_boundary(const Section &section, const std::str
                 "has '" + text + "', but the boundaries of the mesh of domain " + domain +
                     " have no names. Give their boundary ids, or name these by Boundary names in the "
                     "subsection Mesh.");
-  section.fail(entry, "has '" + text + "', which is no boundary of the mesh of domain " + domain +
-                          ". Its names are " + comma_separated(known) + ". " + did_you_mean(text, known));
+  const auto unwritable = std::find_if(known.begin(), known.end(), [](const std::string &name) {
+    return name.find_first_of(",#") != std::string::npos;
+  });
+  section.fail(entry,
+               "has '" + text + "', which is no boundary of the mesh of domain " + domain +
+                   ". Its names are " + comma_separated(known) + ". " +
+                   (unwritable == known.end()
+                        ? did_you_mean(text, known)
+                        : "A name with ',' or '#' cannot be written in a scene: give its id another name in "
+                          "the subsection Mesh, Boundary names = " +
+                              std::to_string(names.at(*unwritable).front()) + " : NAME."));
 }
 
 /// Of the list @p text.
@@ -341,7 +364,7 @@ Expression Section::read_expression(const std::string &name, const std::string &
 {
   const std::string range = formula_range(n_components.back() == 1, dimension(), scalars);
   const std::string value = declare(name, default_text, description, range);
-  return parse_expression(*this, name, value, n_components, scalars, state().tables);
+  return parse_expression(*this, name, value, n_components, scalars, state());
 }
 
 Expression Section::require_expression(const std::string &name, const std::vector<unsigned int> &n_components,
@@ -350,7 +373,7 @@ Expression Section::require_expression(const std::string &name, const std::vecto
 {
   const std::string range = formula_range(n_components.back() == 1, dimension(), scalars);
   const std::string value = declare(name, {}, description, range);
-  return parse_expression(*this, name, value, n_components, scalars, state().tables);
+  return parse_expression(*this, name, value, n_components, scalars, state());
 }
 
 Point<3> Section::read_point(const std::string &name, const Point<3> &default_value,

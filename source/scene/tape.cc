@@ -17,6 +17,18 @@ std::optional<double> Tape::constant(const unsigned int formula) const
   return node.operation == Operation::constant ? std::optional(node.constant) : std::nullopt;
 }
 
+std::vector<Tape::Table> Tape::tables_in(const unsigned int variable)
+{
+  std::vector<Table> tables;
+  for (Number i = 0; i < nodes.size(); ++i) {
+    const std::vector<bool> depends = nodes[i].depends; // on the argument's variables
+    if (nodes[i].table && nodes[i].constant == 0 && depends[variable] &&
+        std::count(depends.begin(), depends.end(), true) == 1)
+      tables.push_back({add_formula(nodes[i].first), nodes[i].table->first(), nodes[i].table->last()});
+  }
+  return tables;
+}
+
 unsigned int Tape::add_formula(const Number node)
 {
   Formula formula;

@@ -38,6 +38,15 @@ public:
   {
     return nodes[formulas[formula].node].depends[variable];
   }
+  /// A table of the formulas: the formula of its argument, and the first and last argument that it has.
+  struct Table
+  {
+    unsigned int argument;
+    double first, last;
+  };
+  /// Those whose argument depends on @p variable and on no other one.
+  std::vector<Table> tables_in(unsigned int variable);
+
   /// Its value if it is a number, whatever the variables.
   std::optional<double> constant(unsigned int formula) const;
 

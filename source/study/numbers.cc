@@ -409,6 +409,21 @@ std::set<std::pair<unsigned int, unsigned int>> deciding_points(const std::vecto
   return result;
 }
 
+namespace {
+
+/// A number that the solution gives converges with twice the degree at most, on smooth solutions (Aubin 1967,
+/// Nitsche 1968; Babuska and Miller 1984); by chance between two levels somewhat faster.
+double largest_order(const StudyPoint &point)
+{
+  double degree = 0;
+  for (const auto &[name, value] : point.numbers)
+    if (name.rfind("domains", 0) == 0 && name.size() > 7 && name.compare(name.size() - 7, 7, "/degree") == 0)
+      degree = std::max(degree, value);
+  return degree > 0 ? 2 * degree + 0.5 : std::numeric_limits<double>::infinity();
+}
+
+} // namespace
+
 std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::string &probe)
 {
   std::vector<const StudyPoint *> points;
@@ -427,6 +442,10 @@ std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::str
   const double order = rate(distance(coarse, middle), distance(middle, fine), spacing);
   if (!(order > 0.2)) // rounding, or not in the range of the asymptotic rate
     return result;
+  if (order > largest_order(*points[2])) {
+    result.too_large = order;
+    return result;
+  }
   result.order = order;
   for (unsigned int i = 0; i < fine.size(); ++i)
     result.value[i] += (fine[i] - middle[i]) / (std::pow(2., order * spacing) - 1);
@@ -464,11 +483,16 @@ std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string 
   std::stable_sort(by_size.begin(), by_size.end(), [](const StudyCurve *a, const StudyCurve *b) {
     return n_unknowns_of(*a) > n_unknowns_of(*b);
   });
-  std::string words;
+  std::string words, warning;
   std::vector<double> exact;
   for (const StudyCurve *curve : by_size)
-    if (const auto extrapolated = extrapolate(*curve, probe);
-        extrapolated && extrapolated->order > 0 && !curve->is_adaptive) {
+    if (const auto extrapolated = extrapolate(*curve, probe); !extrapolated || curve->is_adaptive)
+      continue;
+    else if (extrapolated->too_large > 0)
+      warning += "; " + curve->name + " seems to converge with the order " +
+                 to_text(extrapolated->too_large, "%.2f") +
+                 ", more than twice its degree: not asymptotic, hence not extrapolated";
+    else if (extrapolated->order > 0) {
       exact = extrapolated->value;
       words = list_text(exact) + " of probe " + probe + ", extrapolated from the last three levels of " +
               curve->name + " with the observed order " + to_text(extrapolated->order, "%.2f");
@@ -481,7 +505,7 @@ std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string 
     for (StudyPoint &point : curve.points)
       if (const auto values = values_of_probe(point, probe); values.size() == exact.size() && !exact.empty())
         point.error = distance(values, exact) / (size > 0 ? size : 1.);
-  return words;
+  return words.empty() ? words : words + warning;
 }
 
 void extrapolate_errors(std::vector<StudyCurve> &curves)

@@ -84,6 +84,10 @@ ordered_json read_report(const std::string &directory)
                     " finds no report.json there. Name the Directory of the Output "
                     "of a run that has ended.");
   const ordered_json report = ordered_json::parse(in, nullptr, false);
+  const bool has_begun = report.is_object() && report.contains("seconds") && report["seconds"].is_object();
+  if (has_begun && report["seconds"].empty())
+    throw UserError("--plot " + directory + ": the run has not ended, " + file +
+                    " tells nothing yet. Wait for its end.");
   if (!is_report(report))
     throw UserError("--plot " + directory + ": " + file + " is not the report of a run.");
   return report;

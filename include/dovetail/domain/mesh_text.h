@@ -18,7 +18,11 @@ namespace dovetail {
 class MeshText
 {
 public:
-  explicit MeshText(std::string content) : content(std::move(content)) {}
+  explicit MeshText(std::string content, std::string name = "")
+      : content(std::move(content)), name(std::move(name))
+  {
+  }
+  const std::string &file_name() const { return name; } ///< beside which others lie; empty: of no file
 
   /// The next word; empty at the end of the text.
   std::string_view word();
@@ -65,7 +69,7 @@ public:
   }
 
 private:
-  std::string content;
+  std::string content, name;
   std::size_t position = 0, line = 1;
   std::size_t line_of_last = 1; ///< word or rest of a line that was taken
   bool has_bytes = false;

@@ -12,10 +12,21 @@ namespace dovetail {
 
 inline const NoteName of_negative_coefficient("film coefficient", "a film coefficient is negative");
 
+/// A condition with a factor that should not be negative.
+template <int dim>
+class ExchangeCoefficient
+{
+public:
+  virtual ~ExchangeCoefficient() = default;
+  virtual bool varies() const = 0;        ///< else the condition's notes() tell
+  virtual bool follows_state() const = 0; ///< or only place and time
+  virtual double exchange_coefficient(const State<dim> &state) const = 0;
+};
+
 /// A.N = c(T, X, t) (p(T_ambient) - p(T)) with a coefficient c, the value T_ambient(X, t) of the surroundings
 /// and a growing potential p, which a condition gives.
 template <int dim>
-class SurfaceExchange : public Condition<dim>
+class SurfaceExchange : public Condition<dim>, public ExchangeCoefficient<dim>
 {
 public:
   SurfaceExchange(const Section &section, const Material<dim> &material, const Toggles &toggles,
@@ -52,13 +63,22 @@ public:
 
   NoteList notes() const override
   {
-    const bool varies = coefficient.depends_on_position() || coefficient.depends_on_time() ||
-                        coefficient.depends_on_scalars();
-    if (varies || coefficient.value(dealii::Point<dim>(), 0) >= 0)
+    if (varies() || coefficient.value(dealii::Point<dim>(), 0) >= 0)
       return {};
     return {of_negative_coefficient(
         "Coefficient is negative: what is warmer than its surroundings would be heated by them. "
         "Change its sign, if it was meant for a flux that points outwards")};
+  }
+
+  bool varies() const override
+  {
+    return coefficient.depends_on_position() || coefficient.depends_on_time() ||
+           coefficient.depends_on_scalars();
+  }
+  bool follows_state() const override { return coefficient.depends_on_scalars(); }
+  double exchange_coefficient(const State<dim> &state) const override
+  {
+    return coefficient_at(state.X, state.t, state.value[this->field.first_component]);
   }
 
   bool removes_constant(unsigned int /*component*/) const override { return true; }

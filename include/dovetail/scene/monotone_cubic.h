@@ -26,6 +26,9 @@ public:
   /// d^order y/dx^order; from the right where it jumps.
   double derivative(unsigned int order, double x) const;
 
+  double first() const { return x.front(); }
+  double last() const { return x.back(); }
+
 private:
   std::vector<double> x, y, slopes;
 };

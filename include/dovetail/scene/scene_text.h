@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/scene/section.h>
+#include <dovetail/scene/table_lookups.h>
 
 #include <functional>
 #include <iosfwd>
@@ -56,6 +57,9 @@ public:
   void check_unchanged(const std::map<std::string, std::string> &before,
                        const std::function<bool(const std::string &path)> &may_differ,
                        const std::string &refusal) const;
+
+  /// The entries with tables that have been read as formulas of scalars.
+  const std::vector<FormulaWithTables> &formulas_with_tables() const;
 
   const std::string &file_name() const;
   std::string name() const; ///< of the file, without folder and ending; names a directory

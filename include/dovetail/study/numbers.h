@@ -90,6 +90,7 @@ struct Extrapolation
 {
   std::vector<double> value;
   double order = std::numeric_limits<double>::quiet_NaN(); ///< observed; NaN: the values do not converge yet
+  double too_large = 0; ///< an observed order beyond twice the degree, which is none
 };
 /// Nothing if fewer than three levels have converged.
 std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::string &probe);

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/surface_exchange.h>
+#include <dovetail/measure/domain_point.h>
+#include <dovetail/measure/reduction.h>
+#include <dovetail/measure/used_ranges.h>
+#include <dovetail/scene/undefined.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <algorithm>
+
+namespace dovetail {
+
+namespace {
+
+const NoteName of_table("table range", "a field leaves the range of a table in which it is looked up");
+
+const double allowed_share = 0.01; ///< of the width of a table, beyond it
+
+/// The part of a domain for which an entry in the section @p path holds; no domain if there is none.
+template <int dim>
+Region<dim> region_of(const Domain<dim> &domain, const std::string &path)
+{
+  const auto is_in = [&](const std::string &section) {
+    return path == section || path.compare(0, section.size() + 1, section + "/") == 0;
+  };
+  for (const auto &condition : domain.conditions())
+    if (path == condition->section.path())
+      return {condition->point() ? nullptr : &domain, condition->boundary_ids};
+  return {is_in("Material " + domain.material.name) || is_in(domain.section.path()) ? &domain : nullptr, {}};
+}
+
+/// "Young modulus (table from 293 to 900)" for each that the values of a field leave.
+std::string tables_left(const FormulaWithTables &entry, const unsigned int scalar, const double smallest,
+                        const double largest)
+{
+  for (const auto &lookup : lookups_in(entry, scalar, smallest, largest)) {
+    const double allowed = allowed_share * (lookup.last - lookup.first);
+    if (lookup.smallest < lookup.first - allowed || lookup.largest > lookup.last + allowed)
+      return entry.entry + " of " + entry.path + " (a table from " + in_words(lookup.first) + " to " +
+             in_words(lookup.last) + ")";
+  }
+  return "";
+}
+
+} // namespace
+
+template <int dim>
+NoteList explain_tables(const Model<dim> &model, const SceneText &text, const Vector &solution)
+{
+  NoteList notes;
+  for (const auto &domain : model.domains)
+    for (const Field &field : domain->fields()) {
+      std::vector<std::string> left;
+      double lowest = 0, highest = 0;
+      for (const FormulaWithTables &entry : text.formulas_with_tables()) {
+        const auto scalar = std::find(entry.scalars.begin(), entry.scalars.end(), field.symbol);
+        const Region<dim> region = region_of(*domain, entry.path);
+        if (field.n_components > 1 || scalar == entry.scalars.end() || region.domain == nullptr)
+          continue;
+        const double smallest = reduce(region, field, Reduce::minimum, solution)[0],
+                     largest = reduce(region, field, Reduce::maximum, solution)[0];
+        const std::string words = tables_left(entry, scalar - entry.scalars.begin(), smallest, largest);
+        if (words.empty())
+          continue;
+        lowest = left.empty() ? smallest : std::min(lowest, smallest);
+        highest = left.empty() ? largest : std::max(highest, largest);
+        left.push_back(words);
+      }
+      if (!left.empty())
+        notes.push_back(
+            of_table(domain->name + ": the " + field.name + " runs from " + in_words(lowest) + " to " +
+                     in_words(highest) + ", beyond what is given for " + comma_separated(left) +
+                     ". Outside of a table its last value holds. " +
+                     (field.symbol == "T"
+                          ? "Tables and reference temperatures of the library are in kelvin; else extend"
+                          : "Extend") +
+                     " the tables to where they are used"));
+    }
+  return notes;
+}
+
+namespace {
+
+template <int dim>
+struct LeastCoefficient
+{
+  double smallest = 0, t = 0;
+  dealii::Point<dim> X;
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &smallest &t &X;
+  }
+};
+
+template <int dim>
+LeastCoefficient<dim> smallest_coefficient(const Domain<dim> &domain, const Condition<dim> &condition,
+                                           const ExchangeCoefficient<dim> &exchange, const Vector &solution,
+                                           const double t)
+{
+  const unsigned int n_times = exchange.follows_state() ? 0 : 8; // before t
+  LeastCoefficient<dim> least;
+  visit_points<dim>({&domain, condition.boundary_ids}, solution, t, [&](DomainPoint<dim> &point, double) {
+    State<dim> state = point.state();
+    for (unsigned int i = 0; i <= n_times; ++i) {
+      state.t = n_times == 0 ? t : t * i / n_times;
+      const double coefficient = exchange.exchange_coefficient(state);
+      if (coefficient < least.smallest && condition.is_active(state.t))
+        least = {coefficient, state.t, state.X};
+    }
+  });
+  return least;
+}
+
+} // namespace
+
+template <int dim>
+NoteList explain_coefficients(const Model<dim> &model, const Vector &solution, const double t)
+{
+  NoteList notes;
+  for (const auto &domain : model.domains)
+    for (const auto &condition : domain->conditions()) {
+      const auto *exchange = dynamic_cast<const ExchangeCoefficient<dim> *>(condition.get());
+      if (exchange == nullptr || !exchange->varies())
+        continue;
+      LeastCoefficient<dim> worst;
+      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(
+               model.communicator, smallest_coefficient(*domain, *condition, *exchange, solution, t)))
+        if (of_rank.smallest < worst.smallest)
+          worst = of_rank;
+      if (worst.smallest < 0)
+        notes.push_back(
+            of_negative_coefficient("Coefficient is " + in_words(worst.smallest) + " at " +
+                                    in_words(worst.X) + ", t = " + in_words(worst.t) +
+                                    ": what is warmer than its surroundings is heated by them there. "
+                                    "Change its sign, if it was meant for a flux that points outwards")
+                .of(condition->section.path()));
+    }
+  return notes;
+}
+
+template NoteList explain_tables(const Model<2> &, const SceneText &, const Vector &);
+template NoteList explain_tables(const Model<3> &, const SceneText &, const Vector &);
+template NoteList explain_coefficients(const Model<2> &, const Vector &, double);
+template NoteList explain_coefficients(const Model<3> &, const Vector &, double);
+
+} // namespace dovetail

@@ -193,7 +193,7 @@ private:
   void move_constraints_from(const Vector &ghosted);
   bool evaluate_memory(double t);
   AffineResidual<dim> *affine_residual();
-  void assemble_by_products(const Vector &x);
+  bool assemble_by_products(const Vector &x);
   void combine_tangent();
   void find_summands();
   bool is_as_integrated(const Vector &x);

@@ -122,6 +122,35 @@ void IncompleteFactorisation::vmult(double *z, const double *r) const
     z[row] = size / unit * solution[row];
 }
 
+/// The largest eigenvalue of M^-1 A, from below, or 0 if it is not definite. By a few conjugate gradients
+/// from a vector that is rough and the same on any number of ranks.
+double estimate_largest_eigenvalue(const LevelOperator &A, const Approximation &M)
+{
+  const unsigned int n_iterations = 10;
+  const int n_own = A.rows().NumMyElements();
+  dealii::IndexSet owned(A.rows().NumGlobalElements());
+  if (n_own > 0)
+    owned.add_range(A.rows().GID(0), A.rows().GID(0) + n_own);
+  SingleVector x(owned, communicator_of(A)), b(owned, communicator_of(A));
+  Epetra_Vector diagonal(A.rows());
+  A.diagonal(diagonal);
+  for (int row = 0; row < n_own; ++row)
+    b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + A.rows().GID(row) % 1009)) * diagonal[row];
+  dealii::IterationNumberControl control(n_iterations, 1e-30 * b.l2_norm());
+  dealii::SolverCG<SingleVector> solver(control);
+  double largest = 0;
+  solver.connect_eigenvalues_slot([&largest](const std::vector<double> &eigenvalues) {
+    if (!eigenvalues.empty() && eigenvalues.front() > 0)
+      largest = eigenvalues.back();
+  });
+  try {
+    solver.solve(Product{A}, x, b, Inverse{M});
+  } catch (const std::exception &) { // divided by zero
+    return 0;
+  }
+  return std::isfinite(largest) ? largest : 0;
+}
+
 } // namespace
 
 Diagonal::Diagonal(const LevelOperator &A) : inverse(A.rows().NumMyElements())
@@ -161,6 +190,7 @@ std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_diagonal(const Epetra
 void ChebyshevSmoother::take_diagonal()
 {
   M = std::make_unique<Diagonal>(A);
+  has_diagonal = true;
   estimate_spectrum();
   AssertThrow(largest_eigenvalue > 0, dealii::ExcMessage("The matrix is not positive definite."));
 }
@@ -183,33 +213,15 @@ std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_factorisation(const E
   return result;
 }
 
-/// By a few conjugate gradients from a vector that is rough and the same on any number of ranks.
+/// The largest eigenvalue was approached from below.
 void ChebyshevSmoother::estimate_spectrum()
 {
-  const unsigned int n_iterations = 10;
-  const int n_own = A.rows().NumMyElements();
-  dealii::IndexSet owned(A.rows().NumGlobalElements());
-  if (n_own > 0)
-    owned.add_range(A.rows().GID(0), A.rows().GID(0) + n_own);
-  SingleVector x(owned, communicator_of(A)), b(owned, communicator_of(A));
-  Epetra_Vector diagonal(A.rows());
-  A.diagonal(diagonal);
-  for (int row = 0; row < n_own; ++row)
-    b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + A.rows().GID(row) % 1009)) * diagonal[row];
-  dealii::IterationNumberControl control(n_iterations, 1e-30 * b.l2_norm());
-  dealii::SolverCG<SingleVector> solver(control);
-  largest_eigenvalue = 0;
-  solver.connect_eigenvalues_slot([this](const std::vector<double> &eigenvalues) {
-    if (!eigenvalues.empty() && eigenvalues.front() > 0)
-      largest_eigenvalue = 1.2 * eigenvalues.back(); // approached from below
-  });
-  try {
-    solver.solve(Product{A}, x, b, Inverse{*M});
-  } catch (const std::exception &) { // divided by zero
-    largest_eigenvalue = 0;
-  }
-  if (!std::isfinite(largest_eigenvalue))
-    largest_eigenvalue = 0;
+  largest_eigenvalue = margin * estimate_largest_eigenvalue(A, *M);
+}
+
+double ChebyshevSmoother::largest_eigenvalue_with_diagonal() const
+{
+  return has_diagonal ? largest_eigenvalue / margin : estimate_largest_eigenvalue(A, Diagonal(A));
 }
 
 void ChebyshevSmoother::smooth(double *x, const double *b, const bool starts_from_zero) const

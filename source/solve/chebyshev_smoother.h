@@ -61,6 +61,9 @@ public:
 
   void smooth(double *x, const double *b, bool starts_from_zero) const override;
 
+  /// About the largest eigenvalue of diag(A)^-1 A. Collective.
+  double largest_eigenvalue_with_diagonal() const;
+
 private:
   ChebyshevSmoother(const LevelOperator &A, Range range) : A(A), range(range) {}
   ChebyshevSmoother(std::unique_ptr<MatrixLevel> matrix, Range range)
@@ -74,7 +77,9 @@ private:
   const LevelOperator &A;
   const Range range;
   std::unique_ptr<Approximation> M;
-  double largest_eigenvalue = 0; ///< of M^-1 A; 0 if M is not definite
+  bool has_diagonal = false;            ///< M = diag(A)
+  static constexpr double margin = 1.2; ///< of the largest eigenvalue over its estimate
+  double largest_eigenvalue = 0;        ///< of M^-1 A; 0 if M is not definite
 };
 
 } // namespace dovetail

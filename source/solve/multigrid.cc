@@ -227,7 +227,9 @@ unsigned int Multigrid::iterate(const GroupOperator &K, GroupVector &x, const Gr
 
 namespace {
 [[maybe_unused]] const bool registered = SolverCatalogue::add<Multigrid>(
-    "multigrid", "ML as preconditioner of CG, or of GMRES if the group is not symmetric or has multipliers.");
+    "multigrid",
+    "Smoothed aggregation as preconditioner of CG, or of GMRES if the group is not symmetric or has "
+    "multipliers.");
 }
 
 } // namespace dovetail

@@ -3,13 +3,19 @@
 
 #include "smoothed_aggregation.h"
 
-#include <Epetra_ConfigDefs.h>
-#include <Teuchos_ParameterList.hpp>
-#include <ml_MultiLevelPreconditioner.h>
-#include <ml_epetra_utils.h>
-#include <ml_include.h>
+#include "aggregation.h"
+
+#include <deal.II/base/exceptions.h>
+
+#include <Epetra_Export.h>
+#include <Epetra_Import.h>
+#include <Epetra_Map.h>
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
+#include <type_traits>
+#include <utility>
 
 namespace dovetail {
 
@@ -38,30 +44,333 @@ int rows_per_node(const Epetra_MultiVector &modes)
   return 1;
 }
 
-Teuchos::ParameterList parameters_of_ml(const Epetra_MultiVector &modes)
+/// The entries of a row.
+struct SparseRow
 {
-  Teuchos::ParameterList list;
-  ML_Epetra::SetDefaults("SA", list);
-  list.set("ML output", 0);
-  list.set("aggregation: type", "Uncoupled");
-  list.set("aggregation: threshold", 0.0);  // a positive one drops the couplings of a stiff with a soft body
-  list.set("smoother: type", "do-nothing"); // set_smoothers
-  list.set("coarse: type", "Amesos-KLU");
-  list.set("coarse: max size", 2000);
-  list.set("PDE equations", rows_per_node(modes));
-  list.set("null space: type", "pre-computed");
-  list.set("null space: dimension", modes.NumVectors());
-  static double none = 0;
-  list.set("null space: vectors", modes.MyLength() > 0 ? modes.Values() : &none); // ML refuses a null pointer
-  return list;
+  int n = 0;
+  const int *columns = nullptr;
+  const double *values = nullptr;
+};
+
+/// Of a matrix that is complete.
+class SparseRows
+{
+public:
+  explicit SparseRows(const Epetra_CrsMatrix &A)
+  {
+    const int error = A.ExtractCrsDataPointers(begin, columns, values);
+    AssertThrow(error == 0, dealii::ExcMessage("The rows of a matrix do not follow each other in memory."));
+  }
+
+  SparseRow operator[](const int row) const
+  {
+    return {begin[row + 1] - begin[row], columns + begin[row], values + begin[row]};
+  }
+
+private:
+  int *begin = nullptr, *columns = nullptr;
+  double *values = nullptr;
+};
+
+/// Calls @p action(length), with a constant for the constant vector and for the rigid-body modes of 2D and
+/// 3D, so that the compiler knows the number of passes of loops.
+template <typename Action>
+void with_known(const unsigned int length, const Action &action)
+{
+  if (length == 1)
+    action(std::integral_constant<unsigned int, 1>());
+  else if (length == 3)
+    action(std::integral_constant<unsigned int, 3>());
+  else if (length == 6)
+    action(std::integral_constant<unsigned int, 6>());
+  else
+    action(length);
 }
 
-/// What ML calls on a level.
-int smooth_level(ML_Smoother *level, int, double x[], int, double b[])
+/// y += a x
+template <typename Length>
+inline void add_multiple(const double a, const double *DEAL_II_RESTRICT x, double *DEAL_II_RESTRICT y,
+                         const Length length)
 {
-  static_cast<const ChebyshevSmoother *>(ML_Get_MySmootherData(level))
-      ->smooth(x, b, level->init_guess == ML_ZERO);
-  return 0;
+  for (unsigned int k = 0; k < length; ++k)
+    y[k] += a * x[k];
+}
+
+/// A sum of sparse rows whose entries come in blocks of the same length.
+class RowSum
+{
+public:
+  RowSum(const unsigned int n_columns, const unsigned int length) : length(length), position(n_columns, none)
+  {
+  }
+
+  void clear();
+  /// Adds @p factor times a row whose blocks begin at columns that are multiples of their length.
+  void add(double factor, const SparseRow &row);
+
+  std::vector<int> blocks; ///< first columns
+  std::vector<double> entries;
+
+private:
+  static constexpr unsigned int none = std::numeric_limits<unsigned int>::max();
+  const unsigned int length;
+  std::vector<unsigned int> position; ///< by first column, in the entries
+};
+
+void RowSum::clear()
+{
+  for (const int column : blocks)
+    position[column] = none;
+  blocks.clear();
+  entries.clear();
+}
+
+void RowSum::add(const double factor, const SparseRow &row)
+{
+  with_known(length, [&](const auto n) {
+    for (int k = 0; k < row.n; k += n) {
+      Assert(row.columns[k + n - 1] == row.columns[k] + static_cast<int>(n) - 1, dealii::ExcInternalError());
+      unsigned int &first = position[row.columns[k]];
+      if (first == none) {
+        first = entries.size();
+        blocks.push_back(row.columns[k]);
+        for (unsigned int i = 0; i < n; ++i)
+          entries.push_back(0);
+      }
+      add_multiple(factor, row.values + k, &entries[first], n);
+    }
+  });
+}
+
+/// The rows of P for the columns of A: P itself if this rank owns them. The columns of an aggregate follow
+/// each other, also those of other ranks, which Epetra may else leave in any order.
+std::shared_ptr<const Epetra_CrsMatrix> rows_for_columns(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P)
+{
+  if (A.Importer() == nullptr)
+    return {&P, [](const Epetra_CrsMatrix *) {}};
+  auto result = std::make_shared<Epetra_CrsMatrix>(Copy, A.ColMap(), P.MaxNumEntries());
+  result->Import(P, *A.Importer(), Insert);
+  result->SortGhostsAssociatedWithEachProcessor(true);
+  result->FillComplete(P.DomainMap(), P.RangeMap());
+  return result;
+}
+
+/// T
+std::unique_ptr<Epetra_CrsMatrix> make_tentative(const Epetra_CrsMatrix &A, const Aggregation &aggregates)
+{
+  const int n_modes = aggregates.modes->NumVectors();
+  const Epetra_Map coarse_rows(-1, aggregates.modes->MyLength(), 0, A.Comm());
+  std::vector<int> lengths, columns(n_modes);
+  for (const int aggregate : aggregates.of_row)
+    lengths.push_back(aggregate < 0 ? 0 : n_modes);
+  auto T = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), coarse_rows, lengths.data(), true);
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    std::iota(columns.begin(), columns.end(), aggregates.of_row[row] * n_modes);
+    if (aggregates.of_row[row] >= 0)
+      T->InsertMyValues(row, n_modes, &aggregates.basis[static_cast<std::size_t>(row) * n_modes],
+                        columns.data());
+  }
+  T->FillComplete(coarse_rows, A.OperatorDomainMap());
+  return T;
+}
+
+/// Calls @p visit(row, sum) with the own rows of A Q.
+/// @pre A has a diagonal
+template <typename Visit>
+void for_rows_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &Q, const int block_length,
+                         const Visit &visit)
+{
+  const SparseRows rows_of_A(A), rows_of_Q(Q);
+  RowSum sum(Q.NumMyCols(), block_length);
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    sum.clear();
+    const SparseRow entries = rows_of_A[row];
+    for (int k = 0; k < entries.n; ++k)
+      if (entries.values[k] != 0)
+        sum.add(entries.values[k], rows_of_Q[entries.columns[k]]);
+    visit(row, sum);
+  }
+}
+
+/// Of the rows of A T, where a row of T has one block.
+std::vector<int> lengths_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &T,
+                                    const int block_length)
+{
+  const SparseRows rows_of_A(A), rows_of_T(T);
+  std::vector<int> lengths(A.NumMyRows(), 0), last_row(T.NumMyCols(), -1);
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    const SparseRow entries = rows_of_A[row];
+    for (int k = 0; k < entries.n; ++k)
+      if (const SparseRow other = rows_of_T[entries.columns[k]];
+          entries.values[k] != 0 && other.n > 0 && last_row[other.columns[0]] != row) {
+        last_row[other.columns[0]] = row;
+        lengths[row] += block_length;
+      }
+  }
+  return lengths;
+}
+
+/// (I - w D^-1 A) T
+std::unique_ptr<Epetra_CrsMatrix> smooth_tentative(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &T,
+                                                   const int block_length, const double w)
+{
+  const auto Q = rows_for_columns(A, T);
+  const SparseRows rows_of_Q(*Q);
+  Epetra_Vector diagonal(A.RowMap());
+  A.ExtractDiagonalCopy(diagonal);
+  std::vector<int> lengths = lengths_of_product(A, *Q, block_length), columns;
+  auto P = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), Q->ColMap(), lengths.data(), true);
+  for_rows_of_product(A, *Q, block_length, [&](const int row, RowSum &sum) {
+    const double factor = diagonal[row] > 0 ? -w / diagonal[row] : 0;
+    for (double &entry : sum.entries)
+      entry *= factor;
+    sum.add(1., rows_of_Q[A.LCID(A.GRID(row))]);
+    columns.clear();
+    for (const int first : sum.blocks)
+      for (int i = 0; i < block_length; ++i)
+        columns.push_back(first + i);
+    P->InsertMyValues(row, columns.size(), sum.entries.data(), columns.data());
+  });
+  P->FillComplete(T.DomainMap(), T.RangeMap());
+  return P;
+}
+
+/// The blocks of a symmetric matrix on and above the diagonal, as sums.
+class BlockSums
+{
+public:
+  /// @param numbers global ones of the rows and columns
+  BlockSums(const Epetra_Map &numbers, const int length)
+      : numbers(numbers.MyGlobalElements()), length(length), rows(numbers.NumMyElements())
+  {
+  }
+
+  /// Adds p^T q.
+  void add(const SparseRow &p, const RowSum &q);
+  /// Calls @p visit(row, column, entries) with the first row and column of each block.
+  template <typename Visit>
+  void for_blocks(const Visit &visit) const;
+
+private:
+  struct Row
+  {
+    std::vector<int> blocks; ///< first columns
+    std::vector<double> entries;
+  };
+  struct Place ///< of a block of a sum
+  {
+    int k;             ///< where its rows begin in p
+    std::size_t l;     ///< where its columns begin in q
+    int row;           ///< first one
+    std::size_t first; ///< in the entries of the row
+  };
+  void find_places(const SparseRow &p, const RowSum &q);
+
+  const int *const numbers;
+  const int length;
+  std::vector<Row> rows;                    ///< by first row of a block
+  std::vector<int> last_rows, last_columns; ///< of the last sum
+  std::vector<Place> places;                ///< likewise
+};
+
+/// The rows of a node have the same ones.
+void BlockSums::find_places(const SparseRow &p, const RowSum &q)
+{
+  if (std::equal(last_rows.begin(), last_rows.end(), p.columns, p.columns + p.n) && last_columns == q.blocks)
+    return;
+  last_rows.assign(p.columns, p.columns + p.n);
+  last_columns = q.blocks;
+  places.clear();
+  const std::size_t n_entries = length * length;
+  for (int k = 0; k < p.n; k += length) {
+    Row &row = rows[p.columns[k]];
+    for (std::size_t b = 0; b < q.blocks.size(); ++b) {
+      if (numbers[p.columns[k]] > numbers[q.blocks[b]])
+        continue;
+      const auto found = std::find(row.blocks.begin(), row.blocks.end(), q.blocks[b]);
+      places.push_back({k, b * length, p.columns[k], (found - row.blocks.begin()) * n_entries});
+      if (found == row.blocks.end()) {
+        row.blocks.push_back(q.blocks[b]);
+        row.entries.resize(row.entries.size() + n_entries, 0.);
+      }
+    }
+  }
+}
+
+void BlockSums::add(const SparseRow &p, const RowSum &q)
+{
+  find_places(p, q);
+  with_known(length, [&](const auto n) {
+    for (const Place &place : places)
+      for (unsigned int i = 0; i < n; ++i)
+        add_multiple(p.values[place.k + i], &q.entries[place.l],
+                     &rows[place.row].entries[place.first + i * n], n);
+  });
+}
+
+template <typename Visit>
+void BlockSums::for_blocks(const Visit &visit) const
+{
+  for (unsigned int r = 0; r < rows.size(); ++r)
+    for (unsigned int b = 0; b < rows[r].blocks.size(); ++b)
+      visit(r, rows[r].blocks[b], &rows[r].entries[b * length * length]);
+}
+
+/// With the blocks below the diagonal, too. Rows and columns are those of P that this rank needs.
+std::unique_ptr<Epetra_CrsMatrix> make_matrix(const BlockSums &sums, const Epetra_Map &rows, const int length)
+{
+  std::vector<int> lengths(rows.NumMyElements(), 0), columns(length);
+  sums.for_blocks([&](const int row, const int column, const double *) {
+    for (int i = 0; i < length; ++i) {
+      lengths[row + i] += length;
+      lengths[column + i] += row == column ? 0 : length;
+    }
+  });
+  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, rows, rows, lengths.data(), true);
+  std::vector<double> transposed(length);
+  sums.for_blocks([&](const int row, const int column, const double *entries) {
+    std::iota(columns.begin(), columns.end(), column);
+    for (int i = 0; i < length; ++i)
+      result->InsertMyValues(row + i, length, entries + i * length, columns.data());
+    std::iota(columns.begin(), columns.end(), row);
+    for (int j = 0; row != column && j < length; ++j) {
+      for (int i = 0; i < length; ++i)
+        transposed[i] = entries[i * length + j];
+      result->InsertMyValues(column + j, length, transposed.data(), columns.data());
+    }
+  });
+  return result;
+}
+
+/// P^T A P. A row without entries, of a vector of a basis that is zero, gets one.
+std::unique_ptr<Epetra_CrsMatrix> make_coarse_matrix(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P,
+                                                     const int block_length)
+{
+  const auto Q = rows_for_columns(A, P);
+  const Epetra_Map &all = Q->ColMap(), &own = P.DomainMap();
+  std::unique_ptr<Epetra_CrsMatrix> result;
+  {
+    const SparseRows rows_of_Q(*Q);
+    BlockSums sums(all, block_length);
+    for_rows_of_product(A, *Q, block_length, [&](const int row, const RowSum &sum) {
+      sums.add(rows_of_Q[A.LCID(A.GRID(row))], sum);
+    });
+    result = make_matrix(sums, all, block_length);
+  }
+  result->FillComplete(own, own);
+  if (Q->Importer() != nullptr) { // sums of several ranks
+    auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, own, result->MaxNumEntries());
+    sum->Export(*result, Epetra_Export(all, own), Add);
+    sum->FillComplete(own, own);
+    result = std::move(sum);
+  }
+  Epetra_Vector diagonal(own);
+  result->ExtractDiagonalCopy(diagonal);
+  for (int row = 0; row < diagonal.MyLength(); ++row)
+    if (diagonal[row] == 0)
+      diagonal[row] = 1;
+  result->ReplaceDiagonalValues(diagonal);
+  return result;
 }
 
 } // namespace
@@ -77,34 +386,58 @@ std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Ep
 
 SmoothedAggregation::SmoothedAggregation(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
                                          const MakeSmoother &make_smoother)
-    : levels(std::make_unique<ML_Epetra::MultiLevelPreconditioner>(A, parameters_of_ml(modes)))
 {
-  set_smoothers(A, make_smoother);
+  const int largest_coarse = 2000, n_modes = modes.NumVectors();
+  const double largest_growth = 0.9;
+  const Epetra_CrsMatrix *matrix = &A;
+  Aggregation aggregates;
+  std::unique_ptr<Epetra_CrsMatrix> owned;
+  while (matrix->NumGlobalRows() > largest_coarse) {
+    aggregates = levels.empty() ? make_aggregation(A, modes, rows_per_node(modes))
+                                : make_aggregation(*matrix, *aggregates.modes, n_modes);
+    const int n_coarse = aggregates.modes->GlobalLength();
+    if (n_coarse == 0 || n_coarse > largest_growth * matrix->NumGlobalRows())
+      break;
+    Level level;
+    level.A = matrix;
+    level.smoother = make_smoother(*matrix);
+    const double w = 4. / 3 / level.smoother->largest_eigenvalue_with_diagonal();
+    level.P = smooth_tentative(*matrix, *make_tentative(*matrix, aggregates), n_modes, w);
+    auto next = make_coarse_matrix(*matrix, *level.P, n_modes);
+    level.owned = std::move(owned);
+    owned = std::move(next);
+    matrix = owned.get();
+    levels.push_back(std::move(level));
+  }
+  coarsest = std::move(owned);
+  factors = std::make_unique<Factors>(*matrix);
 }
 
 SmoothedAggregation::~SmoothedAggregation() = default;
 
-void SmoothedAggregation::set_smoothers(const Epetra_CrsMatrix &A, const MakeSmoother &make_smoother)
+void SmoothedAggregation::cycle(const unsigned int number, Epetra_Vector &x, const Epetra_Vector &b) const
 {
-  ML &ml = *const_cast<ML *>(levels->GetML()); // hands out no other
-  const int to_coarser = ml.ML_finest_level < ml.ML_coarsest_level ? 1 : -1;
-  for (int level = ml.ML_finest_level; level != ml.ML_coarsest_level; level += to_coarser) {
-    const Epetra_CrsMatrix *matrix = &A;
-    if (level != ml.ML_finest_level) {
-      Epetra_CrsMatrix *copy = nullptr;
-      ML_Operator2EpetraCrsMatrix(&ml.Amat[level], copy);
-      coarse_matrices.emplace_back(copy);
-      matrix = copy;
-    }
-    smoothers.push_back(make_smoother(*matrix));
-    ML_Set_Smoother(&ml, level, ML_BOTH, smoothers.back().get(), smooth_level,
-                    const_cast<char *>("Chebyshev"));
+  if (number == levels.size()) {
+    factors->solve(x.Values(), b.Values());
+    return;
   }
+  const Level &level = levels[number];
+  level.smoother->smooth(x.Values(), b.Values(), true);
+  Epetra_Vector residual(b.Map(), false), coarse_b(level.P->OperatorDomainMap(), false),
+      coarse_x(level.P->OperatorDomainMap(), false);
+  level.A->Multiply(false, x, residual);
+  residual.Update(1., b, -1.);
+  level.P->Multiply(true, residual, coarse_b);
+  cycle(number + 1, coarse_x, coarse_b);
+  level.P->Multiply(false, coarse_x, residual);
+  x.Update(1., residual, 1.);
+  level.smoother->smooth(x.Values(), b.Values(), false);
 }
 
 void SmoothedAggregation::vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const
 {
-  levels->ApplyInverse(b, x);
+  Epetra_Vector solution(View, x, 0);
+  cycle(0, solution, Epetra_Vector(View, b, 0));
 }
 
 } // namespace dovetail

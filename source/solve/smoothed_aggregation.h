@@ -6,6 +6,7 @@
 #pragma once
 
 #include "chebyshev_smoother.h"
+#include "factors.h"
 
 #include <dovetail/solve/group_solver.h>
 
@@ -16,10 +17,6 @@
 #include <functional>
 #include <memory>
 #include <vector>
-
-namespace ML_Epetra {
-class MultiLevelPreconditioner;
-}
 
 namespace dovetail {
 
@@ -37,15 +34,20 @@ public:
   virtual void vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const = 0;
 };
 
-/// A V-cycle of ML's smoothed aggregation for a symmetric positive definite matrix, with a ChebyshevSmoother
-/// on each level.
+/// A V-cycle of smoothed aggregation for a symmetric positive definite matrix A, with a ChebyshevSmoother on
+/// each level.
+///
+/// The prolongation is P = (I - w D^-1 A) T: T is a basis of the near-null space on each of the aggregates,
+/// D = diag(A), and w = 4/3 over the largest eigenvalue of D^-1 A. The columns of T and P come in blocks, one
+/// for each aggregate, so that P^T A P is made of small dense products. It is summed row by row of A; A P is
+/// never stored, which would need more memory than A.
 ///
 /// P. Vanek, J. Mandel, M. Brezina: Algebraic multigrid by smoothed aggregation for second and fourth order
 /// elliptic problems, 1996.
 class SmoothedAggregation : public Cycle
 {
 public:
-  /// @param modes near-null space of A. A and they are referred to.
+  /// @param modes near-null space of A, which is referred to.
   SmoothedAggregation(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
                       const MakeSmoother &make_smoother);
   ~SmoothedAggregation() override;
@@ -53,11 +55,19 @@ public:
   void vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const override;
 
 private:
-  void set_smoothers(const Epetra_CrsMatrix &A, const MakeSmoother &make_smoother);
+  struct Level
+  {
+    const Epetra_CrsMatrix *A = nullptr;
+    std::unique_ptr<Epetra_CrsMatrix> owned; ///< nullptr on the finest level
+    std::unique_ptr<Epetra_CrsMatrix> P;     ///< from the next coarser level
+    std::unique_ptr<ChebyshevSmoother> smoother;
+  };
 
-  std::unique_ptr<ML_Epetra::MultiLevelPreconditioner> levels;
-  std::vector<std::unique_ptr<Epetra_CrsMatrix>> coarse_matrices;
-  std::vector<std::unique_ptr<ChebyshevSmoother>> smoothers; ///< of all levels but the coarsest
+  void cycle(unsigned int level, Epetra_Vector &x, const Epetra_Vector &b) const;
+
+  std::vector<Level> levels; ///< all but the coarsest
+  std::unique_ptr<Epetra_CrsMatrix> coarsest;
+  std::unique_ptr<Factors> factors; ///< of it
 };
 
 } // namespace dovetail

@@ -16,8 +16,8 @@ namespace {
 
 const NoteName of_bending("locking", "a solid of degree 1 bends with cells that are long beside its height");
 
-/// Of the energy of a strain as large as the gradients: less is that of a motion of a rigid body and
-/// rounding.
+/// Of the energy of a strain as large as the gradients and the displacement in the diameter of its cell:
+/// less is that of a motion of a rigid body and rounding.
 const double smallest_share = 1e-14;
 
 template <int dim>
@@ -28,10 +28,11 @@ template <int dim>
 class ElasticEnergy
 {
 public:
-  /// With the tangent at rest in the first cell of this rank.
-  ElasticEnergy(const Domain<dim> &domain, const Field &displacement)
+  /// With the tangent at rest in the first cell of the first rank that has one. Collective.
+  ElasticEnergy(const Domain<dim> &domain, const Field &displacement, const MPI_Comm &communicator)
   {
     const unsigned int n = domain.n_components(), u = displacement.first_component;
+    std::vector<double> components; // of this rank
     CellPoints<dim> point(domain, 0);
     for (const auto &cell : domain.dof_handler().active_cell_iterators())
       if (cell->is_locally_owned()) {
@@ -40,11 +41,23 @@ public:
           if (const Expression *initial = domain.initial().find(field.name);
               initial != nullptr && field.n_components == 1)
             point.state.value[field.first_component] = initial->value(point.state.X, 0., 0);
-        is_defined = point.evaluate(true);
-        for (unsigned int i = 0; i < dim && is_defined; ++i)
-          for (unsigned int j = 0; j < dim; ++j)
-            tangent[i][j] = point.response.by_gradient[(u + i) * n + u + j];
+        const bool is_evaluated = point.evaluate(true);
+        for (unsigned int i = 0; i < dim && is_evaluated; ++i)
+          for (unsigned int j = 0; j < dim; ++j) {
+            const dealii::Tensor<2, dim> block = point.response.by_gradient[(u + i) * n + u + j];
+            for (unsigned int k = 0; k < dim * dim; ++k)
+              components.push_back(block[k / dim][k % dim]);
+          }
         break;
+      }
+    for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, components))
+      if (!is_defined && !of_rank.empty()) {
+        is_defined = true;
+        auto component = of_rank.begin();
+        for (auto &row : tangent)
+          for (auto &block : row)
+            for (unsigned int k = 0; k < dim * dim; ++k)
+              block[k / dim][k % dim] = *component++;
       }
   }
 
@@ -57,10 +70,10 @@ public:
     return energy;
   }
 
-  /// Of a strain of the size of H.
-  double of_gradient(const dealii::Tensor<2, dim> &H) const
+  /// Of a strain of the size of H and w.
+  double of_gradient(const dealii::Tensor<2, dim> &H, const dealii::Tensor<1, dim> &w) const
   {
-    return 0.5 * tangent[0][0][0][0] * H.norm_square();
+    return 0.5 * tangent[0][0][0][0] * (H.norm_square() + w.norm_square());
   }
 
   bool is_defined = false;
@@ -91,9 +104,10 @@ Strain<dim> strain(const dealii::Tensor<2, dim> &H, const bool is_large)
 } // namespace
 
 template <int dim>
-StiffnessShare stiffness_share(const Domain<dim> &domain, const Field &displacement, const Vector &solution)
+StiffnessShare stiffness_share(const Domain<dim> &domain, const Field &displacement, const Vector &solution,
+                               const MPI_Comm &communicator)
 {
-  const ElasticEnergy<dim> energy(domain, displacement);
+  const ElasticEnergy<dim> energy(domain, displacement, communicator);
   const bool is_large = domain.material.has_large_strain();
   const auto &element = domain.scalar_element();
   const unsigned int n_vertices = element.dofs_per_cell;
@@ -143,7 +157,10 @@ StiffnessShare stiffness_share(const Domain<dim> &domain, const Field &displacem
         const double dV = domain.measure(values, q);
         share.jumping += energy(difference) * dV;
         share.all += energy(E) * dV;
-        share.of_gradients += energy.of_gradient(H) * dV;
+        dealii::Tensor<1, dim> u;
+        for (unsigned int a = 0; a < n_vertices; ++a)
+          u += values.shape_value(a, q) * displacements[a];
+        share.of_gradients += energy.of_gradient(H, u / cell->diameter()) * dV;
       }
     }
   return share;
@@ -157,7 +174,7 @@ NoteList explain_stiffness(const Model<dim> &model, const Vector &solution)
     const Field *displacement = domain->material.solid_field();
     if (displacement == nullptr || domain->degree > 1)
       continue;
-    const StiffnessShare own = stiffness_share(*domain, *displacement, solution);
+    const StiffnessShare own = stiffness_share(*domain, *displacement, solution, model.communicator);
     const double jumping = dealii::Utilities::MPI::sum(own.jumping, model.communicator),
                  all = dealii::Utilities::MPI::sum(own.all, model.communicator),
                  of_gradients = dealii::Utilities::MPI::sum(own.of_gradients, model.communicator);
@@ -173,8 +190,8 @@ NoteList explain_stiffness(const Model<dim> &model, const Vector &solution)
   return notes;
 }
 
-template StiffnessShare stiffness_share(const Domain<2> &, const Field &, const Vector &);
-template StiffnessShare stiffness_share(const Domain<3> &, const Field &, const Vector &);
+template StiffnessShare stiffness_share(const Domain<2> &, const Field &, const Vector &, const MPI_Comm &);
+template StiffnessShare stiffness_share(const Domain<3> &, const Field &, const Vector &, const MPI_Comm &);
 template NoteList explain_stiffness(const Model<2> &, const Vector &);
 template NoteList explain_stiffness(const Model<3> &, const Vector &);
 

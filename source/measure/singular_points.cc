@@ -92,7 +92,7 @@ void add_directions(const unsigned int domain, const typename Domain<dim>::Bound
           {domain, face.id, shape->diameter(), X + 0.5 * (shape->vertex(v) - X), outward_normal<dim>(face)});
 }
 
-/// Of all bodies and ranks. Collective.
+/// Of all bodies and ranks; an axis of revolution lies inside of its body. Collective.
 template <int dim>
 std::vector<FaceAtPoint<dim>> faces_at(const Model<dim> &model, const dealii::Point<dim> &X)
 {
@@ -100,6 +100,7 @@ std::vector<FaceAtPoint<dim>> faces_at(const Model<dim> &model, const dealii::Po
   for (unsigned int d = 0; d < model.domains.size(); ++d)
     for (const auto &face : model.domains[d]->boundary_faces())
       if (face.cell->is_locally_owned() &&
+          !model.domains[d]->is_on_axis(face.cell->face(face.number)->center()) &&
           holds_point<dim>(face, X, 1e-6 * face.cell->face(face.number)->diameter()))
         add_directions<dim>(d, face, X, own);
   std::vector<FaceAtPoint<dim>> all;

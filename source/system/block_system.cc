@@ -750,6 +750,19 @@ void BlockSystem<dim>::combine_tangent()
   rates_of_tangent = {{step_rates.by_value, step_rates.second_by_value}};
 }
 
+namespace {
+
+/// By block, of sums of so many terms.
+std::vector<double> squares_of_products(const BlockMatrix &matrix, const Vector &x, const double n_terms)
+{
+  std::vector<double> squares;
+  for (unsigned int b = 0; b < x.n_blocks(); ++b)
+    squares.push_back(n_terms * std::pow(matrix.size_of_product(b, x), 2));
+  return squares;
+}
+
+} // namespace
+
 /// Where the second tangent is that of another step, as in the start of a scheme, a third one may never come.
 /// The rounding that tangent_at_x stands for falls and grows with x also where the tangent is a sum.
 template <int dim>
@@ -759,10 +772,7 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   if ((!with_tangent || n_tangents >= few_tangents) && affine_residual() != nullptr) {
     if (with_tangent) {
       combine_tangent();
-      for (unsigned int b = 0; b < tangent_at_x.size(); ++b) {
-        const double size = matrix.size_of_product(b, x);
-        tangent_at_x[b] = cell_terms[0]->longest_sum() * size * size;
-      }
+      tangent_at_x = squares_of_products(matrix, x, cell_terms[0]->longest_sum());
     }
     if (assemble_by_products(x))
       return true;

@@ -38,8 +38,8 @@ ErrorEstimate estimate_error(const Model<dim> &model, const Vector &ghosted, dou
 /// symmetric, whatever the ranks. Collective.
 double marking_threshold(const std::vector<double> &squares, double share, const MPI_Comm &communicator);
 
-/// Whether a cell with an estimated error can be divided: cells of quadrilaterals or hexahedra can, down to the
-/// finest level of p4est. Collective.
+/// Whether a cell with an estimated error can be divided: cells of quadrilaterals or hexahedra can, down to
+/// the finest level of p4est. Collective.
 template <int dim>
 bool can_refine(const Model<dim> &model, const ErrorEstimate &estimate);
 

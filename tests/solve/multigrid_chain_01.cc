@@ -2,7 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 //
 // Multigrid on chains of twenty elastic cubes (14 040 unknowns) that Nitsche's method ties: Young's modulus 1
-// and 1e6 in turn, and growing by the same factor from cube to cube up to 1e8, and falling as much. Within 40
+// and 1e6 in turn, and growing by the same factor from cube to cube up to 1e8, and falling as much. Within 45
 // iterations the true residual is what rounding leaves of it, without help by MUMPS, which would be a note.
 // With aggregates of both sides of a tie, modes by the contrast of the whole chain, and another pass from the
 // residual of rounding, the first two took 68 and 79. The free end moves as MUMPS says (relative difference
@@ -73,7 +73,7 @@ void check(const std::string &name, const std::function<double(unsigned int)> &m
   };
   Vector reference, solution;
   solve("direct", reference);
-  report(name + ", iterations", solve("multigrid", solution), 40);
+  report(name + ", iterations", solve("multigrid", solution), 45);
   const unsigned int last = n_bodies - 1;
   solution.block(last) -= reference.block(last);
   report(name + ", last body", solution.block(last).l2_norm() / reference.block(last).l2_norm(), 1e-2);

@@ -3,20 +3,12 @@
 
 #include <dovetail/domain/curved_cells.h>
 
-#include <deal.II/base/geometry_info.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/mapping_q.h>
 
 namespace dovetail {
 
 namespace {
-
-template <int dim>
-const dealii::FE_Q<dim> &quadratic_element()
-{
-  static const dealii::FE_Q<dim> element(2);
-  return element;
-}
 
 template <int dim>
 class MappingOfCurvedCells : public dealii::MappingQ<dim>
@@ -33,10 +25,7 @@ protected:
   std::vector<dealii::Point<dim>> compute_mapping_support_points(
       const typename dealii::Triangulation<dim>::cell_iterator &cell) const override
   {
-    std::vector<dealii::Point<dim>> points;
-    for (const auto &xi : quadratic_element<dim>().get_unit_support_points())
-      points.push_back(cells.position(cell, xi));
-    return points;
+    return cells.nodes_of(cell);
   }
 
 private:
@@ -52,30 +41,32 @@ void WithCurvedCells<dim>::curve(std::vector<std::vector<dealii::Point<dim>>> no
   nodes = std::move(nodes_of_cells);
   on_change = mesh.signals.any_change.connect([this, &mesh] {
     for (const auto &cell : mesh.cell_iterators())
-      for (unsigned int v = 0; cell->level() > 0 && v < cell->n_vertices(); ++v)
-        cell->vertex(v) = position(cell, dealii::GeometryInfo<dim>::unit_cell_vertex(v));
+      if (cell->level() > 0) {
+        const auto nodes_of_cell = nodes_of(cell);
+        for (const unsigned int v : cell->vertex_indices())
+          cell->vertex(v) = nodes_of_cell[v];
+      }
   });
 }
 
 template <int dim>
-dealii::Point<dim>
-WithCurvedCells<dim>::position(const typename dealii::Triangulation<dim>::cell_iterator &cell,
-                               dealii::Point<dim> xi) const
+std::vector<dealii::Point<dim>>
+WithCurvedCells<dim>::nodes_of(const typename dealii::Triangulation<dim>::cell_iterator &cell) const
 {
-  auto coarse = cell;
-  while (coarse->level() > 0) {
-    const auto parent = coarse->parent();
-    unsigned int child = 0;
-    while (parent->child(child) != coarse)
-      ++child;
-    xi = dealii::GeometryInfo<dim>::child_to_cell_coordinates(xi, child);
-    coarse = parent;
-  }
-  dealii::Point<dim> X;
-  const auto &nodes_of_cell = nodes[coarse->index()];
-  for (unsigned int a = 0; a < nodes_of_cell.size(); ++a)
-    X += quadratic_element<dim>().shape_value(a, xi) * nodes_of_cell[a];
-  return X;
+  if (cell->level() == 0)
+    return nodes[cell->index()];
+  static const dealii::FE_Q<dim> quadratic(2);
+  const auto parent = cell->parent();
+  unsigned int child = 0;
+  while (parent->child(child) != cell)
+    ++child;
+  const auto &parent_to_child = quadratic.get_prolongation_matrix(child);
+  const auto nodes_of_parent = nodes_of(parent);
+  std::vector<dealii::Point<dim>> result(nodes_of_parent.size());
+  for (unsigned int a = 0; a < result.size(); ++a)
+    for (unsigned int b = 0; b < result.size(); ++b)
+      result[a] += parent_to_child(a, b) * nodes_of_parent[b];
+  return result;
 }
 
 template <int dim>

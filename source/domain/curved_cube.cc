@@ -45,22 +45,7 @@ std::vector<unsigned int> pick(const std::vector<unsigned int> &from, const std:
   return picked;
 }
 
-/// By the vertices around them.
-template <int dim>
-std::map<std::vector<unsigned int>, dealii::Point<3>> further_nodes_of(const MeshFile &mesh,
-                                                                       const std::size_t cell)
-{
-  const auto around = vertices_around_further_nodes<dim>();
-  const std::vector<unsigned int> vertices(mesh.cells.nodes_of(cell),
-                                           mesh.cells.nodes_of(cell) + mesh.cells.n_nodes(cell));
-  std::map<std::vector<unsigned int>, dealii::Point<3>> nodes;
-  for (unsigned int i = 0; i < around.size(); ++i)
-    nodes[pick(vertices, around[i])] = mesh.further_nodes[cell * around.size() + i];
-  return nodes;
-}
-
-} // namespace
-
+/// Between which vertices the nodes of FE_Q(2) stand that are no vertices.
 template <int dim>
 std::vector<std::vector<unsigned int>> vertices_around_further_nodes()
 {
@@ -78,16 +63,42 @@ std::vector<std::vector<unsigned int>> vertices_around_further_nodes()
   return result;
 }
 
+/// Of a cell, by the vertices around them.
+template <int dim>
+std::map<std::vector<unsigned int>, dealii::Point<3>> further_nodes_by_vertices(const MeshFile &mesh,
+                                                                                const std::size_t cell)
+{
+  const auto around = vertices_around_further_nodes<dim>();
+  const std::vector<unsigned int> vertices(mesh.cells.nodes_of(cell),
+                                           mesh.cells.nodes_of(cell) + mesh.cells.n_nodes(cell));
+  std::map<std::vector<unsigned int>, dealii::Point<3>> nodes;
+  for (unsigned int i = 0; i < around.size(); ++i)
+    nodes[pick(vertices, around[i])] = mesh.further_nodes[cell * around.size() + i];
+  return nodes;
+}
+
+} // namespace
+
+template <int structdim>
+std::vector<dealii::Point<3>> further_nodes_of(const MeshFile &mesh, const std::size_t cell,
+                                               const std::vector<unsigned int> &part)
+{
+  const auto of_cell = mesh.cells.n_nodes(cell) == 4 ? further_nodes_by_vertices<2>(mesh, cell)
+                                                     : further_nodes_by_vertices<3>(mesh, cell);
+  std::vector<dealii::Point<3>> nodes;
+  for (const auto &around : vertices_around_further_nodes<structdim>())
+    nodes.push_back(of_cell.at(pick(part, around)));
+  return nodes;
+}
+
 template <int structdim>
 CurvedCube<structdim>::CurvedCube(const MeshFile &mesh, const std::size_t cell,
                                   const std::vector<unsigned int> &part)
 {
   for (const unsigned int v : part)
     nodes.push_back(mesh.nodes[v]);
-  const auto further =
-      mesh.cells.n_nodes(cell) == 4 ? further_nodes_of<2>(mesh, cell) : further_nodes_of<3>(mesh, cell);
-  for (const auto &around : vertices_around_further_nodes<structdim>())
-    nodes.push_back(further.at(pick(part, around)));
+  const auto further = further_nodes_of<structdim>(mesh, cell, part);
+  nodes.insert(nodes.end(), further.begin(), further.end());
 }
 
 template <int structdim>
@@ -134,8 +145,10 @@ bool CurvedCube<structdim>::is_turned_over() const
   });
 }
 
-template std::vector<std::vector<unsigned int>> vertices_around_further_nodes<2>();
-template std::vector<std::vector<unsigned int>> vertices_around_further_nodes<3>();
+template std::vector<dealii::Point<3>> further_nodes_of<2>(const MeshFile &, std::size_t,
+                                                           const std::vector<unsigned int> &);
+template std::vector<dealii::Point<3>> further_nodes_of<3>(const MeshFile &, std::size_t,
+                                                           const std::vector<unsigned int> &);
 template CurvedCube<1>::CurvedCube(const MeshFile &, std::size_t, const std::vector<unsigned int> &);
 template double CurvedCube<1>::measure() const;
 template class CurvedCube<2>;

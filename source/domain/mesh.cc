@@ -21,7 +21,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <set>
 
 namespace dovetail {
@@ -134,25 +133,22 @@ dealii::Point<dim> in_dim(const dealii::Point<3> &X)
   return result;
 }
 
-/// Of quadrilaterals and hexahedra whose vertices have changed places.
+/// @p cells: those of the file, quadrilaterals and hexahedra perhaps turned.
 template <int dim>
-void order_further_nodes(const MeshElements &before, const std::vector<dealii::CellData<dim>> &after,
-                         FurtherNodes<dim> &further_nodes)
+FurtherNodes<dim> further_nodes_of_cells(const MeshFile &content,
+                                         const std::vector<dealii::CellData<dim>> &cells)
 {
-  const auto around = vertices_around_further_nodes<dim>();
-  const auto pick = [](const auto &vertices, const std::vector<unsigned int> &places) {
-    std::set<unsigned int> picked;
-    for (const unsigned int v : places)
-      picked.insert(vertices[v]);
-    return picked;
-  };
-  for (std::size_t c = 0; c < further_nodes.size(); ++c) {
-    std::map<std::set<unsigned int>, dealii::Point<dim>> node;
-    for (unsigned int i = 0; i < around.size(); ++i)
-      node[pick(before.nodes_of(c), around[i])] = further_nodes[c][i];
-    for (unsigned int i = 0; i < around.size(); ++i)
-      further_nodes[c][i] = node.at(pick(after[c].vertices, around[i]));
+  constexpr unsigned int n_edges = dim * (dim + 1) / 2; // of a simplex
+  const auto begin = content.further_nodes.begin();
+  FurtherNodes<dim> result(content.further_nodes.empty() ? 0 : cells.size());
+  for (std::size_t c = 0; c < result.size(); ++c) {
+    const auto nodes = cells[c].vertices.size() == dim + 1
+                           ? std::vector<dealii::Point<3>>(begin + c * n_edges, begin + (c + 1) * n_edges)
+                           : further_nodes_of<dim>(content, c, cells[c].vertices);
+    for (const auto &node : nodes)
+      result[c].push_back(in_dim<dim>(node));
   }
+  return result;
 }
 
 template <int dim>
@@ -172,10 +168,6 @@ void read_file(const Section &section, const std::string &file_name, const std::
   vertices.reserve(content.nodes.size());
   for (const auto &node : content.nodes)
     vertices.push_back(in_dim<dim>(node));
-  further_nodes.resize(content.further_nodes.empty() ? 0 : content.cells.size());
-  for (std::size_t c = 0, i = 0; c < further_nodes.size(); ++c)
-    for (std::size_t n = content.further_nodes.size() / further_nodes.size(); n > 0; --n)
-      further_nodes[c].push_back(in_dim<dim>(content.further_nodes[i++]));
   auto cells = cell_data<dim>(content.cells);
   for (std::size_t c = 0; c < cells.size(); ++c)
     cells[c].material_id = content.cells.ids[c];
@@ -192,10 +184,9 @@ void read_file(const Section &section, const std::string &file_name, const std::
     faces.boundary_quads = std::move(boundary);
 
   try {
-    if (cells[0].vertices.size() == dealii::GeometryInfo<dim>::vertices_per_cell) {
+    if (cells[0].vertices.size() == dealii::GeometryInfo<dim>::vertices_per_cell)
       dealii::GridTools::consistently_order_cells(cells);
-      order_further_nodes<dim>(content.cells, cells, further_nodes);
-    }
+    further_nodes = further_nodes_of_cells<dim>(content, cells);
     dealii::GridTools::delete_unused_vertices(vertices, cells, faces);
     mesh.create_triangulation(vertices, cells, faces);
   } catch (const dealii::ExceptionBase &) { // on all ranks alike

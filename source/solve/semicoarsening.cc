@@ -3,6 +3,8 @@
 
 #include "semicoarsening.h"
 
+#include "smoothed_aggregation.h"
+
 #include <deal.II/base/exceptions.h>
 
 #include <EpetraExt_MatrixMatrix.h>
@@ -506,61 +508,26 @@ std::unique_ptr<Cycle> make_cycle(const Epetra_CrsMatrix &A, const Epetra_MultiV
 
 Semicoarsening::Semicoarsening(const Epetra_CrsMatrix &A, const Epetra_MultiVector &given_modes,
                                LevelNodes nodes, const MakeSmoother &make_smoother)
+    : Cycle(A)
 {
-  const int largest_coarse = 2000;
-  const double largest_growth = 0.9;
-  const Epetra_CrsMatrix *matrix = &A;
   const Epetra_MultiVector *modes = &given_modes;
-  std::unique_ptr<Epetra_CrsMatrix> owned;
   std::unique_ptr<Epetra_MultiVector> owned_modes;
-  while (matrix->NumGlobalRows() > largest_coarse) {
-    const Couplings couplings(*matrix, nodes);
+  while (coarsest().NumGlobalRows() > largest_coarse) {
+    const Epetra_CrsMatrix &matrix = coarsest();
+    const Couplings couplings(matrix, nodes);
     const Aggregates aggregates(own_part(couplings.near), couplings.all);
-    Coarse coarse = make_coarse(*matrix, nodes, *modes, aggregates);
-    if (coarse.T->NumGlobalCols() > largest_growth * matrix->NumGlobalRows())
+    Coarse coarse = make_coarse(matrix, nodes, *modes, aggregates);
+    if (coarse.T->NumGlobalCols() > largest_growth * matrix.NumGlobalRows())
       break;
-    Level level;
-    level.P = smoothed(coarse, *without_far_couplings(*matrix, nodes, couplings), *modes);
-    level.smoother = make_smoother(*matrix);
-    auto next = MatrixLevel(*matrix).restricted(*level.P);
-    level.A = matrix;
-    level.owned = std::move(owned);
-    levels.push_back(std::move(level));
-    owned = std::move(next);
-    matrix = owned.get();
+    auto P = smoothed(coarse, *without_far_couplings(matrix, nodes, couplings), *modes);
+    auto smoother = make_smoother(matrix);
+    auto next = MatrixLevel(matrix).restricted(*P);
+    add_level(std::move(smoother), std::move(P), std::move(next));
     owned_modes = std::move(coarse.modes);
     modes = owned_modes.get();
     nodes = std::move(coarse.nodes);
   }
-  coarsest = std::move(owned);
-  factors = std::make_unique<Factors>(*matrix);
-}
-
-Semicoarsening::~Semicoarsening() = default;
-
-void Semicoarsening::cycle(const unsigned int number, Epetra_Vector &x, const Epetra_Vector &b) const
-{
-  if (number == levels.size()) {
-    factors->solve(x.Values(), b.Values());
-    return;
-  }
-  const Level &level = levels[number];
-  level.smoother->smooth(x.Values(), b.Values(), true);
-  Epetra_Vector residual(b.Map(), false), coarse_b(level.P->OperatorDomainMap(), false),
-      coarse_x(level.P->OperatorDomainMap(), false);
-  level.A->Multiply(false, x, residual);
-  residual.Update(1., b, -1.);
-  level.P->Multiply(true, residual, coarse_b);
-  cycle(number + 1, coarse_x, coarse_b);
-  level.P->Multiply(false, coarse_x, residual);
-  x.Update(1., residual, 1.);
-  level.smoother->smooth(x.Values(), b.Values(), false);
-}
-
-void Semicoarsening::vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const
-{
-  Epetra_Vector solution(View, x, 0);
-  cycle(0, solution, Epetra_Vector(View, b, 0));
+  factorise_coarsest();
 }
 
 } // namespace dovetail

@@ -5,15 +5,12 @@
 
 #pragma once
 
-#include "chebyshev_smoother.h"
-#include "factors.h"
-#include "smoothed_aggregation.h"
+#include "cycle.h"
 
 #include <dovetail/solve/group_solver.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
-#include <Epetra_Vector.h>
 
 #include <array>
 #include <memory>
@@ -67,24 +64,6 @@ public:
   /// @param modes near-null space of A, which is referred to.
   Semicoarsening(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes, LevelNodes nodes,
                  const MakeSmoother &make_smoother);
-  ~Semicoarsening() override;
-
-  void vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const override;
-
-private:
-  struct Level
-  {
-    const Epetra_CrsMatrix *A = nullptr;
-    std::unique_ptr<Epetra_CrsMatrix> owned; ///< nullptr on the finest level
-    std::unique_ptr<Epetra_CrsMatrix> P;     ///< from the next coarser level
-    std::unique_ptr<ChebyshevSmoother> smoother;
-  };
-
-  void cycle(unsigned int level, Epetra_Vector &x, const Epetra_Vector &b) const;
-
-  std::vector<Level> levels; ///< all but the coarsest
-  std::unique_ptr<Epetra_CrsMatrix> coarsest;
-  std::unique_ptr<Factors> factors; ///< of it
 };
 
 /// When to take Semicoarsening in place of SmoothedAggregation.

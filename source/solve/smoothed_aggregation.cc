@@ -386,58 +386,24 @@ std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Ep
 
 SmoothedAggregation::SmoothedAggregation(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
                                          const MakeSmoother &make_smoother)
+    : Cycle(A)
 {
-  const int largest_coarse = 2000, n_modes = modes.NumVectors();
-  const double largest_growth = 0.9;
-  const Epetra_CrsMatrix *matrix = &A;
+  const int n_modes = modes.NumVectors();
   Aggregation aggregates;
-  std::unique_ptr<Epetra_CrsMatrix> owned;
-  while (matrix->NumGlobalRows() > largest_coarse) {
-    aggregates = levels.empty() ? make_aggregation(A, modes, rows_per_node(modes))
-                                : make_aggregation(*matrix, *aggregates.modes, n_modes);
+  while (coarsest().NumGlobalRows() > largest_coarse) {
+    const Epetra_CrsMatrix &matrix = coarsest();
+    aggregates = n_levels() == 0 ? make_aggregation(A, modes, rows_per_node(modes))
+                                 : make_aggregation(matrix, *aggregates.modes, n_modes);
     const int n_coarse = aggregates.modes->GlobalLength();
-    if (n_coarse == 0 || n_coarse > largest_growth * matrix->NumGlobalRows())
+    if (n_coarse == 0 || n_coarse > largest_growth * matrix.NumGlobalRows())
       break;
-    Level level;
-    level.A = matrix;
-    level.smoother = make_smoother(*matrix);
-    const double w = 4. / 3 / level.smoother->largest_eigenvalue_with_diagonal();
-    level.P = smooth_tentative(*matrix, *make_tentative(*matrix, aggregates), n_modes, w);
-    auto next = make_coarse_matrix(*matrix, *level.P, n_modes);
-    level.owned = std::move(owned);
-    owned = std::move(next);
-    matrix = owned.get();
-    levels.push_back(std::move(level));
+    auto smoother = make_smoother(matrix);
+    const double w = 4. / 3 / smoother->largest_eigenvalue_with_diagonal();
+    auto P = smooth_tentative(matrix, *make_tentative(matrix, aggregates), n_modes, w);
+    auto coarse = make_coarse_matrix(matrix, *P, n_modes);
+    add_level(std::move(smoother), std::move(P), std::move(coarse));
   }
-  coarsest = std::move(owned);
-  factors = std::make_unique<Factors>(*matrix);
-}
-
-SmoothedAggregation::~SmoothedAggregation() = default;
-
-void SmoothedAggregation::cycle(const unsigned int number, Epetra_Vector &x, const Epetra_Vector &b) const
-{
-  if (number == levels.size()) {
-    factors->solve(x.Values(), b.Values());
-    return;
-  }
-  const Level &level = levels[number];
-  level.smoother->smooth(x.Values(), b.Values(), true);
-  Epetra_Vector residual(b.Map(), false), coarse_b(level.P->OperatorDomainMap(), false),
-      coarse_x(level.P->OperatorDomainMap(), false);
-  level.A->Multiply(false, x, residual);
-  residual.Update(1., b, -1.);
-  level.P->Multiply(true, residual, coarse_b);
-  cycle(number + 1, coarse_x, coarse_b);
-  level.P->Multiply(false, coarse_x, residual);
-  x.Update(1., residual, 1.);
-  level.smoother->smooth(x.Values(), b.Values(), false);
-}
-
-void SmoothedAggregation::vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const
-{
-  Epetra_Vector solution(View, x, 0);
-  cycle(0, solution, Epetra_Vector(View, b, 0));
+  factorise_coarsest();
 }
 
 } // namespace dovetail

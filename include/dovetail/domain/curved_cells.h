@@ -33,9 +33,9 @@ public:
 
   bool is_curved() const { return !nodes.empty(); }
 
-  /// Where a point of a cell of any level lies, given by its coordinates in that cell.
-  dealii::Point<dim> position(const typename dealii::Triangulation<dim>::cell_iterator &cell,
-                              dealii::Point<dim> xi) const;
+  /// The nodes of a cell of any level, in that order.
+  std::vector<dealii::Point<dim>>
+  nodes_of(const typename dealii::Triangulation<dim>::cell_iterator &cell) const;
 
 private:
   std::vector<std::vector<dealii::Point<dim>>> nodes; ///< of the coarse cells

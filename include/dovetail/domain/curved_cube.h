@@ -14,18 +14,19 @@
 
 namespace dovetail {
 
-/// Between which vertices the nodes of FE_Q(2) stand that are no vertices: on the lines, on the faces of a
-/// hexahedron, in the middle.
-template <int dim>
-std::vector<std::vector<unsigned int>> vertices_around_further_nodes();
+/// The further nodes of a curved quadrilateral or hexahedron, or of a line or face of it, in the order of
+/// FE_Q(2): on the lines, on the faces of a hexahedron, in the middle.
+/// @param part its vertices in deal.II's order, which may be turned against that of the mesh
+template <int structdim>
+std::vector<dealii::Point<3>> further_nodes_of(const MeshFile &mesh, std::size_t cell,
+                                               const std::vector<unsigned int> &part);
 
 /// X(xi) = sum_a phi_a(xi) X_a with the functions phi_a of FE_Q(2), in space whatever the dimension is.
 template <int structdim>
 class CurvedCube
 {
 public:
-  /// The part of a curved quadrilateral or hexahedron that some of its vertices span, in deal.II's order: a
-  /// line, a face or the cell itself.
+  /// Of such a part.
   CurvedCube(const MeshFile &mesh, std::size_t cell, const std::vector<unsigned int> &part);
 
   /// Its length, area or volume, the integral of sqrt(det J^T J), J = dX/dxi [m, m^2, m^3].

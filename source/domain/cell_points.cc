@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_points.h>
+#include <dovetail/domain/point_products.h>
 
 #include <numeric>
 
@@ -46,6 +47,53 @@ void CellPoints<dim>::remember()
     state.memory.accepted = domain.memory->nearest(cell, state.X);
 }
 
+/// The numbers of one shape function at all points follow each other in deal.II's tables, as do the three of
+/// a gradient.
+template <int dim>
+void CellPoints<dim>::enter(const dealii::FEValuesBase<dim> &values, const std::vector<double> &unknowns)
+{
+  const unsigned int n = values.n_quadrature_points;
+  points = &values;
+  values_at_points.resize(domain.n_components() * n);
+  gradients_at_points.resize(domain.n_components() * n);
+  for (unsigned int c = 0; c < domain.n_components(); ++c) {
+    const unsigned int n_nodes = domain.layout().n_nodes(c);
+    const double *const of_component = &unknowns[domain.layout().first(c)];
+    rows.resize(n_nodes);
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      rows[a] = &values.shape_value(domain.layout().shape_of_node(c, a), 0);
+    Assert(&values.shape_value(domain.layout().shape_of_node(c, 0), n - 1) == rows[0] + n - 1,
+           dealii::ExcInternalError());
+    combine_rows(n_nodes, rows.data(), of_component, n, &values_at_points[c * n]);
+    for (unsigned int a = 0; a < n_nodes; ++a)
+      rows[a] = &values.shape_grad(domain.layout().shape_of_node(c, a), 0)[0];
+    Assert(&values.shape_grad(domain.layout().shape_of_node(c, 0), n - 1)[0] == rows[0] + (n - 1) * dim,
+           dealii::ExcInternalError());
+    combine_rows(n_nodes, rows.data(), of_component, n * dim, &gradients_at_points[c * n][0]);
+  }
+  if (domain.memory)
+    cell = values.get_cell();
+}
+
+template <int dim>
+void CellPoints<dim>::go_to(const unsigned int q)
+{
+  const unsigned int n = points->n_quadrature_points;
+  set_position(points->quadrature_point(q));
+  for (unsigned int c = 0; c < domain.n_components(); ++c) {
+    state.value[c] = values_at_points[c * n + q];
+    state.gradient[c] = gradients_at_points[c * n + q];
+  }
+  if (!state.rate.empty())
+    evaluate_rates([&](const std::vector<double> &cell_values, const unsigned int c) {
+      double sum = 0;
+      for (unsigned int a = 0; a < domain.layout().n_nodes(c); ++a)
+        sum += points->shape_value(domain.layout().shape_of_node(c, a), q) *
+               cell_values[domain.layout().index(c, a)];
+      return sum;
+    });
+}
+
 template <int dim>
 void CellPoints<dim>::reinit(const dealii::FEValuesBase<dim> &values, const unsigned int q,
                              const std::vector<double> &unknowns)
@@ -61,14 +109,20 @@ void CellPoints<dim>::reinit(const dealii::FEValuesBase<dim> &values, const unsi
 }
 
 template <int dim>
-void CellPoints<dim>::reinit(const dealii::Point<dim> &X, const double *shape_values,
-                             const dealii::Tensor<1, dim> *shape_gradients,
-                             const std::vector<double> &unknowns)
+void CellPoints<dim>::set_position(const dealii::Point<dim> &X)
 {
   state.X = X;
   remember();
   if (domain.is_on_axis(X))
     state.X[0] = 0;
+}
+
+template <int dim>
+void CellPoints<dim>::reinit(const dealii::Point<dim> &X, const double *shape_values,
+                             const dealii::Tensor<1, dim> *shape_gradients,
+                             const std::vector<double> &unknowns)
+{
+  set_position(X);
   evaluate_state(domain.layout(), shape_values, shape_gradients, unknowns.data(), state);
   if (!state.rate.empty())
     evaluate_rates([&](const std::vector<double> &cell_values, const unsigned int c) {

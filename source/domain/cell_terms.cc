@@ -43,7 +43,8 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
-      uniform_response(n), lumped(lumped_components(domain)), lumped_response(n), source_of_component(n)
+      fluxes(n * responses.size()), uniform_response(n), lumped(lumped_components(domain)),
+      lumped_response(n), source_of_component(n)
 {
   const auto &fields = domain.fields();
   for (unsigned int c = 0; c < n; ++c)
@@ -61,6 +62,13 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
   for (const auto &condition : domain.conditions())
     if (condition->adds_flux() || condition->is_weak())
       flux_conditions.push_back(condition.get());
+}
+
+template <int dim>
+void CellTerms<dim>::enter(const typename Domain<dim>::cell_iterator &cell)
+{
+  cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+  tables.enter_cell(domain, cell_values);
 }
 
 template <int dim>
@@ -138,19 +146,25 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     lumped_tangent.reinit(residual.size(), residual.size());
   point.state.t = t;
   find_rates(cell);
-  cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+  enter(cell);
+  point.enter(cell_values, unknowns);
+  const bool needs_shapes = !with_source.empty() || !lumped.empty() || (tangent && !operators.empty());
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
-    point.reinit(cell_values, q, unknowns);
+    if (needs_shapes)
+      point.reinit(cell_values, q, unknowns);
+    else
+      point.go_to(q);
     hide_lumped_rates();
     const double JxW = domain.measure(cell_values, q);
-    if (!point.evaluate(tangent != nullptr)) {
+    // a point overwrites all that is not zero in every response
+    Response<dim> &response = tangent ? responses[q] : point.response;
+    if (!point.evaluate(tangent != nullptr, response)) {
       has_uniform_tangent = false; // what comes next is compared with this cell
       return false;
     }
-    add_flux(JxW, residual);
-    add_source_of_laws(JxW, residual);
-    if (tangent) // the next point overwrites all that is not zero in every response
-      std::swap(responses[q], point.response);
+    for (unsigned int c = 0; c < n; ++c)
+      fluxes[c * cell_values.n_quadrature_points + q] = JxW * response.flux[c];
+    add_source_of_laws(response, JxW, residual);
     if (tangent && !operators.empty())
       give_away(cell, q, JxW, unknowns);
     if (!add_lumped_storage(q, JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr)) {
@@ -158,6 +172,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
       return false;
     }
   }
+  add_fluxes(residual);
   if (tangent && !pairs.empty())
     add_tangent(*tangent);
   if (tangent && !lumped.empty())
@@ -176,29 +191,22 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
 }
 
 template <int dim>
-void CellTerms<dim>::add_flux(const double JxW, std::vector<double> &residual)
+void CellTerms<dim>::add_fluxes(std::vector<double> &residual)
 {
-  for (unsigned int c = 0; c < n; ++c) {
-    const unsigned int first = layout.first(c), n_nodes = layout.n_nodes(c);
-    const dealii::Tensor<1, dim> *gradients = &point.shape_gradients()[layout.first_shape(c)],
-                                 flux = point.response.flux[c];
-    double *const sums = &residual[first], *const sizes = &force_sizes[first];
-    for (unsigned int a = 0; a < n_nodes; ++a) {
-      const double force = (flux * gradients[a]) * JxW;
-      sums[a] += force;
-      sizes[a] += std::abs(force);
-    }
-  }
+  for (unsigned int c = 0; c < n; ++c)
+    add_forces(tables.table(layout, c, false, cell_values), &fluxes[c * cell_values.n_quadrature_points][0],
+               &residual[layout.first(c)], &force_sizes[layout.first(c)]);
 }
 
 template <int dim>
-void CellTerms<dim>::add_source_of_laws(const double JxW, std::vector<double> &residual)
+void CellTerms<dim>::add_source_of_laws(const Response<dim> &response, const double JxW,
+                                        std::vector<double> &residual)
 {
   for (const unsigned int c : with_source) {
     const unsigned int first = layout.first(c), n_nodes = layout.n_nodes(c);
     const double *values = &point.shape_values()[layout.first_shape(c)];
     for (unsigned int a = 0; a < n_nodes; ++a)
-      add(first + a, point.response.source[c] * values[a] * JxW, residual);
+      add(first + a, response.source[c] * values[a] * JxW, residual);
   }
 }
 
@@ -213,7 +221,7 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(layout.size(), 0.);
   if (has_source) {
-    cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+    enter(cell);
     has_uniform_tangent = false; // what comes next is not compared with the cell before
     add_source(t, residual);
     if (domain.body_force().is_given())
@@ -224,7 +232,7 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
       point.reinit(cell_values, q, unknowns);
       const double JxW =
           point.evaluate(false) ? domain.measure(cell_values, q) : std::numeric_limits<double>::quiet_NaN();
-      add_source_of_laws(JxW, residual);
+      add_source_of_laws(point.response, JxW, residual);
     }
   }
   if (has_boundary && !add_boundary_terms(cell, t, unknowns, residual, nullptr))
@@ -238,7 +246,7 @@ void CellTerms<dim>::assemble_given(const typename Domain<dim>::cell_iterator &c
 {
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(layout.size(), 0.);
-  cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+  enter(cell);
   has_uniform_tangent = false;
   add_source(t, residual);
   if (domain.body_force().is_given())
@@ -265,7 +273,7 @@ void CellTerms<dim>::enter_without_tangent(const typename Domain<dim>::cell_iter
 {
   point.state.t = t;
   find_rates(cell);
-  cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+  enter(cell);
   has_uniform_tangent = false;
 }
 
@@ -312,7 +320,7 @@ bool CellTerms<dim>::assemble_storage(const typename Domain<dim>::cell_iterator 
     hide_lumped_rates();
     const double JxW = domain.measure(cell_values, q);
     const bool is_defined = point.evaluate_storage(point.response);
-    add_source_of_laws(is_defined ? JxW : std::numeric_limits<double>::quiet_NaN(), residual);
+    add_source_of_laws(point.response, is_defined ? JxW : std::numeric_limits<double>::quiet_NaN(), residual);
     if (tangent)
       add_storage_tangent(JxW, *tangent);
     if (!add_lumped_storage(q, JxW, unknowns, residual, tangent))
@@ -498,38 +506,6 @@ void fill_derivatives(const Response<dim> &response, const unsigned int pair, co
     D[dim * n_columns + dim] = JxW * response.source_by_value[pair];
 }
 
-/// What is needed of one cell after another.
-struct TangentScratch
-{
-  struct Table : ShapeTable
-  {
-    bool is_of_this_cell = false;
-  };
-  std::map<std::pair<unsigned int, bool>, Table> tables; ///< by first shape, with values
-  std::vector<double> derivatives, JxW;
-
-  template <int dim>
-  void enter_cell(const Domain<dim> &domain, const dealii::FEValues<dim> &cell_values)
-  {
-    for (auto &table : tables)
-      table.second.is_of_this_cell = false;
-    JxW.resize(cell_values.n_quadrature_points);
-    for (const unsigned int q : cell_values.quadrature_point_indices())
-      JxW[q] = domain.measure(cell_values, q);
-  }
-
-  template <int dim>
-  const ShapeTable &table(const CellLayout<dim> &layout, const unsigned int component, const bool with_value,
-                          const dealii::FEValues<dim> &cell_values)
-  {
-    Table &result = tables[{layout.first_shape(component), with_value}];
-    if (!result.is_of_this_cell)
-      tabulate(layout, component, cell_values, with_value, result);
-    result.is_of_this_cell = true;
-    return result;
-  }
-};
-
 /// Of a block of a matrix with rows that begin @p row_length apart.
 void copy_transposed(const unsigned int n_rows, const unsigned int n_columns, const double *from, double *to,
                      const std::size_t row_length)
@@ -549,36 +525,55 @@ bool is_symmetric(const Domain<dim> &domain, const unsigned int c, const unsigne
   return false;
 }
 
+} // namespace
+
+template <int dim>
+void CellTerms<dim>::Tables::enter_cell(const Domain<dim> &domain, const dealii::FEValues<dim> &cell_values)
+{
+  if (cell_values.get_cell_similarity() != dealii::CellSimilarity::translation)
+    for (auto &table : all)
+      table.second.is_of_this_cell = false;
+  JxW.resize(cell_values.n_quadrature_points);
+  for (const unsigned int q : cell_values.quadrature_point_indices())
+    JxW[q] = domain.measure(cell_values, q);
+}
+
+template <int dim>
+const ShapeTable &CellTerms<dim>::Tables::table(const CellLayout<dim> &layout, const unsigned int component,
+                                                const bool with_value,
+                                                const dealii::FEValues<dim> &cell_values)
+{
+  Table &result = all[{layout.first_shape(component), with_value}];
+  if (!result.is_of_this_cell)
+    tabulate(layout, component, cell_values, with_value, result);
+  result.is_of_this_cell = true;
+  return result;
+}
+
 /// K_(c,a)(d,b) = grad phi_a . ( dA_c/dgrad B_d . grad phi_b + dA_c/dB_d phi_b )
 ///              + phi_a ( dS_c/dgrad B_d . grad phi_b + dS_c/dB_d phi_b )
-template <int dim, typename Pairs>
-void add_pairs(const Domain<dim> &domain, const Pairs &pairs, const std::vector<Response<dim>> &responses,
-               const dealii::FEValues<dim> &cell_values, dealii::FullMatrix<double> &tangent)
+template <int dim>
+void CellTerms<dim>::add_pairs(dealii::FullMatrix<double> &tangent)
 {
-  static thread_local TangentScratch scratch;
-  const CellLayout<dim> &layout = domain.layout();
-  scratch.enter_cell(domain, cell_values);
   for (const auto &[c, d, index, coupling] : pairs) {
     const bool is_from_symmetry = is_symmetric(domain, c, d);
     if (is_from_symmetry && d < c)
       continue; // it has been copied
-    const ShapeTable &rows = scratch.table(layout, c, coupling.in_source(), cell_values),
-                     &columns = scratch.table(layout, d, coupling.flux_by_value || coupling.source_by_value,
-                                              cell_values);
+    const ShapeTable &rows = tables.table(layout, c, coupling.in_source(), cell_values),
+                     &columns = tables.table(layout, d, coupling.flux_by_value || coupling.source_by_value,
+                                             cell_values);
     const unsigned int n_entries = rows.n_directions * columns.n_directions;
-    scratch.derivatives.resize(responses.size() * n_entries);
+    derivatives.resize(responses.size() * n_entries);
     for (unsigned int q = 0; q < responses.size(); ++q)
-      fill_derivatives(responses[q], index, coupling, scratch.JxW[q], rows.n_directions, columns.n_directions,
-                       &scratch.derivatives[q * n_entries]);
-    add_cell_matrix(rows, columns, scratch.derivatives, is_from_symmetry && c == d,
+      fill_derivatives(responses[q], index, coupling, tables.JxW[q], rows.n_directions, columns.n_directions,
+                       &derivatives[q * n_entries]);
+    add_cell_matrix(rows, columns, derivatives, is_from_symmetry && c == d,
                     &tangent(layout.first(c), layout.first(d)), tangent.n());
     if (is_from_symmetry && c != d)
       copy_transposed(layout.n_nodes(c), layout.n_nodes(d), &tangent(layout.first(c), layout.first(d)),
                       &tangent(layout.first(d), layout.first(c)), tangent.n());
   }
 }
-
-} // namespace
 
 template <int dim>
 void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
@@ -594,7 +589,7 @@ void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
     tangent = uniform_tangent;
     return;
   }
-  add_pairs(domain, pairs, responses, cell_values, tangent);
+  add_pairs(tangent);
   has_uniform_tangent = is_uniform;
   if (is_uniform) {
     uniform_tangent = tangent;

@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/material/invariant_law.h>
+#include <dovetail/widest_vectors.h>
 
 #include <boost/container/static_vector.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -79,19 +80,22 @@ struct InvariantKinematics
   /// Add c d²I_k/dF².
   void add_derivative_of_N(const unsigned int k, const double c, Tensor<4, 3> &D) const
   {
+    if (k == 0) {
+      double *const entries = &D[0][0][0][0];
+      for (unsigned int iJ = 0; iJ < 9; ++iJ)
+        entries[10 * iJ] += 2 * c;
+      return;
+    }
     for (unsigned int i = 0; i < 3; ++i)
       for (unsigned int J = 0; J < 3; ++J)
-        if (k == 0)
-          D[i][J][i][J] += 2 * c;
-        else
-          for (unsigned int m = 0; m < 3; ++m) {
-            for (unsigned int N = 0; N < 3; ++N)
-              D[i][J][m][N] += 2 * c * (2 * F[i][J] * F[m][N] - F[i][N] * F[m][J]);
-            D[i][J][i][m] -= 2 * c * C[J][m];
-            D[i][J][m][J] -= 2 * c * b[i][m];
-            if (i == m)
-              D[i][J][m][J] += 2 * c * invariants[0].I;
-          }
+        for (unsigned int m = 0; m < 3; ++m) {
+          for (unsigned int N = 0; N < 3; ++N)
+            D[i][J][m][N] += 2 * c * (2 * F[i][J] * F[m][N] - F[i][N] * F[m][J]);
+          D[i][J][i][m] -= 2 * c * C[J][m];
+          D[i][J][m][J] -= 2 * c * b[i][m];
+          if (i == m)
+            D[i][J][m][J] += 2 * c * invariants[0].I;
+        }
   }
 
   /// Add c d²(w:N_2)/dF², which is zero for the first invariant.
@@ -149,20 +153,32 @@ void add_symmetric_product(const Tensor<2, 3> &A, const Tensor<2, 3> &B, Tensor<
           D[i][J][m][N] += A[i][J] * B[m][N] + B[i][J] * A[m][N];
 }
 
-/// D_iJmN = A_iJ Q_mN + Q_iJ B_mN + c Q_iN Q_mJ
+/// D_iJmN = A_iJ Q_mN + Q_iJ B_mN + c Q_iN Q_mJ, in rows of the nine mN.
+DOVETAIL_WIDEST_VECTORS void set_products(const double *const __restrict__ Q,
+                                          const double *const __restrict__ A,
+                                          const double *const __restrict__ B, const double c,
+                                          double *const __restrict__ D)
+{
+  double of_i[3][9], of_J[3][9]; // Q_iN and c Q_mJ
+  for (unsigned int a = 0; a < 3; ++a)
+    for (unsigned int m = 0; m < 3; ++m)
+      for (unsigned int N = 0; N < 3; ++N) {
+        of_i[a][3 * m + N] = Q[3 * a + N];
+        of_J[a][3 * m + N] = c * Q[3 * m + a];
+      }
+  for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int J = 0; J < 3; ++J) {
+      const double A_iJ = A[3 * i + J], Q_iJ = Q[3 * i + J];
+      double *const __restrict__ row = D + 9 * (3 * i + J);
+      for (unsigned int k = 0; k < 9; ++k)
+        row[k] = A_iJ * Q[k] + Q_iJ * B[k] + of_J[J][k] * of_i[i][k];
+    }
+}
+
 void set_products_with_Q(const Tensor<2, 3> &Q, const Tensor<2, 3> &A, const Tensor<2, 3> &B, const double c,
                          Tensor<4, 3> &D)
 {
-  for (unsigned int i = 0; i < 3; ++i)
-    for (unsigned int J = 0; J < 3; ++J) {
-      const double A_iJ = A[i][J], Q_iJ = Q[i][J];
-      for (unsigned int m = 0; m < 3; ++m) {
-        const double across = c * Q[m][J];
-        Tensor<1, 3> &row = D[i][J][m];
-        for (unsigned int N = 0; N < 3; ++N)
-          row[N] = A_iJ * Q[m][N] + Q_iJ * B[m][N] + across * Q[i][N];
-      }
-    }
+  set_products(&Q[0][0], &A[0][0], &B[0][0], c, &D[0][0][0][0]);
 }
 
 /// D_iJmN = A_iJ Q_mN + Q_iJ B_mN + Q_iN S_mJ + T_iN Q_mJ

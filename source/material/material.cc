@@ -136,9 +136,9 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
   std::fill(response.flux.begin(), response.flux.end(), Tensor<1, dim>());
   std::fill(response.source.begin(), response.source.end(), 0.);
   if (with_derivatives) {
-    for (const unsigned int pair : flux_pairs) {
-      response.by_gradient[pair] = 0;
-      response.by_value[pair] = 0;
+    if (!flux_pairs.empty()) { // one range is faster than many small ones
+      std::fill_n(&response.by_gradient[0][0][0], response.by_gradient.size() * dim * dim, 0.);
+      std::fill_n(&response.by_value[0][0], response.by_value.size() * dim, 0.);
     }
     for (const unsigned int pair : source_pairs) {
       response.source_by_gradient[pair] = 0;

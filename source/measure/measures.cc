@@ -67,11 +67,12 @@ void add_squares(const Domain<dim> &domain, const Field &field, const ExactSolut
   const double dV = domain.measure(values, q);
   for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
     const double B = exact.value[c][q], error = state.value[c] - B;
-    const dealii::Tensor<1, dim> &gradient = exact.gradient[c][q];
+    const dealii::Tensor<1, dim> &gradient = exact.gradient[c][q],
+                                 difference = state.gradient[c] - gradient;
     squares.norm += B * B * dV;
     squares.error += error * error * dV;
-    squares.norm_of_gradient += gradient.norm_square() * dV;
-    squares.error_of_gradient += (state.gradient[c] - gradient).norm_square() * dV;
+    squares.norm_of_gradient += (gradient * gradient) * dV;
+    squares.error_of_gradient += (difference * difference) * dV;
   }
   if (domain.measure.has_hoop_strain(field)) { // u_r/r belongs to the gradient
     const double r = values.quadrature_point(q)[0], u = exact.value[field.first_component][q];
@@ -169,8 +170,9 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
       domain.cell_dofs(cell, dofs);
       gather(solution, dofs, unknowns);
       exact.evaluate(domain, values.get_quadrature_points(), t);
+      point.enter(values, unknowns);
       for (const unsigned int q : values.quadrature_point_indices()) {
-        point.reinit(values, q, unknowns);
+        point.go_to(q);
         for (unsigned int f = 0; f < fields.size(); ++f)
           if (!exact.value[fields[f].first_component].empty())
             add_squares(domain, fields[f], exact, point.state, values, q, squares[f]);

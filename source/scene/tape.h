@@ -7,6 +7,9 @@
 
 #include <dovetail/scene/monotone_cubic.h>
 
+#include <cstdint>
+#include <cstring>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -47,6 +50,10 @@ public:
   /// Those whose argument depends on @p variable and on no other one.
   std::vector<Table> tables_in(unsigned int variable);
 
+  /// What its size does not exceed where those of the variables do not exceed @p largest: infinite if no
+  /// bound is known, as of a quotient.
+  double bound(unsigned int formula, const std::vector<double> &largest) const;
+
   /// Its value if it is a number, whatever the variables.
   std::optional<double> constant(unsigned int formula) const;
 
@@ -81,6 +88,7 @@ private:
     const char *name;
     double (*value)(double);
     Number (*slope)(Tape &tape, Number a);
+    double bound = std::numeric_limits<double>::infinity(); ///< of |f|
   };
 
   /// What a function was last at an argument.
@@ -110,7 +118,13 @@ private:
   };
 
   static constexpr unsigned int log2_of_n_known = 5;
-  static std::size_t place_of(double argument); ///< among what is known
+  /// Among what is known: from the bits of the argument, mixed by the golden ratio (Knuth 1973, section 6.4).
+  static std::size_t place_of(const double argument)
+  {
+    std::uint64_t bits;
+    std::memcpy(&bits, &argument, sizeof bits);
+    return (bits * 0x9E3779B97F4A7C15u) >> (64 - log2_of_n_known);
+  }
 
   unsigned int add_formula(Number node);
   Number add_node(Node node);
@@ -126,6 +140,7 @@ private:
   Number derivative(Number node, unsigned int variable, std::vector<std::optional<Number>> &known);
   Number derivative_of_power(Number node, unsigned int variable, std::vector<std::optional<Number>> &known);
   bool is_constant(Number node, double value) const;
+  double bound(const Node &node, const std::vector<double> &largest, const std::vector<double> &of) const;
   static double value_of(Operation operation, double first, double second);
   void evaluate(Node &node);
   void evaluate_function(Node &node, const std::vector<double> &arguments);

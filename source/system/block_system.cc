@@ -1001,6 +1001,8 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+      if (with_tangent && positions[d])
+        positions[d]->prefetch(cell->active_cell_index());
       if (!cell_terms[d]->assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr)) {
         note_undefined("domain " + domain.name + ", the cell around " + in_words(cell->center()));
         return false;
@@ -1168,6 +1170,7 @@ void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_ind
   row_sums.assign(dofs.size(), 0.);
   if (with_tangent)
     add_up_sizes(dofs.size(), &local_matrix(0, 0), unknowns.data(), row_sums.data());
+  unsigned int block = 0; // that of the unknown before, most often
   for (unsigned int i = 0; i < dofs.size(); ++i) {
     const double row_sum = row_sums[i];
     const auto add = [&](const unsigned int block, const double weight) {
@@ -1177,7 +1180,9 @@ void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_ind
       sizes.products[block] += weight * weight * row_sum * row_sum;
       sizes.tangents[block] += longest_sum * weight * weight * row_sum * row_sum;
     };
-    const unsigned int block = model.numbering->block_of(dofs[i]);
+    const Block &before = model.numbering->blocks()[block];
+    if (dofs[i] < before.begin || dofs[i] >= before.end)
+      block = model.numbering->block_of(dofs[i]);
     if (!update_constraints.is_constrained(dofs[i]))
       add(block, 1.);
     else {

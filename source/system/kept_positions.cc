@@ -164,6 +164,24 @@ double diagonal_of_prescribed(const dealii::FullMatrix<double> &local_matrix, co
 } // namespace
 
 template <int dim>
+void KeptPositions<dim>::prefetch(const unsigned int cell_index) const
+{
+  if (way[cell_index] != Way::kept)
+    return;
+  const int *const row_of_dof = &all_rows[std::size_t(cell_index) * n_local];
+  const std::uint16_t *kept = &positions[std::size_t(cell_index) * nodes.size() * nodes.size()];
+  const Rows entries = rows();
+  for (const auto &node : nodes) {
+    for (const unsigned int i : node) {
+      const double *const row = entries.values + entries.first[row_of_dof[i]];
+      for (unsigned int b = 0; b < nodes.size(); ++b)
+        __builtin_prefetch(row + kept[b], 1);
+    }
+    kept += nodes.size();
+  }
+}
+
+template <int dim>
 bool KeptPositions<dim>::add(const unsigned int cell_index, const std::vector<Index> &dofs,
                              const dealii::AffineConstraints<double> &constraints,
                              const dealii::FullMatrix<double> &local_matrix,

@@ -43,6 +43,11 @@ public:
   /// Point @p q of a cell or of its face, of the layout's shape_element(), with the cell's unknowns in the
   /// order component, node.
   void reinit(const dealii::FEValuesBase<dim> &values, unsigned int q, const std::vector<double> &unknowns);
+  /// All points of @p values at once, which is faster: evaluate the traces and gradients there. go_to() then
+  /// makes the state of one of them; shape_values() and shape_gradients() are those of the last reinit().
+  /// @p values must live, and stay at its cell, until the last go_to().
+  void enter(const dealii::FEValuesBase<dim> &values, const std::vector<double> &unknowns);
+  void go_to(unsigned int q);
   /// A point X anywhere in that cell, where the shape functions of the layout have these values and
   /// gradients.
   void reinit(const dealii::Point<dim> &X, const double *shape_values,
@@ -51,9 +56,10 @@ public:
   /// gradients stay.
   void move_to_node(unsigned int a, const std::vector<double> &unknowns);
   /// The response at the state; @return false if a law is not defined there.
-  bool evaluate(const bool with_derivatives)
+  bool evaluate(const bool with_derivatives) { return evaluate(with_derivatives, response); }
+  bool evaluate(const bool with_derivatives, Response<dim> &result) const
   {
-    return domain.material.evaluate(state, with_derivatives, response);
+    return domain.material.evaluate(state, with_derivatives, result);
   }
 
   /// Material::evaluate_storage() into a response of its own, beside that of evaluate().
@@ -78,9 +84,15 @@ public:
 
 private:
   void remember(); ///< at the state's X
+  void set_position(const dealii::Point<dim> &X);
   /// Of each component that stores by @p at (numbers of the cell's unknowns, component).
   template <typename Function>
   void evaluate_rates(const Function &at);
+
+  const dealii::FEValuesBase<dim> *points = nullptr; ///< of enter()
+  std::vector<double> values_at_points;              ///< [component][point]
+  std::vector<dealii::Tensor<1, dim>> gradients_at_points;
+  std::vector<const double *> rows; ///< scratch
 
   std::vector<double> shape;
   std::vector<dealii::Tensor<1, dim>> gradient;

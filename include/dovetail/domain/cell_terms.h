@@ -8,13 +8,16 @@
 #include <dovetail/domain/cell_operator.h>
 #include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/open_boundary.h>
+#include <dovetail/domain/point_products.h>
 
 #include <deal.II/base/table.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/full_matrix.h>
 
 #include <cmath>
+#include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -114,13 +117,14 @@ private:
     force_sizes[i] += std::abs(contribution);
   }
 
+  void enter(const typename Domain<dim>::cell_iterator &cell); ///< its points
   void enter_without_tangent(const typename Domain<dim>::cell_iterator &cell, double t);
   void add_source(double t, std::vector<double> &residual);
   void add_body_force(double t, const std::vector<double> &unknowns, std::vector<double> &residual,
                       dealii::FullMatrix<double> *tangent);
   /// The response of the laws at the current point.
-  void add_flux(double JxW, std::vector<double> &residual);
-  void add_source_of_laws(double JxW, std::vector<double> &residual);
+  void add_fluxes(std::vector<double> &residual); ///< at all points
+  void add_source_of_laws(const Response<dim> &response, double JxW, std::vector<double> &residual);
   void find_rates(const typename Domain<dim>::cell_iterator &cell);
   /// Where capacity is lumped the laws see no rates of scalars: see add_lumped_storage().
   void hide_lumped_rates();
@@ -134,6 +138,7 @@ private:
                            dealii::FullMatrix<double> *tangent);
   /// The terms of the fluxes' derivatives, or those of the cell before if nothing can have changed.
   void add_tangent(dealii::FullMatrix<double> &tangent);
+  void add_pairs(dealii::FullMatrix<double> &tangent);
   bool has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const;
   bool has_operator(unsigned int component) const;
   template <typename Visit>
@@ -159,7 +164,24 @@ private:
   dealii::FEValues<dim> cell_values;
   OpenBoundary<dim> open_boundary;
   CellPoints<dim> point;
-  std::vector<Response<dim>> responses; ///< at the points of a cell whose tangent is asked for
+  std::vector<Response<dim>> responses;       ///< at the points of a cell whose tangent is asked for
+  std::vector<dealii::Tensor<1, dim>> fluxes; ///< [component][point], times the weights of the points
+  /// The shape functions of a component at all points. Those of a cell that was only moved stay.
+  struct Tables
+  {
+    void enter_cell(const Domain<dim> &domain, const dealii::FEValues<dim> &cell_values);
+    const ShapeTable &table(const CellLayout<dim> &layout, unsigned int component, bool with_value,
+                            const dealii::FEValues<dim> &cell_values);
+
+    struct Table : ShapeTable
+    {
+      bool is_of_this_cell = false;
+    };
+    std::map<std::pair<unsigned int, bool>, Table> all; ///< by first shape, with values
+    std::vector<double> JxW;                            ///< of the points
+  };
+  Tables tables;
+  std::vector<double> derivatives; // scratch
   /// Of the last cell whose points all had one and the same tangent of the laws.
   dealii::FullMatrix<double> uniform_tangent;
   Response<dim> uniform_response;

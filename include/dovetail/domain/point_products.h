@@ -23,6 +23,9 @@ struct PointTerm
 void add_at_points(const std::vector<PointTerm> &terms, std::size_t n, const double *A, const double *x,
                    double *y);
 
+/// y[i] = sum_a x[a] rows[a][i] for all a < @p n_rows and i < @p n.
+void combine_rows(unsigned int n_rows, const double *const *rows, const double *x, std::size_t n, double *y);
+
 /// sums[i] = sum_j |A_ij x_j| of the n x n matrix A.
 void add_up_sizes(std::size_t n, const double *A, const double *x, double *sums);
 
@@ -37,10 +40,18 @@ struct ShapeTable
   {
     return values.data() + (std::size_t(q) * n_directions + direction) * stride;
   }
+  const double *row(const unsigned int q, const unsigned int direction) const
+  {
+    return values.data() + (std::size_t(q) * n_directions + direction) * stride;
+  }
 
   unsigned int n_points = 0, n_directions = 0, n_functions = 0, stride = 0;
   std::vector<double> values;
 };
+
+/// sums[a] += sum_q f_a(q) and sizes[a] += sum_q |f_a(q)| with f_a(q) = grad phi_a(q) . A(q), for the flux
+/// @p A [point][direction] times the weight of the point.
+void add_forces(const ShapeTable &gradients, const double *A, double *sums, double *sizes);
 
 /// C_ab += sum_q phi_a(q)^T D(q) phi_b(q), with @p D [point][direction of phi_a][direction of phi_b] and rows
 /// of C that begin @p row_length apart. @p is_symmetric: so is C, and each pair of blocks is computed once.

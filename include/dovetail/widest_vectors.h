@@ -18,3 +18,6 @@
 #else
 #define DOVETAIL_WIDEST_VECTORS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #endif
+
+/// What such a function calls becomes part of it, or it would keep the vectors of all processors.
+#define DOVETAIL_PART_OF_CALLER inline __attribute__((always_inline))

@@ -1,99 +1,198 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/domain/point_products.h>
-
 #include <dovetail/domain/cell_operator.h>
 
-#include <deal.II/base/aligned_vector.h>
-#include <deal.II/base/quadrature_lib.h>
-#include <deal.II/fe/fe_dgq.h>
+#include <dovetail/domain/sum_factorisation.h>
+
+#include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_tools.h>
-#include <deal.II/fe/mapping_q1.h>
-#include <deal.II/grid/grid_generator.h>
-#include <deal.II/matrix_free/fe_evaluation.h>
-#include <deal.II/matrix_free/matrix_free.h>
+#include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace dovetail {
 
 namespace {
 
-using Lanes = dealii::VectorizedArray<double>;
-using dealii::internal::MatrixFreeFunctions::GeometryType;
-
+/// The cells of a domain that this rank owns, by batch and lane, and their geometry; shared by copies. With
+/// grad phi = J grad phi of the unit cell, dV = |det J|^-1 times the weight of a point.
 template <int dim>
-void reinit(dealii::MatrixFree<dim, double> &matrix_free, const dealii::Mapping<dim> &mapping,
-            const dealii::DoFHandler<dim> &nodes, const unsigned int degree)
+class Cells
 {
-  typename dealii::MatrixFree<dim, double>::AdditionalData data;
-  data.tasks_parallel_scheme = dealii::MatrixFree<dim, double>::AdditionalData::none;
-  data.mapping_update_flags = dealii::update_gradients | dealii::update_JxW_values;
-  dealii::AffineConstraints<double> none;
-  none.close();
-  matrix_free.reinit(mapping, nodes, none, dealii::QGauss<1>(degree + 1), data);
-}
-
-/// Which cell a batch of the loop has in a lane, and the geometry of all; shared by copies.
-template <int dim>
-struct Cells
-{
+public:
   explicit Cells(const Domain<dim> &domain);
 
-  unsigned int n_slots() const { return matrix_free.n_cell_batches() * Lanes::size(); }
+  using Cell = typename dealii::Triangulation<dim>::active_cell_iterator;
+  /// Of a batch: J is diagonal and the same at all points, the same at all points, or any.
+  enum Kind { cartesian, affine, general };
+  static constexpr unsigned int volume = dim * dim, n_entries = volume + 1; ///< J by row, dV
+
+  unsigned int n_batches() const { return n_slots() / Lanes::size; }
+  unsigned int n_slots() const { return cells.size(); }
   bool is_filled(const unsigned int slot) const
   {
-    return slot % Lanes::size() < matrix_free.n_active_entries_per_cell_batch(slot / Lanes::size());
+    return cells[slot].state() == dealii::IteratorState::valid;
   }
-  typename dealii::Triangulation<dim>::active_cell_iterator cell(const unsigned int slot) const
+  const Cell &cell(const unsigned int slot) const { return cells[slot]; }
+  unsigned int slot(const unsigned int active_cell_index) const { return slot_of_cell[active_cell_index]; }
+  Kind kind(const unsigned int batch) const
   {
-    return matrix_free.get_cell_iterator(slot / Lanes::size(), slot % Lanes::size());
+    return batch < first_batch[affine] ? cartesian : batch < first_batch[general] ? affine : general;
   }
+  /// [entry], without the weights of the points; of a general batch [entry][point], with them.
+  const Lanes *geometry(const unsigned int batch) const
+  {
+    const std::size_t first = first_batch[general];
+    return &entries[batch < first ? batch * n_entries
+                                  : (first + (batch - first) * weights.size()) * n_entries];
+  }
+  /// Whether the cells in two lanes of batches that are not general have the same J.
+  bool are_equal(unsigned int slot, unsigned int other) const;
 
-  /// The functions of the domain's element by cell; nothing is shared between cells, and so the numbers of
-  /// unknowns are contiguous. Those of the domain itself may belong to any number of fields and ranks.
-  dealii::FE_DGQ<dim> element;
-  dealii::DoFHandler<dim> nodes;
-  dealii::MatrixFree<dim, double> matrix_free;
-  std::vector<unsigned int> slot_of_cell; ///< by active cell index
+  std::vector<double> weights; ///< by point
+
+private:
+  void add(Kind kind, const std::vector<std::pair<Cell, std::vector<double>>> &of_kind);
+
+  std::vector<Cell> cells; ///< by slot
+  std::vector<unsigned int> slot_of_cell;
+  std::array<unsigned int, 3> first_batch{};
+  std::vector<Lanes> entries;
 };
 
 template <int dim>
-Cells<dim>::Cells(const Domain<dim> &domain) : element(domain.degree), nodes(domain.mesh())
+Cells<dim>::Cells(const Domain<dim> &domain)
+    : weights(domain.cell_quadrature().get_weights()), slot_of_cell(domain.mesh().n_active_cells())
 {
-  nodes.distribute_dofs(element);
-  reinit(matrix_free, domain.mapping(), nodes, domain.degree);
-  slot_of_cell.assign(domain.mesh().n_active_cells(), dealii::numbers::invalid_unsigned_int);
-  for (unsigned int slot = 0; slot < n_slots(); ++slot)
-    if (is_filled(slot))
-      slot_of_cell[cell(slot)->active_cell_index()] = slot;
+  const double small = 1e-12; // rounding
+  const unsigned int n_points = weights.size();
+  const dealii::FE_Q<dim> element(1);
+  dealii::FEValues<dim> values(domain.mapping(), element, domain.cell_quadrature(),
+                               dealii::update_inverse_jacobians | dealii::update_JxW_values);
+  std::array<std::vector<std::pair<Cell, std::vector<double>>>, 3> by_kind;
+  for (const Cell &cell : domain.mesh().active_cell_iterators()) {
+    if (!cell->is_locally_owned())
+      continue;
+    values.reinit(cell);
+    std::vector<double> all(n_entries * n_points);
+    for (unsigned int q = 0; q < n_points; ++q) {
+      for (unsigned int j = 0; j < dim; ++j)
+        for (unsigned int l = 0; l < dim; ++l)
+          all[(j * dim + l) * n_points + q] = values.inverse_jacobian(q)[l][j];
+      all[volume * n_points + q] = values.JxW(q) / weights[q];
+    }
+    double size = 0, variation = 0, off_diagonal = 0;
+    for (unsigned int e = 0; e < volume; ++e)
+      for (unsigned int q = 0; q < n_points; ++q) {
+        const double entry = all[e * n_points + q], first = all[e * n_points];
+        size = std::max(size, std::abs(entry));
+        variation = std::max(variation, std::abs(entry - first));
+        off_diagonal = std::max(off_diagonal, e / dim != e % dim ? std::abs(entry) : 0.);
+      }
+    const Kind kind = variation > small * size ? general : off_diagonal > small * size ? affine : cartesian;
+    for (unsigned int e = 0; kind != general && e < n_entries; ++e)
+      all[e] = kind == cartesian && e < volume && e / dim != e % dim ? 0 : all[e * n_points];
+    for (unsigned int q = 0; kind == general && q < n_points; ++q)
+      all[volume * n_points + q] *= weights[q];
+    all.resize(kind == general ? all.size() : n_entries);
+    all.shrink_to_fit();
+    by_kind[kind].emplace_back(cell, std::move(all));
+  }
+  for (const Kind kind : {cartesian, affine, general}) {
+    first_batch[kind] = n_batches();
+    add(kind, by_kind[kind]);
+  }
 }
 
-/// The element on unit cells, one for each lane: gradients in the cell's own coordinates.
+/// What fills up the last batch has no extent.
 template <int dim>
-struct UnitCells
+void Cells<dim>::add(const Kind kind, const std::vector<std::pair<Cell, std::vector<double>>> &of_kind)
 {
-  explicit UnitCells(unsigned int degree);
+  const std::size_t n = n_entries * (kind == general ? weights.size() : 1);
+  for (unsigned int k = 0; k < of_kind.size(); ++k) {
+    if (k % Lanes::size == 0)
+      entries.resize(entries.size() + n);
+    for (std::size_t i = 0; i < n; ++i)
+      entries[entries.size() - n + i][k % Lanes::size] = of_kind[k].second[i];
+    slot_of_cell[of_kind[k].first->active_cell_index()] = cells.size();
+    cells.push_back(of_kind[k].first);
+  }
+  cells.resize((cells.size() + Lanes::size - 1) / Lanes::size * Lanes::size);
+}
 
-  dealii::Triangulation<dim> mesh;
-  dealii::DoFHandler<dim> nodes;
-  dealii::MatrixFree<dim, double> matrix_free;
+template <int dim>
+bool Cells<dim>::are_equal(const unsigned int slot, const unsigned int other) const
+{
+  const double small = 1e-12;
+  const Lanes *a = geometry(slot / Lanes::size), *b = geometry(other / Lanes::size);
+  double size = 0, difference = 0;
+  for (unsigned int e = 0; e < n_entries; ++e) {
+    const double mine = a[e][slot % Lanes::size], its = b[e][other % Lanes::size];
+    if (e == volume)
+      return difference <= small * size && std::abs(mine - its) <= small * std::abs(mine);
+    size = std::max(size, std::abs(mine));
+    difference = std::max(difference, std::abs(mine - its));
+  }
+  return false;
+}
+
+/// The part of P in one cell, by column.
+struct LocalProlongation
+{
+  struct Entry
+  {
+    unsigned int column, row;
+    double weight;
+  };
+  std::vector<int> columns; ///< of P, as the rows come upon them, so that most cells have the same entries
+  std::vector<Entry> entries;
+  std::vector<unsigned int> first_entry; ///< of each column, and one behind the last
+
+  /// @p row_of_P(i) for the @p n unknowns of the cell
+  template <typename RowOfP>
+  void reinit(unsigned int n, const RowOfP &row_of_P);
+  bool has_entries_of(const LocalProlongation &other) const;
 };
 
-template <int dim>
-UnitCells<dim>::UnitCells(const unsigned int degree) : nodes(mesh)
+template <typename RowOfP>
+void LocalProlongation::reinit(const unsigned int n, const RowOfP &row_of_P)
 {
-  dealii::Point<dim> far;
-  std::vector<unsigned int> n_cells(dim, 1);
-  n_cells[0] = Lanes::size();
-  for (unsigned int d = 0; d < dim; ++d)
-    far[d] = n_cells[d];
-  dealii::GridGenerator::subdivided_hyper_rectangle(mesh, n_cells, dealii::Point<dim>(), far);
-  nodes.distribute_dofs(dealii::FE_DGQ<dim>(degree));
-  reinit(matrix_free, dealii::MappingQ1<dim>(), nodes, degree);
+  columns.clear();
+  entries.clear();
+  for (unsigned int i = 0; i < n; ++i) {
+    const auto row = row_of_P(i);
+    for (int k = 0; k < row.n; ++k) {
+      const auto place = std::find(columns.begin(), columns.end(), row.columns[k]);
+      entries.push_back({static_cast<unsigned int>(place - columns.begin()), i, row.weights[k]});
+      if (place == columns.end())
+        columns.push_back(row.columns[k]);
+    }
+  }
+  first_entry.assign(columns.size() + 1, 0);
+  for (const Entry &entry : entries)
+    ++first_entry[entry.column + 1];
+  std::partial_sum(first_entry.begin(), first_entry.end(), first_entry.begin());
+  std::vector<unsigned int> next(first_entry);
+  std::vector<Entry> by_column(entries.size());
+  for (const Entry &entry : entries)
+    by_column[next[entry.column]++] = entry;
+  entries = std::move(by_column);
+}
+
+bool LocalProlongation::has_entries_of(const LocalProlongation &other) const
+{
+  const double rounding = 1e-14;
+  return columns.size() == other.columns.size() &&
+         std::equal(entries.begin(), entries.end(), other.entries.begin(), other.entries.end(),
+                    [rounding](const Entry &a, const Entry &b) {
+                      return a.column == b.column && a.row == b.row &&
+                             std::abs(a.weight - b.weight) <= rounding;
+                    });
 }
 
 template <int dim, int n_components>
@@ -119,23 +218,21 @@ public:
 
 private:
   static constexpr unsigned int n_slopes = n_components * dim; ///< of the gradient
-  using Evaluation = dealii::FEEvaluation<dim, -1, 0, n_components, double>;
-  using Array = dealii::AlignedVector<Lanes>;
+  using Array = std::vector<Lanes>;
 
   /// What products need beside the operator.
   struct Work
   {
     explicit Work(const CellOperatorOf &K)
-        : cell(K.cells->matrix_free), unit(K.unit_cells->matrix_free), state(K.n_state * K.n_points),
-          response(state), in_space(state), flux_in_space(state), J((dim * dim + 1) * K.n_points), JxW_J(J)
+        : coefficients(n_components * K.n_nodes), state((n_slopes + n_components) * K.n_points),
+          response(state), in_space(state), flux_in_space(state)
     {
-      unit.reinit(0);
     }
-    Evaluation cell, unit;
-    Array state, response, in_space, flux_in_space; ///< [slope, or value][point]
-    /// grad phi = J grad phi of the unit cell, and 1 for the value: [entry][point]; and JxW times that
-    Array J, JxW_J;
-    bool is_cartesian = false;
+    Array coefficients;                             ///< [component][lexicographic node]
+    Array state, response, in_space, flux_in_space; ///< [slope, then value][point]
+    Array T;                                        ///< of a batch of affine cells: [entry]
+    unsigned int batch_of_T = dealii::numbers::invalid_unsigned_int;
+    Array J; ///< of a batch of any cells: [entry][point], dV times it, then 1 and dV
   };
 
   // Derivatives at a point of the flux, then of the source, by the gradient, then by the value. Of A there is
@@ -150,19 +247,25 @@ private:
   {
     return tangents[(std::size_t(batch) * n_entries + entry) * n_points + q];
   }
+  /// Of the i-th unknown of a cell, in the index.
+  std::size_t place(const unsigned int slot, const unsigned int i) const
+  {
+    return (std::size_t(slot / Lanes::size) * n_components * n_nodes + i) * Lanes::size + slot % Lanes::size;
+  }
   template <typename Visit>
   void for_each_dof(const Visit &visit) const;
   void make_terms();
-  void multiply_at_points(Work &work, unsigned int batch, bool of_symmetric_part) const;
-  void find_slopes();
-  const Lanes *state(Work &work) const;
-  void submit(Work &work, bool with_values) const;
-  void start(Work &work, unsigned int batch) const;
-  void read_geometry(Work &work) const;
-  void refer_to_unit_cell(const Evaluation &cell, unsigned int q, const Lanes *T,
-                          std::vector<Lanes> &result) const;
+  void multiply(Work &work, unsigned int batch, bool of_symmetric_part) const;
+  void refer_to_unit_cells(Work &work, unsigned int batch) const;
+  void refer_to_unit_cell(const Lanes *J, std::size_t stride, const Lanes *T, std::size_t stride_of_T,
+                          Array &result) const;
   void refer_to_unit_cells();
+  void gather(const double *x, unsigned int batch, Array &local) const;
   void expand();
+  void find_columns(const typename CellOperator<dim>::Prolongation &P, unsigned int slot,
+                    LocalProlongation &local) const;
+  void restrict_batch(Work &work, unsigned int batch, const std::array<LocalProlongation, Lanes::size> &P,
+                      std::array<dealii::FullMatrix<double>, Lanes::size> &products) const;
 
   const Domain<dim> &domain;
   const Field field;
@@ -170,26 +273,29 @@ private:
   unsigned int n_of_A, n_state, n_entries, n_nodes, n_points;
   std::vector<unsigned int> entry_numbers;
   std::shared_ptr<const Cells<dim>> cells;
-  std::shared_ptr<const UnitCells<dim>> unit_cells;
-  std::vector<unsigned int> place_of_slope; ///< [slope][point] of phi.begin_gradients()
-  bool slopes_are_in_order = true;
-  std::vector<unsigned int> hierarchic;    ///< number in the domain's element of a lexicographic node
-  std::shared_ptr<std::vector<int>> index; ///< [slot][component][lexicographic node]; shared by copies
+  LineTable line;
+  std::vector<unsigned int> hierarchic; ///< number in the domain's element of a lexicographic node
+  /// [batch][component][lexicographic node][lane], where a lane without a cell repeats the first one; shared
+  /// by copies
+  std::shared_ptr<std::vector<int>> index;
   bool has_any = false, is_uniform = true;
   std::vector<double> entries; ///< scratch
-  /// Of one cell in space, if all points have the same; else of each batch and, once finished, in unit cells:
-  /// JxW J^T A J, JxW J^T V, JxW J^T W, JxW M.
+  /// Of one point in space, if all have the same: [entry]; else [batch][entry][point] and, once finished, in
+  /// unit cells: dV J^T A J, dV J^T V, dV J^T W, dV M.
   Array tangents;
-  std::vector<PointTerm> product, symmetric_product;          ///< of what is not zero
-  std::array<std::vector<PointTerm>, 2> to_space, from_space; ///< of any cell, of a Cartesian one
+  struct Products ///< of what is not zero
+  {
+    PointSums in_space, in_unit_cells;
+  };
+  std::array<Products, 2> products; ///< with K, with its symmetric part
+  PointSums to_space, from_space;
 };
 
 template <int dim, int n_components>
 CellOperatorOf<dim, n_components>::CellOperatorOf(const Domain<dim> &domain, const Field &field)
     : domain(domain), field(field), is_symmetric(true), has_values(false), has_sources(false),
       n_nodes(domain.layout().n_nodes(field.first_component)), n_points(domain.cell_quadrature().size()),
-      cells(std::make_shared<Cells<dim>>(domain)),
-      unit_cells(std::make_shared<UnitCells<dim>>(domain.degree)),
+      cells(std::make_shared<Cells<dim>>(domain)), line(domain.degree),
       hierarchic(dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(domain.degree)),
       index(std::make_shared<std::vector<int>>())
 {
@@ -209,21 +315,22 @@ CellOperatorOf<dim, n_components>::CellOperatorOf(const Domain<dim> &domain, con
   n_state = n_slopes + (has_values ? n_components : 0);
   n_entries = n_of_A + (has_values ? n_components * (2 * n_slopes + n_components) : 0);
   number_entries();
-  find_slopes();
   entries.resize(n_entries);
-  tangents.resize(n_entries * n_points);
-  for (const bool is_cartesian : {false, true})
-    for (unsigned int row = 0; row < n_state; ++row) {
-      const unsigned int c = row / dim, j = row % dim;
-      if (!is_slope(row))
-        to_space[is_cartesian].push_back({row, row, dim * dim, 1.});
-      for (unsigned int l = 0; is_slope(row) && l < dim; ++l)
-        if (l == j || !is_cartesian)
-          to_space[is_cartesian].push_back({row, c * dim + l, j * dim + l, 1.});
+  tangents.resize(n_entries);
+  // with what refer_to_unit_cells puts into Work::J
+  for (unsigned int row = 0; row < n_state; ++row) {
+    const unsigned int c = row / dim, j = row % dim;
+    if (!is_slope(row)) {
+      to_space.terms.push_back({row, 2 * dim * dim + 1, 1.});
+      from_space.terms.push_back({row, 2 * dim * dim, 1.});
     }
-  for (const unsigned int k : {0, 1})
-    for (const PointTerm &term : to_space[k])
-      from_space[k].push_back({term.from, term.to, term.entry, 1.});
+    for (unsigned int l = 0; is_slope(row) && l < dim; ++l) {
+      to_space.terms.push_back({c * dim + l, dim * dim + j * dim + l, 1.});
+      from_space.terms.push_back({c * dim + l, l * dim + j, 1.});
+    }
+    to_space.add_row();
+    from_space.add_row();
+  }
 }
 
 template <int dim, int n_components>
@@ -255,7 +362,7 @@ void CellOperatorOf<dim, n_components>::for_each_dof(const Visit &visit) const
       domain.cell_dofs(domain.dof_cell(cells->cell(slot)), dofs);
       for (unsigned int c = 0; c < n_components; ++c)
         for (unsigned int a = 0; a < n_nodes; ++a)
-          visit((slot * n_components + c) * n_nodes + a,
+          visit(place(slot, c * n_nodes + a),
                 dofs[domain.layout().index(field.first_component + c, hierarchic[a])]);
     }
 }
@@ -264,15 +371,18 @@ template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::for_each_unknown(
     const std::function<void(dealii::types::global_dof_index)> &visit) const
 {
-  for_each_dof([&](unsigned int, const auto dof) { visit(dof); });
+  for_each_dof([&](std::size_t, const auto dof) { visit(dof); });
 }
 
 template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::number(
     const std::function<int(dealii::types::global_dof_index)> &index_of)
 {
-  index->assign(cells->n_slots() * n_components * n_nodes, -1);
-  for_each_dof([&](const unsigned int i, const auto dof) { (*index)[i] = index_of(dof); });
+  index->assign(std::size_t(cells->n_slots()) * n_components * n_nodes, -1);
+  for_each_dof([&](const std::size_t i, const auto dof) { (*index)[i] = index_of(dof); });
+  for (std::size_t i = 0; i < index->size(); ++i)
+    if ((*index)[i] < 0)
+      (*index)[i] = (*index)[i - i % Lanes::size];
 }
 
 /// From now on each point has its own derivatives.
@@ -280,10 +390,11 @@ template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::expand()
 {
   const Array uniform(tangents);
-  const std::size_t n = cells->matrix_free.n_cell_batches();
-  tangents.resize_fast(n * uniform.size());
-  for (std::size_t batch = 0; batch < n; ++batch)
-    std::copy(uniform.begin(), uniform.end(), tangents.begin() + batch * uniform.size());
+  const std::size_t n = std::size_t(cells->n_batches()) * n_entries;
+  tangents.clear();
+  tangents.reserve(n * n_points);
+  for (std::size_t i = 0; i < n; ++i)
+    tangents.insert(tangents.end(), n_points, uniform[i % n_entries]);
   is_uniform = false;
 }
 
@@ -308,18 +419,18 @@ void CellOperatorOf<dim, n_components>::set_tangent(const unsigned int active_ce
     }
   if (is_uniform && !has_any)
     for (unsigned int e = 0; e < n_entries; ++e)
-      std::fill_n(&derivative(0, e, 0), n_points, Lanes(entries[e]));
+      tangents[e] = Lanes(entries[e]);
   has_any = true;
   bool is_same = is_uniform;
   for (unsigned int e = 0; is_same && e < n_entries; ++e)
-    is_same = entries[e] == derivative(0, e, 0)[0];
+    is_same = entries[e] == tangents[e][0];
   if (is_same)
     return;
   if (is_uniform)
     expand();
-  const unsigned int slot = cells->slot_of_cell[active_cell_index];
+  const unsigned int slot = cells->slot(active_cell_index);
   for (unsigned int e = 0; e < n_entries; ++e)
-    derivative(slot / Lanes::size(), e, q)[slot % Lanes::size()] = entries[e];
+    derivative(slot / Lanes::size, e, q)[slot % Lanes::size] = entries[e];
 }
 
 template <int dim, int n_components>
@@ -333,21 +444,26 @@ void CellOperatorOf<dim, n_components>::finish_tangent()
 template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::make_terms()
 {
-  product.clear();
-  symmetric_product.clear();
-  for (unsigned int row = 0; row < n_state; ++row)
-    for (unsigned int column = 0; column < n_state; ++column) {
-      const unsigned int entry = at(row, column), transposed = at(column, row);
-      const bool is_zero = is_uniform && tangents[entry * n_points][0] == 0;
-      if (!is_zero)
-        product.push_back({row, column, entry, 1.});
-      if (!is_zero && entry == transposed)
-        symmetric_product.push_back({row, column, entry, 1.});
-      else if (!is_zero) {
-        symmetric_product.push_back({row, column, entry, 0.5});
-        symmetric_product.push_back({column, row, entry, 0.5});
+  for (const bool of_symmetric_part : {false, true}) {
+    Products &all = products[of_symmetric_part];
+    all = {};
+    for (unsigned int row = 0; row < n_state; ++row) {
+      for (unsigned int column = 0; column < n_state; ++column) {
+        const unsigned int entry = at(row, column), transposed = at(column, row);
+        const auto add = [&](const unsigned int number, const double factor) {
+          all.in_unit_cells.terms.push_back({column, number, factor});
+          if (!is_uniform || tangents[number][0] != 0)
+            all.in_space.terms.push_back({column, number, factor});
+        };
+        const bool is_half = of_symmetric_part && entry != transposed;
+        add(entry, is_half ? 0.5 : 1.);
+        if (is_half)
+          add(transposed, 0.5);
       }
+      all.in_unit_cells.add_row();
+      all.in_space.add_row();
     }
+  }
 }
 
 template <int dim, int n_components>
@@ -366,144 +482,118 @@ void CellOperatorOf<dim, n_components>::add_tangent(const double factor, const C
     return;
   }
   for (std::size_t i = 0; i < tangents.size(); ++i)
-    tangents[i] += factor * summand.tangents[i];
+    tangents[i] += summand.tangents[i] * factor;
   make_terms();
 }
 
-/// The derivatives at a point, by the gradient in the unit cell and times the weight: with grad phi = J grad
-/// phi of the unit cell, JxW J^T A J, JxW J^T V, JxW J^T W, JxW M.
+/// The derivatives at a point, by the gradient in the unit cell and times dV: dV J^T A J, dV J^T V, dV J^T W,
+/// dV M. @p stride of the entries of J, and of T.
 template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::refer_to_unit_cell(const Evaluation &cell, const unsigned int q,
-                                                           const Lanes *T, std::vector<Lanes> &result) const
+void CellOperatorOf<dim, n_components>::refer_to_unit_cell(const Lanes *const J, const std::size_t stride,
+                                                           const Lanes *const T,
+                                                           const std::size_t stride_of_T, Array &result) const
 {
-  const dealii::Tensor<2, dim, Lanes> J = cell.inverse_jacobian(q);
-  const Lanes JxW = cell.JxW(q);
-  std::vector<Lanes> half(n_state * n_state); // T J
+  const Lanes &dV = J[Cells<dim>::volume * stride];
+  std::array<Lanes, (n_slopes + n_components) * (n_slopes + n_components)> half; // T J
   for (unsigned int row = 0; row < n_state; ++row)
-    for (unsigned int column = 0; column < n_state; ++column)
-      for (unsigned int j = 0; j < (is_slope(column) ? dim : 1); ++j) {
-        const unsigned int from = is_slope(column) ? column - column % dim + j : column;
-        half[row * n_state + column] +=
-            T[at(row, from) * n_points + q] * (is_slope(column) ? J[j][column % dim] : Lanes(1.));
+    for (unsigned int column = 0; column < n_state; ++column) {
+      Lanes &sum = half[row * n_state + column];
+      if (!is_slope(column)) {
+        sum = T[at(row, column) * stride_of_T];
+        continue;
       }
-  result.assign(n_entries, Lanes());
+      const unsigned int first = column - column % dim;
+      for (unsigned int j = 0; j < dim; ++j)
+        sum += T[at(row, first + j) * stride_of_T] * J[(j * dim + column % dim) * stride];
+    }
+  result.resize(n_entries);
   for (unsigned int row = 0; row < n_state; ++row)
-    for (unsigned int column = is_symmetric && is_slope(row) ? row : 0; column < n_state; ++column)
-      for (unsigned int j = 0; j < (is_slope(row) ? dim : 1); ++j) {
-        const unsigned int from = is_slope(row) ? row - row % dim + j : row;
-        result[at(row, column)] +=
-            JxW * half[from * n_state + column] * (is_slope(row) ? J[j][row % dim] : Lanes(1.));
-      }
+    for (unsigned int column = is_symmetric && is_slope(row) ? row : 0; column < n_state; ++column) {
+      Lanes sum;
+      if (is_slope(row))
+        for (unsigned int j = 0; j < dim; ++j)
+          sum += half[(row - row % dim + j) * n_state + column] * J[(j * dim + row % dim) * stride];
+      else
+        sum = half[row * n_state + column];
+      result[at(row, column)] = sum * dV;
+    }
 }
 
 template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::refer_to_unit_cells()
 {
-  Evaluation cell(cells->matrix_free);
-  std::vector<Lanes> at_point;
-  for (unsigned int batch = 0; batch < cells->matrix_free.n_cell_batches(); ++batch) {
-    cell.reinit(batch);
+  Array at_point;
+  for (unsigned int batch = 0; batch < cells->n_batches(); ++batch) {
+    const bool is_general = cells->kind(batch) == Cells<dim>::general;
     for (unsigned int q = 0; q < n_points; ++q) {
-      refer_to_unit_cell(cell, q, &derivative(batch, 0, 0), at_point);
+      refer_to_unit_cell(cells->geometry(batch) + (is_general ? q : 0), is_general ? n_points : 1,
+                         &derivative(batch, 0, q), n_points, at_point);
       for (unsigned int e = 0; e < n_entries; ++e)
-        derivative(batch, e, q) = at_point[e];
+        derivative(batch, e, q) = is_general ? at_point[e] : at_point[e] * cells->weights[q];
     }
   }
 }
 
-/// Where deal.II, which has moved it between its versions, keeps a gradient.
+/// What multiply needs of derivatives that are the same everywhere.
 template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::find_slopes()
+void CellOperatorOf<dim, n_components>::refer_to_unit_cells(Work &work, const unsigned int batch) const
 {
-  Evaluation phi(unit_cells->matrix_free);
-  phi.reinit(0);
-  for (unsigned int q = 0; q < n_points; ++q) {
-    typename Evaluation::gradient_type gradient;
-    for (unsigned int row = 0; row < n_slopes; ++row) {
-      const Lanes number = double(row * n_points + q) / phi.JxW(q);
-      if constexpr (n_components == 1)
-        gradient[row] = number;
-      else
-        gradient[row / dim][row % dim] = number;
+  const Lanes *const J = cells->geometry(batch);
+  if (cells->kind(batch) != Cells<dim>::general) {
+    const auto is_same = [](const Lanes &a, const Lanes &b) { return a.values == b.values; };
+    if (work.batch_of_T == dealii::numbers::invalid_unsigned_int ||
+        !std::equal(J, J + Cells<dim>::n_entries, cells->geometry(work.batch_of_T), is_same))
+      refer_to_unit_cell(J, 1, tangents.data(), 1, work.T);
+    work.batch_of_T = batch;
+    return;
+  }
+  constexpr unsigned int volume = Cells<dim>::volume;
+  work.J.resize(std::size_t(2) * (volume + 1) * n_points);
+  const Lanes *const dV = J + std::size_t(volume) * n_points;
+  for (unsigned int e = 0; e < volume; ++e)
+    for (unsigned int q = 0; q < n_points; ++q) {
+      work.J[e * n_points + q] = J[e * n_points + q];
+      work.J[(volume + e) * n_points + q] = J[e * n_points + q] * dV[q];
     }
-    phi.submit_gradient(gradient, q);
+  std::fill_n(&work.J[2 * volume * n_points], n_points, Lanes(1.));
+  std::copy_n(dV, n_points, &work.J[(2 * volume + 1) * n_points]);
+}
+
+/// From coefficients to the products with the functions, there as well.
+template <int dim, int n_components>
+void CellOperatorOf<dim, n_components>::multiply(Work &work, const unsigned int batch,
+                                                 const bool of_symmetric_part) const
+{
+  const auto data = [](auto &lanes) { return lanes.data()->values.data(); };
+  const std::size_t begin_of_values = std::size_t(n_slopes) * n_points * Lanes::size;
+  double *const state = data(work.state), *const response = data(work.response);
+  evaluate_in_cells(dim, n_components, line, data(work.coefficients), state + begin_of_values, state);
+  const Products &sums = products[of_symmetric_part];
+  const typename Cells<dim>::Kind kind = cells->kind(batch);
+  if (!is_uniform)
+    multiply_at_points(sums.in_unit_cells, n_points,
+                       tangents[std::size_t(batch) * n_entries * n_points].values.data(), state, response);
+  else if (kind != Cells<dim>::general)
+    multiply_at_points(kind == Cells<dim>::cartesian ? sums.in_space : sums.in_unit_cells, cells->weights,
+                       data(work.T), state, response);
+  else {
+    multiply_at_points(to_space, n_points, data(work.J), state, data(work.in_space));
+    multiply_at_points(sums.in_space, std::vector<double>(n_points, 1.), data(tangents), data(work.in_space),
+                       data(work.flux_in_space));
+    multiply_at_points(from_space, n_points, data(work.J), data(work.flux_in_space), response);
   }
-  place_of_slope.resize(n_slopes * n_points);
-  for (unsigned int k = 0; k < place_of_slope.size(); ++k) {
-    place_of_slope[std::lround(phi.begin_gradients()[k][0])] = k;
-    slopes_are_in_order = slopes_are_in_order && std::lround(phi.begin_gradients()[k][0]) == k;
-  }
-}
-
-/// Gradients and values in the unit cell.
-template <int dim, int n_components>
-const Lanes *CellOperatorOf<dim, n_components>::state(Work &work) const
-{
-  const Lanes *gradients = work.unit.begin_gradients();
-  if (slopes_are_in_order && !has_values)
-    return gradients;
-  for (unsigned int k = 0; k < place_of_slope.size(); ++k)
-    work.state[k] = gradients[place_of_slope[k]];
-  if (has_values)
-    std::copy_n(work.unit.begin_values(), n_components * n_points, &work.state[place_of_slope.size()]);
-  return work.state.data();
+  integrate_in_cells(dim, n_components, line, has_sources || (has_values && of_symmetric_part),
+                     response + begin_of_values, response, data(work.coefficients));
 }
 
 template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::submit(Work &work, const bool with_values) const
+void CellOperatorOf<dim, n_components>::gather(const double *const x, const unsigned int batch,
+                                               Array &local) const
 {
-  Lanes *gradients = work.unit.begin_gradients();
-  for (unsigned int k = 0; k < place_of_slope.size(); ++k)
-    gradients[place_of_slope[k]] = work.response[k];
-  if (with_values)
-    std::copy_n(&work.response[place_of_slope.size()], n_components * n_points, work.unit.begin_values());
-}
-
-template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::read_geometry(Work &work) const
-{
-  work.is_cartesian = work.cell.get_cell_type() == GeometryType::cartesian;
-  for (unsigned int q = 0; q < n_points; ++q) {
-    const dealii::Tensor<2, dim, Lanes> J = work.cell.inverse_jacobian(q);
-    const Lanes JxW = work.cell.JxW(q);
-    for (unsigned int j = 0; j < dim; ++j)
-      for (unsigned int l = 0; l < dim; ++l) {
-        work.J[(j * dim + l) * n_points + q] = J[j][l];
-        work.JxW_J[(j * dim + l) * n_points + q] = JxW * J[j][l];
-      }
-    work.J[dim * dim * n_points + q] = 1.;
-    work.JxW_J[dim * dim * n_points + q] = JxW;
-  }
-}
-
-/// From the unknowns in work.unit to the products with its functions, there as well.
-template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::multiply_at_points(Work &work, const unsigned int batch,
-                                                           const bool of_symmetric_part) const
-{
-  using Flags = dealii::EvaluationFlags::EvaluationFlags;
-  const auto flags = [](const bool with_values) -> Flags {
-    return with_values ? dealii::EvaluationFlags::values | dealii::EvaluationFlags::gradients
-                       : dealii::EvaluationFlags::gradients;
-  };
-  const std::vector<PointTerm> &terms = of_symmetric_part ? symmetric_product : product;
-  const std::size_t n = n_points * Lanes::size();
-  const auto add = [n](const std::vector<PointTerm> &list, const Lanes *A, const Lanes *x, Array &y) {
-    add_at_points(list, n, &A[0][0], &x[0][0], &y[0][0]);
-  };
-  work.unit.evaluate(flags(has_values));
-  std::fill(work.response.begin(), work.response.end(), Lanes());
-  if (is_uniform) {
-    std::fill(work.in_space.begin(), work.in_space.end(), Lanes());
-    std::fill(work.flux_in_space.begin(), work.flux_in_space.end(), Lanes());
-    add(to_space[work.is_cartesian], work.JxW_J.data(), state(work), work.in_space);
-    add(terms, tangents.data(), work.in_space.data(), work.flux_in_space);
-    add(from_space[work.is_cartesian], work.J.data(), work.flux_in_space.data(), work.response);
-  } else
-    add(terms, &tangents[std::size_t(batch) * n_entries * n_points], state(work), work.response);
-  const bool tests_values = has_sources || (has_values && of_symmetric_part);
-  submit(work, tests_values);
-  work.unit.integrate(flags(tests_values));
+  const int *of_batch = index->data() + place(batch * Lanes::size, 0);
+  for (Lanes &number : local)
+    for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+      number[lane] = x[*of_batch++];
 }
 
 template <int dim, int n_components>
@@ -511,21 +601,15 @@ void CellOperatorOf<dim, n_components>::add_product(const double *x, double *y,
                                                     const bool of_symmetric_part) const
 {
   Work work(*this);
-  const unsigned int n_local = n_components * n_nodes;
-  Lanes *local = work.unit.begin_dof_values();
-  for (unsigned int batch = 0; batch < cells->matrix_free.n_cell_batches(); ++batch) {
-    start(work, batch);
-    const int *of_batch = index->data() + std::size_t(batch) * Lanes::size() * n_local;
-    for (unsigned int lane = 0; lane < Lanes::size(); ++lane)
-      for (unsigned int i = 0; i < n_local; ++i) {
-        const int k = of_batch[lane * n_local + i];
-        local[i][lane] = k < 0 ? 0. : x[k];
-      }
-    multiply_at_points(work, batch, of_symmetric_part);
-    for (unsigned int lane = 0; lane < Lanes::size(); ++lane)
-      for (unsigned int i = 0; i < n_local; ++i)
-        if (const int k = of_batch[lane * n_local + i]; k >= 0)
-          y[k] += local[i][lane];
+  for (unsigned int batch = 0; batch < cells->n_batches(); ++batch) {
+    if (is_uniform)
+      refer_to_unit_cells(work, batch);
+    gather(x, batch, work.coefficients);
+    multiply(work, batch, of_symmetric_part);
+    const int *of_batch = index->data() + place(batch * Lanes::size, 0);
+    for (const Lanes &number : work.coefficients)
+      for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+        y[*of_batch++] += number[lane];
   }
 }
 
@@ -541,16 +625,15 @@ void CellOperatorOf<dim, n_components>::add_diagonal(double *diagonal) const
       gradients.push_back(domain.scalar_element().shape_grad(hierarchic[a], rule.point(q)));
       values.push_back(domain.scalar_element().shape_value(hierarchic[a], rule.point(q)));
     }
-  Evaluation cell(cells->matrix_free);
-  std::vector<Lanes> sums(n_components * n_nodes), T(n_entries);
-  for (unsigned int batch = 0; batch < cells->matrix_free.n_cell_batches(); ++batch) {
-    cell.reinit(batch);
-    const bool is_affine = cell.get_cell_type() <= GeometryType::affine;
+  Array sums(n_components * n_nodes), T(n_entries);
+  for (unsigned int batch = 0; batch < cells->n_batches(); ++batch) {
+    const bool is_affine = cells->kind(batch) != Cells<dim>::general;
+    const Lanes *const J = cells->geometry(batch);
     std::fill(sums.begin(), sums.end(), Lanes());
     for (unsigned int q = 0; q < n_points; ++q) {
-      const Lanes weight = is_uniform && is_affine ? cell.JxW(q) / cell.JxW(0) : Lanes(1.);
+      const Lanes weight(is_uniform && is_affine ? cells->weights[q] : 1.);
       if (is_uniform && (q == 0 || !is_affine))
-        refer_to_unit_cell(cell, q, tangents.data(), T);
+        refer_to_unit_cell(J + q, is_affine ? 1 : n_points, tangents.data(), 1, T);
       else if (!is_uniform)
         for (unsigned int e = 0; e < n_entries; ++e)
           T[e] = tangents[(std::size_t(batch) * n_entries + e) * n_points + q];
@@ -570,64 +653,18 @@ void CellOperatorOf<dim, n_components>::add_diagonal(double *diagonal) const
           sums[c * n_nodes + a] += weight * sum;
         }
     }
-    const int *of_batch = index->data() + std::size_t(batch) * Lanes::size() * sums.size();
-    for (unsigned int lane = 0; lane < Lanes::size(); ++lane)
-      for (unsigned int i = 0; i < sums.size(); ++i)
-        if (const int k = of_batch[lane * sums.size() + i]; k >= 0)
-          diagonal[k] += sums[i][lane];
+    const int *of_batch = index->data() + place(batch * Lanes::size, 0);
+    for (const Lanes &sum : sums)
+      for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+        diagonal[*of_batch++] += sum[lane];
   }
 }
 
-/// What multiply_at_points needs in a batch of cells.
 template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::start(Work &work, const unsigned int batch) const
+void CellOperatorOf<dim, n_components>::find_columns(const typename CellOperator<dim>::Prolongation &P,
+                                                     const unsigned int slot, LocalProlongation &local) const
 {
-  if (is_uniform) {
-    work.cell.reinit(batch);
-    read_geometry(work);
-  }
-}
-
-/// The part of P in one cell, by column.
-struct LocalProlongation
-{
-  struct Entry
-  {
-    unsigned int column, row;
-    double weight;
-  };
-  std::vector<int> columns; ///< of P
-  std::vector<Entry> entries;
-  std::vector<unsigned int> first_entry; ///< of each column, and one behind the last
-
-  /// @p index of the @p n unknowns of the cell
-  template <typename Prolongation>
-  void reinit(const Prolongation &P, const int *index, unsigned int n);
-};
-
-template <typename Prolongation>
-void LocalProlongation::reinit(const Prolongation &P, const int *index, const unsigned int n)
-{
-  columns.clear();
-  entries.clear();
-  for (unsigned int i = 0; i < n; ++i) {
-    const auto row = P(index[i]);
-    columns.insert(columns.end(), row.columns, row.columns + row.n);
-  }
-  std::sort(columns.begin(), columns.end());
-  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-  for (unsigned int i = 0; i < n; ++i) {
-    const auto row = P(index[i]);
-    for (int k = 0; k < row.n; ++k) {
-      const auto place = std::lower_bound(columns.begin(), columns.end(), row.columns[k]);
-      entries.push_back({static_cast<unsigned int>(place - columns.begin()), i, row.weights[k]});
-    }
-  }
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const Entry &a, const Entry &b) { return a.column < b.column; });
-  first_entry.assign(columns.size() + 1, entries.size());
-  for (unsigned int e = entries.size(); e-- > 0;)
-    first_entry[entries[e].column] = e;
+  local.reinit(n_components * n_nodes, [&](const unsigned int i) { return P((*index)[place(slot, i)]); });
 }
 
 template <int dim, int n_components>
@@ -638,45 +675,82 @@ void CellOperatorOf<dim, n_components>::for_each_cell(
   LocalProlongation local;
   for (unsigned int slot = 0; slot < cells->n_slots(); ++slot)
     if (cells->is_filled(slot)) {
-      const unsigned int n_local = n_components * n_nodes;
-      local.reinit(P, index->data() + std::size_t(slot) * n_local, n_local);
+      find_columns(P, slot, local);
       visit(local.columns);
     }
 }
 
+/// Cells of the same geometry, with the same derivatives everywhere and the same entries of P, are treated
+/// once; a few are remembered.
 template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::for_each_restriction(
     const typename CellOperator<dim>::Prolongation &P,
     const typename CellOperator<dim>::VisitCell &visit) const
 {
+  struct Known
+  {
+    unsigned int slot;
+    LocalProlongation local;
+    dealii::FullMatrix<double> product;
+  };
+  const unsigned int most_known = 8;
+  std::vector<Known> all_known;
   Work work(*this);
-  const unsigned int n_local = n_components * n_nodes;
-  std::array<LocalProlongation, Lanes::size()> local_P;
-  std::array<dealii::FullMatrix<double>, Lanes::size()> products;
-  for (unsigned int batch = 0; batch < cells->matrix_free.n_cell_batches(); ++batch) {
-    start(work, batch);
-    const unsigned int n_filled = cells->matrix_free.n_active_entries_per_cell_batch(batch);
-    unsigned int n_columns = 0;
-    for (unsigned int lane = 0; lane < n_filled; ++lane) {
-      local_P[lane].reinit(P, index->data() + (std::size_t(batch) * Lanes::size() + lane) * n_local, n_local);
-      n_columns = std::max<unsigned int>(n_columns, local_P[lane].columns.size());
-      products[lane].reinit(local_P[lane].columns.size(), local_P[lane].columns.size());
-    }
-    Lanes *local = work.unit.begin_dof_values();
-    for (unsigned int column = 0; column < n_columns; ++column) {
-      std::fill(local, local + n_local, Lanes());
-      for (unsigned int lane = 0; lane < n_filled; ++lane)
-        if (const LocalProlongation &own = local_P[lane]; column < own.columns.size())
-          for (unsigned int e = own.first_entry[column]; e < own.first_entry[column + 1]; ++e)
-            local[own.entries[e].row][lane] = own.entries[e].weight;
-      multiply_at_points(work, batch, true);
-      for (unsigned int lane = 0; lane < n_filled; ++lane)
-        if (column < local_P[lane].columns.size())
-          for (const auto &entry : local_P[lane].entries)
-            products[lane](entry.column, column) += entry.weight * local[entry.row][lane];
-    }
-    for (unsigned int lane = 0; lane < n_filled; ++lane)
-      visit(local_P[lane].columns, products[lane]);
+  std::array<LocalProlongation, Lanes::size> local_P;
+  std::array<dealii::FullMatrix<double>, Lanes::size> products;
+  for (unsigned int batch = 0; batch < cells->n_batches(); ++batch) {
+    const unsigned int first = batch * Lanes::size;
+    const bool can_be_known = is_uniform && cells->kind(batch) != Cells<dim>::general;
+    std::array<const Known *, Lanes::size> known{};
+    bool all_are_known = true;
+    for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+      if (cells->is_filled(first + lane)) {
+        find_columns(P, first + lane, local_P[lane]);
+        for (const Known &other : all_known)
+          if (can_be_known && known[lane] == nullptr && cells->are_equal(first + lane, other.slot) &&
+              local_P[lane].has_entries_of(other.local))
+            known[lane] = &other;
+        all_are_known = all_are_known && known[lane] != nullptr;
+      } else
+        local_P[lane] = {};
+    if (!all_are_known)
+      restrict_batch(work, batch, local_P, products);
+    for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+      if (cells->is_filled(first + lane))
+        visit(local_P[lane].columns, known[lane] != nullptr ? known[lane]->product : products[lane]);
+    for (unsigned int lane = 0; can_be_known && lane < Lanes::size && all_known.size() < most_known; ++lane)
+      if (cells->is_filled(first + lane) && known[lane] == nullptr &&
+          std::none_of(all_known.begin(), all_known.end(), [&](const Known &other) {
+            return cells->are_equal(first + lane, other.slot) && local_P[lane].has_entries_of(other.local);
+          }))
+        all_known.push_back({first + lane, local_P[lane], products[lane]});
+  }
+}
+
+/// P^T K P of each cell.
+template <int dim, int n_components>
+void CellOperatorOf<dim, n_components>::restrict_batch(
+    Work &work, const unsigned int batch, const std::array<LocalProlongation, Lanes::size> &P,
+    std::array<dealii::FullMatrix<double>, Lanes::size> &products) const
+{
+  if (is_uniform)
+    refer_to_unit_cells(work, batch);
+  unsigned int n_columns = 0;
+  for (unsigned int lane = 0; lane < Lanes::size; ++lane) {
+    n_columns = std::max<unsigned int>(n_columns, P[lane].columns.size());
+    products[lane].reinit(P[lane].columns.size(), P[lane].columns.size());
+  }
+  for (unsigned int column = 0; column < n_columns; ++column) {
+    std::fill(work.coefficients.begin(), work.coefficients.end(), Lanes());
+    for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+      if (column < P[lane].columns.size())
+        for (unsigned int e = P[lane].first_entry[column]; e < P[lane].first_entry[column + 1]; ++e)
+          work.coefficients[P[lane].entries[e].row][lane] = P[lane].entries[e].weight;
+    multiply(work, batch, true);
+    for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+      if (column < P[lane].columns.size())
+        for (const auto &entry : P[lane].entries)
+          products[lane](entry.column, column) += entry.weight * work.coefficients[entry.row][lane];
   }
 }
 

@@ -11,19 +11,6 @@ namespace dovetail {
 
 namespace {
 
-DOVETAIL_WIDEST_VECTORS void add_terms_at_points(const std::vector<PointTerm> &terms, const std::size_t n,
-                                                 const double *const A, const double *const x,
-                                                 double *const y)
-{
-  for (const PointTerm &term : terms) {
-    const double *const __restrict__ a = A + term.entry * n;
-    const double *const __restrict__ from = x + term.from * n;
-    double *const __restrict__ to = y + term.to * n;
-    for (std::size_t i = 0; i < n; ++i)
-      to[i] += term.factor * a[i] * from[i];
-  }
-}
-
 DOVETAIL_WIDEST_VECTORS void combine(const unsigned int n_rows, const double *const *const rows,
                                      const double *const x, const std::size_t n, double *const y)
 {
@@ -67,12 +54,6 @@ DOVETAIL_WIDEST_VECTORS void add_up_sizes_of_rows(const std::size_t n, const dou
 }
 
 } // namespace
-
-void add_at_points(const std::vector<PointTerm> &terms, const std::size_t n, const double *const A,
-                   const double *const x, double *const y)
-{
-  add_terms_at_points(terms, n, A, x, y);
-}
 
 void combine_rows(const unsigned int n_rows, const double *const *const rows, const double *const x,
                   const std::size_t n, double *const y)

@@ -227,12 +227,11 @@ double ChebyshevSmoother::largest_eigenvalue_with_diagonal() const
 void ChebyshevSmoother::smooth(double *x, const double *b, const bool starts_from_zero) const
 {
   const int n = A.rows().NumMyElements();
-  Epetra_Vector solution(View, A.rows(), x), residual(A.rows(), false), direction(A.rows(), false),
-      correction(A.rows(), false);
+  Epetra_Vector solution(View, A.rows(), x), residual(A.rows(), false), direction(A.rows(), false);
   const double middle = largest_eigenvalue * (1 + 1 / range.ratio) / 2,
                half = largest_eigenvalue * (1 - 1 / range.ratio) / 2;
   double rho = half / middle;
-  double *const d = direction.Values(), *const r = residual.Values(), *const z = correction.Values();
+  double *const d = direction.Values(), *const r = residual.Values();
   for (unsigned int k = 0; k < range.degree; ++k) {
     if (k == 0 && starts_from_zero) {
       std::fill(x, x + n, 0.);
@@ -242,14 +241,14 @@ void ChebyshevSmoother::smooth(double *x, const double *b, const bool starts_fro
       for (int i = 0; i < n; ++i)
         r[i] = b[i] - r[i];
     }
-    M->vmult(z, r);
+    M->vmult(r, r);
     const double next = 1 / (2 * middle / half - rho);
     const double correction_factor = k == 0 ? 1 / middle : 2 * next / half,
                  direction_factor = k == 0 ? 0 : next * rho;
     if (k > 0)
       rho = next;
     for (int i = 0; i < n; ++i) {
-      d[i] = (k == 0 ? 0 : direction_factor * d[i]) + correction_factor * z[i];
+      d[i] = (k == 0 ? 0 : direction_factor * d[i]) + correction_factor * r[i];
       x[i] += d[i];
     }
   }

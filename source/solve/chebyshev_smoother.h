@@ -22,7 +22,7 @@ class Approximation
 {
 public:
   virtual ~Approximation() = default;
-  /// On the own rows.
+  /// On the own rows. z may be r.
   virtual void vmult(double *z, const double *r) const = 0;
 };
 

@@ -9,6 +9,8 @@
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
 
+#include <map>
+
 namespace dovetail {
 
 namespace {
@@ -34,28 +36,26 @@ bool on_any_rank(const Epetra_Comm &communicator, const bool here)
 
 } // namespace
 
-DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes,
-                                   const std::vector<GroupFacts::Place> &places,
-                                   std::unique_ptr<Smoother> given_smoother, const MakeCoarse &make_coarse)
+DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, Sums &&sums, const MakeModes &make_modes,
+                                   const GroupFacts &facts, std::unique_ptr<Smoother> given_smoother,
+                                   const MakeCoarse &make_coarse)
     : A(A), smoother(std::move(given_smoother))
 {
-  make_prolongation(sums);
+  make_prolongation(std::move(sums));
   if (prolongation->NumGlobalCols() == 0) // all vertices are prescribed
     return;
-  coarse_matrix = A.restricted(*prolongation);
-
-  const Epetra_Map &coarse_rows = coarse_matrix->OperatorDomainMap();
-  coarse_modes = std::make_unique<Epetra_MultiVector>(coarse_rows, modes.NumVectors());
+  {
+    const Modes modes = make_modes();
+    coarse_modes = std::make_unique<Epetra_MultiVector>(prolongation->DomainMap(), modes->NumVectors());
+    for (unsigned int i = 0; i < coarse_rows.size(); ++i)
+      for (int mode = 0; mode < modes->NumVectors(); ++mode)
+        (*coarse_modes)[mode][i] = (*modes)[mode][coarse_rows[i]];
+  }
   std::vector<GroupFacts::Place> coarse_places;
-  unsigned int next = 0;
-  for (unsigned int row = 0; row < sums.size(); ++row)
-    if (sums[row].size() == 1 && sums[row][0].first == A.rows().GID(row)) {
-      for (int mode = 0; mode < modes.NumVectors(); ++mode)
-        (*coarse_modes)[mode][next] = modes[mode][row];
-      if (!places.empty())
-        coarse_places.push_back(places[row]);
-      ++next;
-    }
+  if (const std::vector<GroupFacts::Place> places = facts.known_places(); !places.empty())
+    for (const int row : coarse_rows)
+      coarse_places.push_back(places[row]);
+  coarse_matrix = A.restricted(*prolongation);
   coarse = make_coarse(*coarse_matrix, *coarse_modes, coarse_places);
 }
 
@@ -64,7 +64,7 @@ std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(const Epetra_CrsMatri
                                                            const std::vector<GroupFacts::Place> &places)
 {
   return make_cycle(A_1, modes, places, Semicoarsen::if_cheap, [](const auto &level) {
-    return ChebyshevSmoother::with_factorisation(level, {6, 80}); // costs little beside the rows of A
+    return ChebyshevSmoother::with_factorisation(level, {4, 40}); // costs little beside the rows of A
   });
 }
 
@@ -75,13 +75,70 @@ std::unique_ptr<ChebyshevSmoother> DegreeCoarsening::usual_smoother(const LevelO
   return ChebyshevSmoother::with_diagonal(A, {degree + 1, 12.5 * degree - 10});
 }
 
-/// The sums of @p sums, sums of sums, … until only unknowns of the coarse matrix are left.
-std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums) const
+namespace {
+
+/// Replaces sums of own rows that are sums themselves.
+class OwnSums
 {
-  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), 0);
+public:
+  OwnSums(DegreeCoarsening::Sums &sums, const Epetra_Map &rows) : sums(sums), rows(rows), is_done(sums.size())
+  {
+    for (unsigned int row = 0; row < sums.size(); ++row)
+      expand(row);
+  }
+
+private:
+  void expand(int row);
+
+  DegreeCoarsening::Sums &sums;
+  const Epetra_Map &rows;
+  std::vector<bool> is_done;
+  std::vector<int> owns; ///< scratch
+};
+
+bool is_itself(const DegreeCoarsening::Sums &sums, const int row, const int global_row)
+{
+  return sums[row].size() == 1 && sums[row][0].first == global_row;
+}
+
+void OwnSums::expand(const int row)
+{
+  if (is_done[row] || is_itself(sums, row, rows.GID(row)))
+    return;
+  is_done[row] = true;
+  bool is_final = true;
+  for (const auto &[column, weight] : sums[row])
+    if (const int own = rows.LID(column); own >= 0 && !is_itself(sums, own, column)) {
+      expand(own);
+      is_final = false;
+    }
+  if (is_final)
+    return;
+  std::map<int, double> sum;
+  for (const auto &[column, weight] : sums[row]) {
+    const int own = rows.LID(column);
+    if (own < 0)
+      sum[column] += weight;
+    else
+      for (const auto &[other, its_weight] : sums[own])
+        sum[other] += weight * its_weight;
+  }
+  sums[row].assign(sum.begin(), sum.end());
+}
+
+} // namespace
+
+/// The sums of @p sums, sums of sums, … until only unknowns of the coarse matrix are left.
+std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(Sums &&given_sums) const
+{
+  Sums sums = std::move(given_sums);
+  OwnSums(sums, A.rows());
   Epetra_IntVector kind(A.rows());
-  std::vector<int> columns;
+  std::vector<int> lengths, columns;
   std::vector<double> weights;
+  for (const auto &sum : sums)
+    lengths.push_back(sum.size());
+  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), lengths.data(), true);
   for (unsigned int row = 0; row < sums.size(); ++row) {
     columns.clear();
     weights.clear();
@@ -90,12 +147,13 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums) con
       weights.push_back(weight);
     }
     const int own = A.rows().GID(row);
-    kind[row] = columns.empty() ? is_fixed : columns.size() == 1 && columns[0] == own ? 0 : is_sum;
+    kind[row] = columns.empty() ? is_fixed : is_itself(sums, row, own) ? 0 : is_sum;
     result->InsertGlobalValues(own, columns.size(), weights.data(), columns.data());
+    sums[row] = {};
   }
   result->FillComplete(A.rows(), A.rows());
 
-  const unsigned int longest_chain = 4; // number of squares: 16 steps
+  const unsigned int longest_chain = 4; // number of squares: 16 steps from rank to rank
   for (unsigned int i = 0; i < longest_chain; ++i) {
     const Epetra_IntVector column_kind = column_values(*result, kind);
     bool has_sums = false;
@@ -110,36 +168,41 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(const Sums &sums) con
   return result;
 }
 
-void DegreeCoarsening::make_prolongation(const Sums &sums)
+void DegreeCoarsening::make_prolongation(Sums &&sums)
 {
-  const auto all = follow(sums);
+  for (unsigned int row = 0; row < sums.size(); ++row)
+    if (is_itself(sums, row, A.rows().GID(row)))
+      coarse_rows.push_back(row);
+  const auto all = follow(std::move(sums));
   Epetra_IntVector number(A.rows());
-  int n_own = 0, n_before = 0;
-  for (unsigned int row = 0; row < sums.size(); ++row)
-    if (sums[row].size() == 1 && sums[row][0].first == A.rows().GID(row))
-      ++n_own;
-  A.rows().Comm().ScanSum(&n_own, &n_before, 1);
-  n_before -= n_own;
-  for (unsigned int row = 0; row < sums.size(); ++row)
-    number[row] = sums[row].size() == 1 && sums[row][0].first == A.rows().GID(row) ? n_before++ : is_fixed;
+  number.PutValue(is_fixed);
+  const Epetra_Map coarse(-1, static_cast<int>(coarse_rows.size()), 0, A.rows().Comm());
+  for (unsigned int i = 0; i < coarse_rows.size(); ++i)
+    number[coarse_rows[i]] = coarse.GID(i);
 
   // a condensed unknown is alone in its row of the matrix, and found afterwards from those it follows
-  const Epetra_IntVector column_kind = column_values(*all, number);
-  const Epetra_Map coarse(-1, n_own, 0, A.rows().Comm());
-  prolongation = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), all->MaxNumEntries());
-  std::vector<int> columns;
+  const Epetra_IntVector column_number = column_values(*all, number);
+  std::vector<int> lengths, columns;
   std::vector<double> weights;
-  for (unsigned int row = 0; row < sums.size(); ++row) {
+  const auto read_row = [&](const int row) {
     int n = 0, *local = nullptr;
     double *values = nullptr;
     all->ExtractMyRowView(row, n, values, local);
     columns.clear();
     weights.clear();
-    for (int k = 0; k < n; ++k)
-      if (column_kind[local[k]] != is_fixed && values[k] != 0 && !A.is_condensed(row)) {
-        columns.push_back(column_kind[local[k]]);
+    for (int k = 0; k < n && !A.is_condensed(row); ++k)
+      if (column_number[local[k]] != is_fixed && values[k] != 0) {
+        columns.push_back(column_number[local[k]]);
         weights.push_back(values[k]);
       }
+  };
+  for (int row = 0; row < all->NumMyRows(); ++row) {
+    read_row(row);
+    lengths.push_back(columns.size());
+  }
+  prolongation = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), lengths.data(), true);
+  for (int row = 0; row < all->NumMyRows(); ++row) {
+    read_row(row);
     prolongation->InsertGlobalValues(A.rows().GID(row), columns.size(), weights.data(), columns.data());
   }
   prolongation->FillComplete(coarse, A.rows());

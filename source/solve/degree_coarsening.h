@@ -47,13 +47,17 @@ public:
                                                   const Epetra_MultiVector &modes,
                                                   const std::vector<GroupFacts::Place> &places);
 
+  using Modes = std::shared_ptr<const Epetra_MultiVector>;
+  using MakeModes = std::function<Modes()>;
+
   /// @param A matrix of the functions of the higher degree
-  /// @param modes near-null space of A; the part on the unknowns of A_1 is that of A_1
-  /// @param places of the rows of A; empty if they are not known
+  /// @param sums are given back as soon as they have been read, with their memory
+  /// @param make_modes near-null space of A, of which the part on the unknowns of A_1 is kept, that of A_1;
+  /// called after that
+  /// @param facts places of the rows, if they are known
   /// @param smoother of A
-  DegreeCoarsening(const LevelOperator &A, const Sums &sums, const Epetra_MultiVector &modes,
-                   const std::vector<GroupFacts::Place> &places, std::unique_ptr<Smoother> smoother,
-                   const MakeCoarse &make_coarse = make_usual_coarse);
+  DegreeCoarsening(const LevelOperator &A, Sums &&sums, const MakeModes &make_modes, const GroupFacts &facts,
+                   std::unique_ptr<Smoother> smoother, const MakeCoarse &make_coarse = make_usual_coarse);
 
   /// Around diag(A), for functions of this degree.
   static std::unique_ptr<ChebyshevSmoother> usual_smoother(const LevelOperator &A, unsigned int degree);
@@ -61,11 +65,12 @@ public:
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
 
 private:
-  std::unique_ptr<Epetra_CrsMatrix> follow(const Sums &sums) const;
-  void make_prolongation(const Sums &sums);
+  std::unique_ptr<Epetra_CrsMatrix> follow(Sums &&sums) const;
+  void make_prolongation(Sums &&sums);
   void correct(Epetra_Vector &x, const Epetra_Vector &b) const;
 
   const LevelOperator &A;
+  std::vector<int> coarse_rows; ///< own rows of A that are unknowns of A_1
   std::unique_ptr<Epetra_CrsMatrix> prolongation, coarse_matrix;
   std::unique_ptr<Epetra_MultiVector> coarse_modes;
   std::unique_ptr<Cycle> coarse;

@@ -207,9 +207,12 @@ std::vector<int> GroupSystem::field_of_row() const
 std::vector<GroupFacts::Place> GroupSystem::places() const
 {
   std::vector<GroupFacts::Place> result;
-  for (const unsigned int block : group.blocks)
-    for (const auto &position : group.positions(block))
+  for (const unsigned int block : group.blocks) {
+    const auto positions = group.positions(block);
+    result.reserve(result.size() + positions.size());
+    for (const auto &position : positions)
       result.push_back({block, position});
+  }
   return result;
 }
 
@@ -221,14 +224,19 @@ std::vector<GroupFacts::Sum> GroupSystem::linear_part() const
     position[group.blocks[i]] = i;
   const RowNumbering rows(matrix->owned_unknowns(), group.blocks, matrix->get_mpi_communicator());
   std::vector<GroupFacts::Sum> sums;
-  for (const unsigned int block : group.blocks)
-    for (const SolveGroup::Sum &unknown_sum : group.linear_part(block)) {
+  sums.reserve(rows.n_local());
+  for (const unsigned int block : group.blocks) {
+    auto of_block = group.linear_part(block);
+    for (SolveGroup::Sum &unknown_sum : of_block) {
       sums.emplace_back();
+      sums.back().reserve(unknown_sum.size());
       for (const auto &[dof, weight] : unknown_sum) {
         const auto [dof_block, index] = matrix->get_row_indices().global_to_local(dof);
         sums.back().emplace_back(rows.row(position[dof_block], index), weight);
       }
+      unknown_sum = {}; // gives the memory back
     }
+  }
   return sums;
 }
 

@@ -86,7 +86,6 @@ public:
   {
     cycle.reset();
     level.reset();
-    modes.reset();
     upkeep.forget();
   }
 
@@ -98,7 +97,6 @@ private:
   const GroupFacts &facts;
   Agreement ranks;
   Upkeep upkeep;
-  std::unique_ptr<Epetra_MultiVector> modes;
   std::unique_ptr<SumLevel> level;
   std::unique_ptr<DegreeCoarsening> cycle;
 };
@@ -113,9 +111,9 @@ void MatrixFree::make(const GroupOperator &K)
 {
   cycle.reset();
   ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
-  if (!modes)
-    ranks.run("modes", [&]() { modes = make_modes(facts, level->rows()); });
-  ranks.run("multigrid", [&]() { cycle = coarsen_degree(*level, facts, *modes); });
+  ranks.run("multigrid", [&]() {
+    cycle = coarsen_degree(*level, facts, [this]() { return make_modes(facts, level->rows()); });
+  });
 }
 
 unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b,

@@ -75,7 +75,7 @@ private:
   const GroupFacts &facts;
   Agreement ranks;
   Upkeep upkeep;
-  std::unique_ptr<Epetra_MultiVector> modes;
+  std::shared_ptr<const Epetra_MultiVector> modes;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< of a matrix that is not symmetric
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
   const Epetra_CrsMatrix *added_rows = nullptr;     ///< as of GroupOperator
@@ -125,10 +125,11 @@ void Multigrid::make_levels()
   finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix)
                                  : std::make_unique<AugmentedLevel>(*matrix, *added_rows);
   if (facts.degree > 1 && facts.linear_part)
-    by_degree = coarsen_degree(*finest, facts, *modes);
+    by_degree = coarsen_degree(*finest, facts, [this]() { return modes; });
   else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
-    by_degree = leaders->coarsen(*finest, facts, *modes, nullptr,
-                                 [this](const auto &...level) { return make_cycle_of_degree_one(level...); });
+    by_degree = leaders->coarsen(
+        *finest, facts, [this]() { return modes; }, nullptr,
+        [this](const auto &...level) { return make_cycle_of_degree_one(level...); });
   else
     cycle = make_cycle_of_degree_one(*matrix, *modes, facts.known_places());
 }

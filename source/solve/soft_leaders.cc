@@ -236,23 +236,23 @@ std::unique_ptr<Epetra_MultiVector> SoftLeaders::reversed_modes(const Epetra_Mul
 }
 
 std::unique_ptr<DegreeCoarsening> SoftLeaders::coarsen(const LevelOperator &A, const GroupFacts &facts,
-                                                       const Epetra_MultiVector &modes,
+                                                       const DegreeCoarsening::MakeModes &make_modes,
                                                        std::unique_ptr<Smoother> other,
                                                        const DegreeCoarsening::MakeCoarse &make_coarse) const
 {
-  return std::make_unique<DegreeCoarsening>(A, reversed, *reversed_modes(modes), facts.known_places(),
-                                            std::make_unique<LeadersFirst>(A, leaders, std::move(other)),
-                                            make_coarse);
+  return std::make_unique<DegreeCoarsening>(
+      A, Sums(reversed), [&]() { return reversed_modes(*make_modes()); }, facts,
+      std::make_unique<LeadersFirst>(A, leaders, std::move(other)), make_coarse);
 }
 
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
-                                                 const Epetra_MultiVector &modes)
+                                                 const DegreeCoarsening::MakeModes &make_modes)
 {
   auto smoother = DegreeCoarsening::usual_smoother(A, facts.degree);
-  const SoftLeaders::Sums sums = facts.linear_part();
+  SoftLeaders::Sums sums = facts.linear_part();
   if (const auto leaders = SoftLeaders::find(facts, A.rows(), &sums))
-    return leaders->coarsen(A, facts, modes, std::move(smoother), DegreeCoarsening::make_usual_coarse);
-  return std::make_unique<DegreeCoarsening>(A, sums, modes, facts.known_places(), std::move(smoother));
+    return leaders->coarsen(A, facts, make_modes, std::move(smoother), DegreeCoarsening::make_usual_coarse);
+  return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother));
 }
 
 } // namespace dovetail

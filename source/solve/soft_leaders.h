@@ -41,7 +41,8 @@ public:
   /// Levels for A in which the leaders follow. @param other the smoother of A beside the factors; nullptr:
   /// the rows that are alone are solved.
   std::unique_ptr<DegreeCoarsening> coarsen(const LevelOperator &A, const GroupFacts &facts,
-                                            const Epetra_MultiVector &modes, std::unique_ptr<Smoother> other,
+                                            const DegreeCoarsening::MakeModes &make_modes,
+                                            std::unique_ptr<Smoother> other,
                                             const DegreeCoarsening::MakeCoarse &make_coarse) const;
 
 private:
@@ -55,6 +56,6 @@ private:
 
 /// DegreeCoarsening for @p facts.degree, by SoftLeaders where there are some. Collective.
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
-                                                 const Epetra_MultiVector &modes);
+                                                 const DegreeCoarsening::MakeModes &make_modes);
 
 } // namespace dovetail

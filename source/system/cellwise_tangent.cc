@@ -4,17 +4,16 @@
 #include <dovetail/system/cellwise_tangent.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/lac/dynamic_sparsity_pattern.h>
-#include <deal.II/lac/sparsity_tools.h>
-#include <deal.II/lac/trilinos_sparse_matrix.h>
 
 #include <EpetraExt_MatrixMatrix.h>
+#include <Epetra_Export.h>
 #include <Epetra_MpiComm.h>
 
 #include <boost/serialization/set.hpp>
 #include <boost/serialization/utility.hpp>
 
 #include <algorithm>
+#include <numeric>
 
 namespace dovetail {
 
@@ -226,65 +225,190 @@ void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
     values[i] += diagonal[i];
 }
 
-namespace {
-
-/// Of @p n local columns.
-template <typename Index>
-void make_global(const Epetra_CrsMatrix &matrix, const int *local, const int n, std::vector<Index> &global)
-{
-  global.clear();
-  for (int k = 0; k < n; ++k)
-    global.push_back(matrix.GCID(local[k]));
-}
-
-} // namespace
-
 /// C P, at all unknowns of the cells of this rank.
 template <int dim>
-std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::complete(const Epetra_CrsMatrix &P) const
+std::shared_ptr<const Epetra_CrsMatrix> CellwiseTangent<dim>::complete(const Epetra_CrsMatrix &P) const
 {
-  Epetra_CrsMatrix of_constrained(Copy, follow->RowMap(), 0), all(Copy, *own_rows, P.MaxNumEntries());
+  const bool is_alone = own_rows->Comm().NumProc() == 1;
+  if (is_alone && constrained.empty())
+    return {&P, [](const Epetra_CrsMatrix *) {}};
+  Epetra_CrsMatrix of_constrained(Copy, follow->RowMap(), 0);
   EpetraExt::MatrixMatrix::Multiply(*follow, false, P, false, of_constrained, false);
   of_constrained.FillComplete(P.DomainMap(), follow->RangeMap());
-  std::vector<int> global_columns;
+  std::vector<int> lengths(own_rows->NumMyElements(), 0), global_columns;
+  for (unsigned int i = 0; i < is_condensed.size(); ++i)
+    lengths[i] = is_condensed[i] ? 0 : P.NumMyEntries(i);
+  for (unsigned int k = 0; k < constrained.size(); ++k)
+    lengths[constrained[k]] = of_constrained.NumMyEntries(k);
+  auto all = std::make_shared<Epetra_CrsMatrix>(Copy, *own_rows, lengths.data(), true);
   const auto copy_row = [&](const Epetra_CrsMatrix &from, const int local, const int global) {
     int n = 0, *local_columns = nullptr;
     double *values = nullptr;
     from.ExtractMyRowView(local, n, values, local_columns);
-    make_global(from, local_columns, n, global_columns);
-    all.InsertGlobalValues(global, n, values, global_columns.data());
+    global_columns.clear();
+    for (int k = 0; k < n; ++k)
+      global_columns.push_back(from.GCID(local_columns[k]));
+    all->InsertGlobalValues(global, n, values, global_columns.data());
   };
   for (unsigned int i = 0; i < is_condensed.size(); ++i)
     if (!is_condensed[i])
       copy_row(P, i, own_rows->GID(i));
   for (unsigned int k = 0; k < constrained.size(); ++k)
     copy_row(of_constrained, k, own_rows->GID(constrained[k]));
-  all.FillComplete(P.DomainMap(), *own_rows);
-  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, *columns, 0);
-  result->Import(all, *import, Insert);
+  all->FillComplete(P.DomainMap(), *own_rows);
+  if (is_alone)
+    return all;
+  auto result = std::make_shared<Epetra_CrsMatrix>(Copy, *columns, 0);
+  result->Import(*all, *import, Insert);
   result->FillComplete(P.DomainMap(), *own_rows);
   return result;
 }
 
 namespace {
 
-dealii::IndexSet own_elements(const Epetra_Map &map)
+/// A sum of small matrices, of which each has the rows and columns of a few unknowns: first the unknowns of
+/// all of them, then the entries.
+class SumOfSmall
 {
-  dealii::IndexSet own(map.NumGlobalElements());
-  if (map.NumMyElements() > 0)
-    own.add_range(map.MinMyGID(), map.MaxMyGID() + 1);
-  return own;
+public:
+  /// @p own: the unknowns of this rank. The maps of columns have all others that will be met.
+  SumOfSmall(const Epetra_Map &own, const std::vector<const Epetra_BlockMap *> &columns);
+
+  int number(const int global) const { return all.LID(global); }
+  void meet(const std::vector<int> &numbers) ///< of the unknowns of a small matrix
+  {
+    unknowns.insert(unknowns.end(), numbers.begin(), numbers.end());
+    first_unknown.push_back(unknowns.size());
+  }
+  void meet(const int row, const std::vector<int> &columns) ///< of entries beside those of small matrices
+  {
+    further[row].insert(further[row].end(), columns.begin(), columns.end());
+  }
+  void allocate(); ///< all have been met; collective
+  void add(const std::vector<int> &numbers, const dealii::FullMatrix<double> &entries);
+  void add(int row, const std::vector<int> &columns, const double *entries);
+  std::unique_ptr<Epetra_CrsMatrix> finish(); ///< with what other ranks have added; collective
+
+private:
+  static Epetra_Map make_map(const Epetra_Map &own, const std::vector<const Epetra_BlockMap *> &columns);
+  template <typename Entry>
+  void add_sorted(int row, const Entry &entry);
+
+  const Epetra_Map own, all; ///< of all: the own ones first
+  std::vector<std::size_t> first_unknown = {0};
+  std::vector<int> unknowns; ///< of all small matrices
+  std::map<int, std::vector<int>> further;
+  std::unique_ptr<Epetra_CrsMatrix> sum;
+  std::vector<std::pair<int, unsigned int>> order; ///< of the numbers that are added
+};
+
+SumOfSmall::SumOfSmall(const Epetra_Map &own, const std::vector<const Epetra_BlockMap *> &columns)
+    : own(own), all(make_map(own, columns))
+{
 }
 
-dealii::IndexSet with_columns(const dealii::IndexSet &own, const Epetra_CrsMatrix &matrix)
+Epetra_Map SumOfSmall::make_map(const Epetra_Map &own, const std::vector<const Epetra_BlockMap *> &columns)
 {
-  dealii::IndexSet result(own);
-  std::vector<dealii::types::global_dof_index> columns;
-  for (int k = 0; k < matrix.NumMyCols(); ++k)
-    columns.push_back(matrix.GCID(k));
-  std::sort(columns.begin(), columns.end());
-  result.add_indices(columns.begin(), columns.end());
-  result.compress();
+  std::set<int> others;
+  for (const Epetra_BlockMap *map : columns)
+    for (int k = 0; k < map->NumMyElements(); ++k)
+      if (!own.MyGID(map->GID(k)))
+        others.insert(map->GID(k));
+  std::vector<int> globals(own.MyGlobalElements(), own.MyGlobalElements() + own.NumMyElements());
+  globals.insert(globals.end(), others.begin(), others.end());
+  return own.Comm().NumProc() == 1
+             ? own
+             : Epetra_Map(-1, static_cast<int>(globals.size()), globals.data(), 0, own.Comm());
+}
+
+void SumOfSmall::allocate()
+{
+  const int n_rows = all.NumMyElements();
+  std::vector<std::size_t> first(n_rows + 1, 0); // small matrices by row
+  for (const int row : unknowns)
+    ++first[row + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<unsigned int> matrices(unknowns.size());
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  for (unsigned int m = 0; m + 1 < first_unknown.size(); ++m)
+    for (std::size_t i = first_unknown[m]; i < first_unknown[m + 1]; ++i)
+      matrices[next[unknowns[i]]++] = m;
+
+  std::vector<int> last_row(n_rows, -1), columns, lengths(n_rows);
+  const auto find_columns = [&](const int row) {
+    columns.clear();
+    const auto meet = [&](const int column) {
+      if (last_row[column] != row) {
+        last_row[column] = row;
+        columns.push_back(column);
+      }
+    };
+    for (std::size_t k = first[row]; k < first[row + 1]; ++k)
+      for (std::size_t i = first_unknown[matrices[k]]; i < first_unknown[matrices[k] + 1]; ++i)
+        meet(unknowns[i]);
+    if (const auto found = further.find(row); found != further.end())
+      std::for_each(found->second.begin(), found->second.end(), meet);
+  };
+  for (int row = 0; row < n_rows; ++row) {
+    find_columns(row);
+    lengths[row] = columns.size();
+  }
+  std::fill(last_row.begin(), last_row.end(), -1);
+  sum = std::make_unique<Epetra_CrsMatrix>(Copy, all, all, lengths.data(), true);
+  const std::vector<double> zeros(lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end()),
+                                  0.);
+  for (int row = 0; row < n_rows; ++row) {
+    find_columns(row);
+    std::sort(columns.begin(), columns.end());
+    sum->InsertMyValues(row, columns.size(), zeros.data(), columns.data());
+  }
+  sum->FillComplete(own, own);
+  first_unknown = {};
+  unknowns = {};
+  further = {};
+}
+
+/// To the entries of a row, which are in order, those at columns that are in order, too.
+template <typename Entry>
+void SumOfSmall::add_sorted(const int row, const Entry &entry)
+{
+  int n = 0, *columns = nullptr;
+  double *values = nullptr;
+  sum->ExtractMyRowView(row, n, values, columns);
+  int k = 0;
+  for (const auto &[column, index] : order) {
+    while (columns[k] != column)
+      ++k;
+    values[k] += entry(index);
+  }
+}
+
+void SumOfSmall::add(const std::vector<int> &numbers, const dealii::FullMatrix<double> &entries)
+{
+  order.clear();
+  for (unsigned int i = 0; i < numbers.size(); ++i)
+    order.emplace_back(numbers[i], i);
+  std::sort(order.begin(), order.end());
+  for (unsigned int i = 0; i < numbers.size(); ++i)
+    add_sorted(numbers[i], [&](const unsigned int j) { return entries(i, j); });
+}
+
+void SumOfSmall::add(const int row, const std::vector<int> &columns, const double *entries)
+{
+  order.clear();
+  for (unsigned int k = 0; k < columns.size(); ++k)
+    order.emplace_back(columns[k], k);
+  std::sort(order.begin(), order.end());
+  add_sorted(row, [&](const unsigned int k) { return entries[k]; });
+}
+
+std::unique_ptr<Epetra_CrsMatrix> SumOfSmall::finish()
+{
+  if (own.Comm().NumProc() == 1)
+    return std::move(sum);
+  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, own, sum->MaxNumEntries());
+  result->Export(*sum, Epetra_Export(all, own), Add);
+  result->FillComplete(own, own);
   return result;
 }
 
@@ -294,7 +418,6 @@ template <int dim>
 std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_CrsMatrix &P,
                                                                    const Epetra_CrsMatrix &summand) const
 {
-  using Index = dealii::types::global_dof_index;
   const auto all = complete(P);
   const auto row_of_P = [&](const int index) {
     typename CellOperator<dim>::Row result{};
@@ -305,41 +428,41 @@ std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_
     result.weights = weights;
     return result;
   };
-  std::vector<Index> global;
-  const dealii::IndexSet own = own_elements(P.DomainMap()), relevant = with_columns(own, *all);
-  dealii::DynamicSparsityPattern pattern(own.size(), own.size(), relevant);
+  SumOfSmall sum(P.DomainMap(), {&all->ColMap(), &summand.ColMap()});
+  std::vector<int> number(all->NumMyCols()), numbers; // of a column of C P
+  for (unsigned int k = 0; k < number.size(); ++k)
+    number[k] = sum.number(all->GCID(k));
+  const auto find_numbers = [&](const std::vector<int> &local) {
+    numbers.clear();
+    for (const int column : local)
+      numbers.push_back(number[column]);
+  };
   for (const auto &[d, cells] : operators)
     cells->for_each_cell(row_of_P, [&](const std::vector<int> &local) {
-      make_global(*all, local.data(), local.size(), global);
-      std::sort(global.begin(), global.end());
-      for (const Index i : global)
-        pattern.add_entries(i, global.begin(), global.end(), true);
+      find_numbers(local);
+      sum.meet(numbers);
     });
   const auto for_each_row_of_summand = [&](const auto &visit) {
     for (int i = 0; i < summand.NumMyRows(); ++i) {
       int n = 0, *local = nullptr;
       double *entries = nullptr;
       summand.ExtractMyRowView(i, n, entries, local);
-      make_global(summand, local, n, global);
-      visit(static_cast<Index>(summand.GRID(i)), entries);
+      numbers.clear();
+      for (int k = 0; k < n; ++k)
+        numbers.push_back(sum.number(summand.GCID(local[k])));
+      if (n > 0)
+        visit(sum.number(summand.GRID(i)), entries);
     }
   };
-  for_each_row_of_summand(
-      [&](const Index i, const double *) { pattern.add_entries(i, global.begin(), global.end()); });
-  dealii::SparsityTools::distribute_sparsity_pattern(pattern, own, model.communicator, relevant);
-  dealii::TrilinosWrappers::SparseMatrix matrix;
-  matrix.reinit(own, own, pattern, model.communicator, true);
+  for_each_row_of_summand([&](const int row, const double *) { sum.meet(row, numbers); });
+  sum.allocate();
   for (const auto &[d, cells] : operators)
     cells->for_each_restriction(row_of_P, [&](const std::vector<int> &local, const auto &product) {
-      make_global(*all, local.data(), local.size(), global);
-      matrix.add(global, product, false);
+      find_numbers(local);
+      sum.add(numbers, product);
     });
-  for_each_row_of_summand([&](const Index i, const double *entries) {
-    if (!global.empty())
-      matrix.add(i, global.size(), global.data(), entries, false);
-  });
-  matrix.compress(dealii::VectorOperation::add);
-  return std::make_unique<Epetra_CrsMatrix>(matrix.trilinos_matrix());
+  for_each_row_of_summand([&](const int row, const double *entries) { sum.add(row, numbers, entries); });
+  return sum.finish();
 }
 
 template <int dim>

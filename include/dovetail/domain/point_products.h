@@ -10,19 +10,6 @@
 
 namespace dovetail {
 
-/// One summand of a product with an entry of the matrix.
-struct PointTerm
-{
-  unsigned int to, from, entry;
-  double factor;
-};
-
-/// y[to][i] += factor A[entry][i] x[from][i] for all @p terms and all points i < @p n. The points are what
-/// follows each other in memory: the loop over them runs with the widest vectors that the processor has,
-/// which deal.II's own loops do only where deal.II was built for that processor.
-void add_at_points(const std::vector<PointTerm> &terms, std::size_t n, const double *A, const double *x,
-                   double *y);
-
 /// y[i] = sum_a x[a] rows[a][i] for all a < @p n_rows and i < @p n.
 void combine_rows(unsigned int n_rows, const double *const *rows, const double *x, std::size_t n, double *y);
 

@@ -64,7 +64,7 @@ private:
   void make_constraint_matrix(const dealii::AffineConstraints<double> &constraints);
   Epetra_Vector multiply_cells(const Epetra_Vector &all_values, bool of_symmetric_part) const;
   void condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights) const;
-  std::unique_ptr<Epetra_CrsMatrix> complete(const Epetra_CrsMatrix &P) const;
+  std::shared_ptr<const Epetra_CrsMatrix> complete(const Epetra_CrsMatrix &P) const;
 
   const Model<dim> &model;
   const RowNumbering &rows;

@@ -156,7 +156,7 @@ class Result:
 
     @property
     def history(self):
-        """The columns of probes.csv by name, one number per step, as they were at the end of this run: NaN where there
+        """The columns of probes.csv by name without the unit, one number per step, as they were at the end of this run: NaN where there
         is none, as of a probe that came with --resume. Transient scenes write that file."""
         if self._history is None:
             raise FileNotFoundError("The run has no history: only transient scenes write %s."
@@ -174,7 +174,8 @@ def _read_columns(file):
     with open(file, newline="") as stream:
         rows = list(csv.reader(stream))
     number = lambda row, i: float(row[i]) if i < len(row) and row[i].strip() else math.nan
-    return {name: [number(row, i) for row in rows[1:]] for i, name in enumerate(rows[0])} if rows else None
+    without_unit = lambda name: re.sub(r" \[[^]]*\]$", "", name)
+    return {without_unit(name): [number(row, i) for row in rows[1:]] for i, name in enumerate(rows[0])} if rows else None
 
 
 def _launcher(ranks):

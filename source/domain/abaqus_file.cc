@@ -94,31 +94,24 @@ struct AbaqusPart
 
 constexpr std::size_t no_cell = -1;
 
-/// From the order of Abaqus to that of Gmsh, where they differ.
-void order_as_in_gmsh(std::vector<std::int64_t> &nodes)
-{
-  const std::vector<std::int64_t> in_file = nodes;
-  static const std::vector<unsigned int> of_hexahedron = {8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14};
-  if (nodes.size() == 10)
-    std::swap(nodes[8], nodes[9]);
-  else if (nodes.size() == 20)
-    for (unsigned int i = 0; i < 12; ++i)
-      nodes[8 + i] = in_file[of_hexahedron[i]];
-}
-
 /// Numbers of vertices of Abaqus' faces S1, S2, ...
 const std::map<std::pair<unsigned int, unsigned int>, std::vector<std::vector<unsigned int>>>
     faces_in_abaqus = {
         {{2, 3}, {{0, 1}, {1, 2}, {2, 0}}},
         {{2, 4}, {{0, 1}, {1, 2}, {2, 3}, {3, 0}}},
         {{3, 4}, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}}},
+        {{3, 5}, {{0, 1, 2, 3}, {0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}}},
+        {{3, 6}, {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}},
         {{3, 8}, {{0, 1, 2, 3}, {4, 7, 6, 5}, {0, 4, 5, 1}, {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}}}};
 
 unsigned int n_vertices_in_abaqus(const unsigned int dim, const std::size_t n_nodes)
 {
   if (dim == 2)
     return n_nodes == 3 || n_nodes == 6 ? 3 : n_nodes == 4 || n_nodes == 8 ? 4 : 0;
-  return n_nodes == 4 || n_nodes == 10 ? 4 : n_nodes == 8 || n_nodes == 20 ? 8 : 0;
+  static const std::map<std::size_t, unsigned int> n_vertices = {{4, 4}, {10, 4}, {5, 5}, {13, 5},
+                                                                 {6, 6}, {15, 6}, {8, 8}, {20, 8}};
+  const auto found = n_vertices.find(n_nodes);
+  return found == n_vertices.end() ? 0 : found->second;
 }
 
 /// Trusses, beams and pipes, and shells and membranes of axisymmetric bodies, which are lines.
@@ -401,10 +394,8 @@ private:
       return false;
     text.check(n_vertices_in_abaqus(dim, n_nodes) > 0,
                element + " has " + std::to_string(n_nodes) +
-                   (dim == 2
-                        ? " nodes. Triangles and quadrilaterals are read (3 or 6 and 4 or 8 nodes)"
-                        : " nodes. Tetrahedra and hexahedra are read (4 or 10 and 8 or 20 nodes), wedges "
-                          "and pyramids are not"));
+                   (dim == 2 ? " nodes. Triangles and quadrilaterals are read (3 or 6 and 4 or 8 nodes)"
+                             : " nodes. Tetrahedra and hexahedra are read (4 or 10 and 8 or 20 nodes)"));
     return true;
   }
 

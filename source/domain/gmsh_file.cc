@@ -18,15 +18,14 @@ namespace {
 
 struct GmshType
 {
-  unsigned int dim, n_vertices, n_nodes;
+  unsigned int dim, n_nodes;
 };
 
 /// Gmsh's types of elements up to second order.
 const std::map<int, GmshType> gmsh_types = {
-    {1, {1, 2, 2}},   {2, {2, 3, 3}},   {3, {2, 4, 4}},   {4, {3, 4, 4}},   {5, {3, 8, 8}},
-    {6, {3, 6, 6}},   {7, {3, 5, 5}},   {8, {1, 2, 3}},   {9, {2, 3, 6}},   {10, {2, 4, 9}},
-    {11, {3, 4, 10}}, {12, {3, 8, 27}}, {13, {3, 6, 18}}, {14, {3, 5, 14}}, {15, {0, 1, 1}},
-    {16, {2, 4, 8}},  {17, {3, 8, 20}}, {18, {3, 6, 15}}, {19, {3, 5, 13}}};
+    {1, {1, 2}},  {2, {2, 3}},  {3, {2, 4}},   {4, {3, 4}},   {5, {3, 8}},   {6, {3, 6}},   {7, {3, 5}},
+    {8, {1, 3}},  {9, {2, 6}},  {10, {2, 9}},  {11, {3, 10}}, {12, {3, 27}}, {13, {3, 18}}, {14, {3, 14}},
+    {15, {0, 1}}, {16, {2, 8}}, {17, {3, 20}}, {18, {3, 15}}, {19, {3, 13}}};
 
 class GmshReader
 {
@@ -309,10 +308,6 @@ private:
     std::vector<unsigned int> nodes(type.n_nodes);
     for (auto &node : nodes)
       node = collector.node(read_node_number());
-    const bool is_cell_or_face = type.dim + 1 >= dim;
-    text.check(!is_cell_or_face || type.n_vertices == type.dim + 1 || type.n_vertices == (1u << type.dim),
-               "the element " + std::to_string(number) +
-                   " is a wedge or a pyramid. All cells must be tetrahedra, or all hexahedra");
     if (type.dim == dim) {
       for (const auto group : groups)
         cells_of_group[group].push_back(collector.file.cells.size());

@@ -177,6 +177,12 @@ private:
 
   void check_shapes()
   {
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+      if (n_vertices_of_element(dim, mesh.cells.n_nodes(c)) == 0)
+        throw MeshError(
+            "the element " + name_of(c) +
+            " is a wedge or a pyramid. All cells of a domain must be tetrahedra, or all hexahedra: "
+            "mesh the body so, or, if another volume is meant, choose it by Volume.");
     n_vertices = n_vertices_of_element(dim, mesh.cells.n_nodes(0));
     for (std::size_t c = 0; c < mesh.cells.size(); ++c)
       if (n_vertices_of_element(dim, mesh.cells.n_nodes(c)) != n_vertices)

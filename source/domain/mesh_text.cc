@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 namespace dovetail {
 
@@ -147,6 +148,22 @@ unsigned int MeshCollector::node(const std::int64_t number) const
   text.check(found != index.end(), "the node " + std::to_string(number) + " does not exist");
   return found->second;
 }
+
+template <typename Number>
+void order_as_in_gmsh(std::vector<Number> &nodes)
+{
+  const std::vector<Number> in_file = nodes;
+  static const std::vector<unsigned int> of_hexahedron = {8,  11, 16, 9,  17, 10, 18, 19, 12, 15,
+                                                          13, 14, 24, 22, 20, 21, 23, 25, 26};
+  if (nodes.size() == 10)
+    std::swap(nodes[8], nodes[9]);
+  else if (nodes.size() == 20 || nodes.size() == 27)
+    for (std::size_t i = 8; i < nodes.size(); ++i)
+      nodes[i] = in_file[of_hexahedron[i - 8]];
+}
+
+template void order_as_in_gmsh(std::vector<unsigned int> &);
+template void order_as_in_gmsh(std::vector<std::int64_t> &);
 
 void MeshCollector::add_element(const std::int64_t number, const unsigned int element_dim,
                                 const unsigned int id, const std::vector<unsigned int> &nodes)

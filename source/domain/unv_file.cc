@@ -24,10 +24,28 @@ struct UnvType
   unsigned int dim, n_nodes;
 };
 
-/// By the number of the finite element: rods and beams, triangles, quadrilaterals, solids of first order.
+/// By the number of the finite element: rods and beams, triangles, quadrilaterals, solids, of first order and
+/// "parabolic". Wedges are 112 and 113.
 const std::map<std::int64_t, UnvType> unv_types = {
-    {11, {1, 2}}, {21, {1, 2}}, {22, {1, 2}}, {41, {2, 3}}, {51, {2, 3}}, {61, {2, 3}},  {74, {2, 3}},
-    {91, {2, 3}}, {44, {2, 4}}, {54, {2, 4}}, {64, {2, 4}}, {94, {2, 4}}, {111, {3, 4}}, {115, {3, 8}}};
+    {11, {1, 2}},   {21, {1, 2}},   {22, {1, 2}},  {24, {1, 3}},  {41, {2, 3}},  {51, {2, 3}},
+    {61, {2, 3}},   {74, {2, 3}},   {91, {2, 3}},  {42, {2, 6}},  {52, {2, 6}},  {62, {2, 6}},
+    {72, {2, 6}},   {92, {2, 6}},   {44, {2, 4}},  {54, {2, 4}},  {64, {2, 4}},  {94, {2, 4}},
+    {45, {2, 8}},   {55, {2, 8}},   {65, {2, 8}},  {95, {2, 8}},  {111, {3, 4}}, {115, {3, 8}},
+    {118, {3, 10}}, {116, {3, 20}}, {112, {3, 6}}, {113, {3, 15}}};
+
+/// Nodes of second order stand between the vertices of a line or face. Those of a solid are its bottom so,
+/// the middles of the edges up, and its top so. @return those of Gmsh's order, as positions in the file
+std::vector<unsigned int> places_in_gmsh(const UnvType &type)
+{
+  static const std::map<std::pair<unsigned int, unsigned int>, std::vector<unsigned int>> places = {
+      {{1, 3}, {0, 2, 1}},
+      {{2, 6}, {0, 2, 4, 1, 3, 5}},
+      {{2, 8}, {0, 2, 4, 6, 1, 3, 5, 7}},
+      {{3, 10}, {0, 2, 4, 9, 1, 3, 5, 6, 8, 7}},
+      {{3, 20}, {0, 2, 4, 6, 12, 14, 16, 18, 1, 7, 8, 3, 9, 5, 10, 11, 13, 19, 15, 17}}};
+  const auto found = places.find({type.dim, type.n_nodes});
+  return found == places.end() ? std::vector<unsigned int>() : found->second;
+}
 
 class UnvReader
 {
@@ -90,7 +108,7 @@ private:
       text.check(type != unv_types.end(),
                  "the type of the element " + std::to_string(element.number) +
                      " is not read. Use lines, triangles, quadrilaterals, tetrahedra and hexahedra of first "
-                     "order");
+                     "or second order");
       read_integers(3); // property, material, colour
       text.check(text.integer("the number of nodes", 0, INT32_MAX) == type->second.n_nodes,
                  "the element " + std::to_string(element.number) + " should have " +
@@ -100,6 +118,9 @@ private:
       element.dim = type->second.dim;
       for (unsigned int i = 0; i < type->second.n_nodes; ++i)
         element.nodes.push_back(collector.node(text.integer("the number of a node", 1, largest_mesh_number)));
+      const std::vector<unsigned int> in_file = element.nodes, places = places_in_gmsh(type->second);
+      for (std::size_t i = 0; i < places.size(); ++i)
+        element.nodes[i] = in_file[places[i]];
       text.check(index.emplace(element.number, elements.size()).second,
                  "the element " + std::to_string(element.number) + " is given a second time");
       elements.push_back(element);

@@ -19,8 +19,11 @@ struct CellType
   unsigned int dim, n_nodes;
 };
 
-const std::map<std::int64_t, CellType> vtk_types = {{1, {0, 1}}, {3, {1, 2}},  {5, {2, 3}},
-                                                    {9, {2, 4}}, {10, {3, 4}}, {12, {3, 8}}};
+/// Of first order, and of second; 13, 14, 26, 27 and 32 are wedges and pyramids.
+const std::map<std::int64_t, CellType> vtk_types = {
+    {1, {0, 1}},   {3, {1, 2}},   {5, {2, 3}},   {9, {2, 4}},  {10, {3, 4}},  {12, {3, 8}},
+    {13, {3, 6}},  {14, {3, 5}},  {21, {1, 3}},  {22, {2, 6}}, {23, {2, 8}},  {24, {3, 10}},
+    {25, {3, 20}}, {26, {3, 15}}, {27, {3, 13}}, {28, {2, 9}}, {29, {3, 27}}, {32, {3, 18}}};
 
 class VtkReader
 {
@@ -161,10 +164,12 @@ private:
       if (type == vtk_types.end())
         throw MeshError(cell + std::to_string(cell_types[i]) +
                         ", which is not read. Use lines (3), triangles (5), quadrilaterals (9), tetrahedra "
-                        "(10) and hexahedra (12).");
+                        "(10) and hexahedra (12), or those of second order (21 to 25, 28, 29).");
       if (type->second.n_nodes != node_lists[i].size())
         throw MeshError(cell + std::to_string(cell_types[i]) + " but " +
                         std::to_string(node_lists[i].size()) + " points.");
+      if (type->second.dim == 3)
+        order_as_in_gmsh(node_lists[i]);
       collector.add_element(i, type->second.dim, ids.empty() ? 0 : ids[i], node_lists[i]);
     }
   }

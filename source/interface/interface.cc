@@ -401,11 +401,28 @@ void Interface<dim>::pair(const MPI_Comm &communicator)
       return own_share_of_gap(*this, field, own, {{geometry->X(source, q), geometry->X(destination, q)}});
     });
   geometry->extend(shares);
+  find_leading();
   std::vector<double> of_joint;
   for (const InternalVariable &variable : method->internal_variables())
     of_joint.insert(of_joint.end(), variable.n_components, variable.initial);
   memory.set_points(*geometry, sides, of_joint, communicator);
   check_coverage(communicator);
+}
+
+template <int dim>
+void Interface<dim>::find_leading()
+{
+  const unsigned int anywhere = dealii::numbers::invalid_unsigned_int;
+  every_unknown = find_leading_unknowns(*this, {{anywhere, anywhere}});
+  leading_by_faces.clear();
+  leading.clear();
+  for (const auto &group : geometry->groups) {
+    const std::array<unsigned int, 2> faces = {{face_of_group(*this, source, group.begin, group.end),
+                                                face_of_group(*this, destination, group.begin, group.end)}};
+    if (leading_by_faces.count(faces) == 0)
+      leading_by_faces[faces] = find_leading_unknowns(*this, faces);
+    leading.push_back(&leading_by_faces.at(faces));
+  }
 }
 
 template <int dim>

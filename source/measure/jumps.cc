@@ -109,10 +109,34 @@ double imbalance(const ordered_json &numbers, const std::string &field)
   return std::sqrt(square);
 }
 
-/// Where the flux through the interface is small beside that along it, or rounding, there is nothing to tell.
+/// What flows in and out of the two bodies, the largest number of a component; 0 if the report does not know
+/// it.
 template <int dim>
-void explain_fluxes(const Interface<dim> &interface, const double area, ordered_json &numbers,
-                    NoteList &notes)
+double largest_flow(const Interface<dim> &interface, const TiedField &field, const ordered_json &balance)
+{
+  double largest = 0;
+  const auto take = [&](const ordered_json &flow) {
+    largest = flow.is_number() ? std::max(largest, std::abs(flow.get<double>())) : largest;
+  };
+  for (const unsigned int side : {source, destination})
+    for (const char *const flow : {"in", "out"})
+      if (const auto path = nlohmann::ordered_json::json_pointer() / interface.sides[side].domain->name /
+                            field.names[side] / flow;
+          balance.contains(path)) {
+        const ordered_json &flows = balance.at(path);
+        if (flows.is_array())
+          std::for_each(flows.begin(), flows.end(), take);
+        else
+          take(flows);
+      }
+  return largest;
+}
+
+/// Where the flux through the interface is small beside that along it or beside what flows through the bodies
+/// elsewhere, or rounding, there is nothing to tell.
+template <int dim>
+void explain_fluxes(const Interface<dim> &interface, const double area, const ordered_json &balance,
+                    ordered_json &numbers, NoteList &notes)
 {
   const PointTerms<dim> *terms = interface.tie().parts().point_terms;
   for (const TiedField &field : interface.fields) {
@@ -123,7 +147,8 @@ void explain_fluxes(const Interface<dim> &interface, const double area, ordered_
       continue;
     if (std::isfinite(gap))
       numbers["relative flux gap"][field.name] = gap / flux;
-    if (gap > flux_worth_a_note * flux)
+    if (gap > flux_worth_a_note * flux &&
+        flux * std::sqrt(area) > worth_a_note * largest_flow(interface, field, balance))
       notes.push_back(of_oscillation(words_for_flux_gap(interface.name, field.name, gap / flux)));
     if (terms == nullptr || terms->is_balanced())
       continue;
@@ -137,7 +162,7 @@ void explain_fluxes(const Interface<dim> &interface, const double area, ordered_
 
 template <int dim>
 NoteList explain_jumps(const Model<dim> &model, const double t, const ordered_json &domains,
-                       ordered_json &interfaces)
+                       const ordered_json &balance, ordered_json &interfaces)
 {
   NoteList notes;
   for (const auto &interface : model.interfaces) {
@@ -158,12 +183,14 @@ NoteList explain_jumps(const Model<dim> &model, const double t, const ordered_js
     }
     if (!large.empty())
       notes.push_back(of_jump(explain(*interface, large, model.communicator)));
-    explain_fluxes(*interface, area, numbers, notes);
+    explain_fluxes(*interface, area, balance, numbers, notes);
   }
   return notes;
 }
 
-template NoteList explain_jumps(const Model<2> &, double, const ordered_json &, ordered_json &);
-template NoteList explain_jumps(const Model<3> &, double, const ordered_json &, ordered_json &);
+template NoteList explain_jumps(const Model<2> &, double, const ordered_json &, const ordered_json &,
+                                ordered_json &);
+template NoteList explain_jumps(const Model<3> &, double, const ordered_json &, const ordered_json &,
+                                ordered_json &);
 
 } // namespace dovetail

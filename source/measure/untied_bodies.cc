@@ -113,16 +113,39 @@ bool has_condition(const Domain<dim> &body, const dealii::types::boundary_id id,
   });
 }
 
+/// The faces of a boundary in whose reach the box of another one is.
+template <int dim>
+SideFaces<dim> faces_near(const Extent<dim> &other, const Domain<dim> &body,
+                          const dealii::types::boundary_id own_id, const double reach)
+{
+  const auto is_near = [&](const auto &cell) {
+    for (unsigned int d = 0; d < dim; ++d) {
+      double low = cell->vertex(0)[d], high = low;
+      for (const unsigned int v : cell->vertex_indices()) {
+        low = std::min(low, cell->vertex(v)[d]);
+        high = std::max(high, cell->vertex(v)[d]);
+      }
+      if (!(low < other.high[d] + reach && high > other.low[d] - reach))
+        return false;
+    }
+    return true;
+  };
+  return SideFaces<dim>(body.mesh(), body.mapping(), body.mapping_degree(),
+                        [&](const auto &cell, const auto id) { return id == own_id && is_near(cell); });
+}
+
 /// Of the first body, not further from the second one than facets are, nor behind the thinnest cell: the far
 /// sides of two thin bodies look at each other through both. Collective.
 template <int dim>
 double touching_area(const std::array<const Domain<dim> *, 2> &bodies,
-                     const std::array<dealii::types::boundary_id, 2> &ids, const double thinnest_cell,
-                     const MPI_Comm &communicator)
+                     const std::array<dealii::types::boundary_id, 2> &ids,
+                     const std::array<const Extent<dim> *, 2> &extents, const MPI_Comm &communicator)
 {
-  const auto own = faces_of<dim>({bodies[0], {ids[0]}});
-  const FaceLocator<dim> locator(faces_of<dim>({bodies[1], {ids[1]}}), search_radius_of_touch, 0.,
-                                 communicator);
+  const double thinnest_cell = std::min(extents[0]->thinnest_cell, extents[1]->thinnest_cell);
+  const double reach = std::max(extents[0]->largest_face, extents[1]->largest_face);
+  const auto own = faces_near(*extents[1], *bodies[0], ids[0], reach);
+  const FaceLocator<dim> locator(faces_near(*extents[0], *bodies[1], ids[1], reach), search_radius_of_touch,
+                                 0., communicator);
   const FacePoints<dim> points = segments(own, locator, 1, 1);
   double area = 0, largest_angle = 0;
   const auto is_facing = [&](const unsigned int q) {
@@ -157,8 +180,7 @@ void add_notes_on_pair(const Model<dim> &model, const std::array<const Domain<di
           (has_condition(*bodies[0], id, *bodies[1]) && has_condition(*bodies[1], other_id, *bodies[0])))
         continue;
       const double area =
-          touching_area(bodies, {{id, other_id}}, std::min(extent.thinnest_cell, other_extent.thinnest_cell),
-                        model.communicator);
+          touching_area<dim>(bodies, {{id, other_id}}, {{&extent, &other_extent}}, model.communicator);
       const double face = std::min(extent.largest_face, other_extent.largest_face);
       if (area > least_touching_area * (dim == 2 ? face : face * face))
         words << (words.str().empty() ? "" : ", ") << bodies[0]->name << " : " << id << " and "

@@ -47,14 +47,42 @@ std::string tables_left(const FormulaWithTables &entry, const unsigned int scala
 
 } // namespace
 
+namespace {
+
+/// Of a condition whose film coefficient is no constant; else nullptr.
 template <int dim>
-NoteList explain_tables(const Model<dim> &model, const SceneText &text, const Vector &solution)
+const ExchangeCoefficient<dim> *varying_coefficient(const Condition<dim> &condition)
 {
-  NoteList notes;
+  const auto *exchange = dynamic_cast<const ExchangeCoefficient<dim> *>(&condition);
+  return exchange != nullptr && exchange->varies() ? exchange : nullptr;
+}
+
+} // namespace
+
+template <int dim>
+bool UsedRanges<dim>::has_any() const
+{
+  return !text.formulas_with_tables().empty() ||
+         std::any_of(model.domains.begin(), model.domains.end(), [](const auto &domain) {
+           const auto &conditions = domain->conditions();
+           return std::any_of(conditions.begin(), conditions.end(), [](const auto &condition) {
+             return varying_coefficient(*condition) != nullptr;
+           });
+         });
+}
+
+template <int dim>
+void UsedRanges<dim>::add(const Vector &solution, const double t)
+{
+  add_tables(solution);
+  add_coefficients(solution, t);
+}
+
+template <int dim>
+void UsedRanges<dim>::add_tables(const Vector &solution)
+{
   for (const auto &domain : model.domains)
-    for (const Field &field : domain->fields()) {
-      std::vector<std::string> left;
-      double lowest = 0, highest = 0;
+    for (const Field &field : domain->fields())
       for (const FormulaWithTables &entry : text.formulas_with_tables()) {
         const auto scalar = std::find(entry.scalars.begin(), entry.scalars.end(), field.symbol);
         const Region<dim> region = region_of(*domain, entry.path);
@@ -62,11 +90,36 @@ NoteList explain_tables(const Model<dim> &model, const SceneText &text, const Ve
           continue;
         const double smallest = reduce(region, field, Reduce::minimum, solution)[0],
                      largest = reduce(region, field, Reduce::maximum, solution)[0];
-        const std::string words = tables_left(entry, scalar - entry.scalars.begin(), smallest, largest);
+        auto &known = ranges[{domain.get(), field.name}];
+        const auto found = std::find_if(known.begin(), known.end(),
+                                        [&entry](const Range &range) { return range.entry == &entry; });
+        if (found == known.end())
+          known.push_back(
+              {&entry, static_cast<unsigned int>(scalar - entry.scalars.begin()), smallest, largest});
+        else {
+          found->smallest = std::min(found->smallest, smallest);
+          found->largest = std::max(found->largest, largest);
+        }
+      }
+}
+
+template <int dim>
+NoteList UsedRanges<dim>::explain_tables() const
+{
+  NoteList notes;
+  for (const auto &domain : model.domains)
+    for (const Field &field : domain->fields()) {
+      const auto found = ranges.find({domain.get(), field.name});
+      if (found == ranges.end())
+        continue;
+      std::vector<std::string> left;
+      double lowest = 0, highest = 0;
+      for (const Range &range : found->second) {
+        const std::string words = tables_left(*range.entry, range.scalar, range.smallest, range.largest);
         if (words.empty())
           continue;
-        lowest = left.empty() ? smallest : std::min(lowest, smallest);
-        highest = left.empty() ? largest : std::max(highest, largest);
+        lowest = left.empty() ? range.smallest : std::min(lowest, range.smallest);
+        highest = left.empty() ? range.largest : std::max(highest, range.largest);
         left.push_back(words);
       }
       if (!left.empty())
@@ -82,54 +135,41 @@ NoteList explain_tables(const Model<dim> &model, const SceneText &text, const Ve
   return notes;
 }
 
-namespace {
-
+/// Of this rank. A coefficient of no field is asked at earlier times, too.
 template <int dim>
-struct LeastCoefficient
+void UsedRanges<dim>::add_coefficients(const Vector &solution, const double t)
 {
-  double smallest = 0, t = 0;
-  dealii::Point<dim> X;
-
-  template <typename Archive>
-  void serialize(Archive &archive, const unsigned int)
-  {
-    archive &smallest &t &X;
-  }
-};
-
-template <int dim>
-LeastCoefficient<dim> smallest_coefficient(const Domain<dim> &domain, const Condition<dim> &condition,
-                                           const ExchangeCoefficient<dim> &exchange, const Vector &solution,
-                                           const double t)
-{
-  const unsigned int n_times = exchange.follows_state() ? 0 : 8; // before t
-  LeastCoefficient<dim> least;
-  visit_points<dim>({&domain, condition.boundary_ids}, solution, t, [&](DomainPoint<dim> &point, double) {
-    State<dim> state = point.state();
-    for (unsigned int i = 0; i <= n_times; ++i) {
-      state.t = n_times == 0 ? t : t * i / n_times;
-      const double coefficient = exchange.exchange_coefficient(state);
-      if (coefficient < least.smallest && condition.is_active(state.t))
-        least = {coefficient, state.t, state.X};
-    }
-  });
-  return least;
-}
-
-} // namespace
-
-template <int dim>
-NoteList explain_coefficients(const Model<dim> &model, const Vector &solution, const double t)
-{
-  NoteList notes;
   for (const auto &domain : model.domains)
     for (const auto &condition : domain->conditions()) {
-      const auto *exchange = dynamic_cast<const ExchangeCoefficient<dim> *>(condition.get());
-      if (exchange == nullptr || !exchange->varies())
+      const auto *exchange = varying_coefficient(*condition);
+      if (exchange == nullptr)
         continue;
-      LeastCoefficient<dim> worst;
-      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(
-               model.communicator, smallest_coefficient(*domain, *condition, *exchange, solution, t)))
+      LeastCoefficient &least = coefficients[condition.get()];
+      const unsigned int n_times = exchange->follows_state() ? 0 : 8; // before t
+      visit_points<dim>({domain.get(), condition->boundary_ids}, solution, t,
+                        [&](DomainPoint<dim> &point, double) {
+                          State<dim> state = point.state();
+                          for (unsigned int i = 0; i <= n_times; ++i) {
+                            state.t = n_times == 0 ? t : t * i / n_times;
+                            const double coefficient = exchange->exchange_coefficient(state);
+                            if (coefficient < least.smallest && condition->is_active(state.t))
+                              least = {coefficient, state.t, state.X};
+                          }
+                        });
+    }
+}
+
+template <int dim>
+NoteList UsedRanges<dim>::explain() const
+{
+  NoteList notes = explain_tables();
+  for (const auto &domain : model.domains)
+    for (const auto &condition : domain->conditions()) {
+      const auto own = coefficients.find(condition.get());
+      if (own == coefficients.end())
+        continue;
+      LeastCoefficient worst;
+      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(model.communicator, own->second))
         if (of_rank.smallest < worst.smallest)
           worst = of_rank;
       if (worst.smallest < 0)
@@ -143,9 +183,7 @@ NoteList explain_coefficients(const Model<dim> &model, const Vector &solution, c
   return notes;
 }
 
-template NoteList explain_tables(const Model<2> &, const SceneText &, const Vector &);
-template NoteList explain_tables(const Model<3> &, const SceneText &, const Vector &);
-template NoteList explain_coefficients(const Model<2> &, const Vector &, double);
-template NoteList explain_coefficients(const Model<3> &, const Vector &, double);
+template class UsedRanges<2>;
+template class UsedRanges<3>;
 
 } // namespace dovetail

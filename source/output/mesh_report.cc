@@ -294,7 +294,14 @@ std::string data_array(const std::string &attributes, const std::string &numbers
   return "<DataArray " + attributes + " format=\"ascii\">\n" + numbers + "</DataArray>\n";
 }
 
-/// Cells and marked faces by their vertices, with their ids; VTK's order is that of the file.
+/// Of first or second order.
+bool is_wedge_or_pyramid(const unsigned int n_nodes)
+{
+  return n_nodes == 5 || n_nodes == 6 || (n_nodes > 10 && n_nodes != 20 && n_nodes != 27);
+}
+
+/// Cells and marked faces by their vertices, with their ids, but wedges and pyramids; VTK's order is that of
+/// the file.
 void write_preview(const MeshFile &mesh, const unsigned int dim, const std::string &name)
 {
   const std::string beginning = "<?xml version=\"1.0\"?>\n<!-- A mesh file as Dovetail reads it -->\n";
@@ -302,10 +309,13 @@ void write_preview(const MeshFile &mesh, const unsigned int dim, const std::stri
   points.precision(16);
   for (const auto &X : mesh.nodes)
     points << X[0] << ' ' << X[1] << ' ' << X[2] << '\n';
-  std::size_t offset = 0;
+  std::size_t offset = 0, n_cells = 0;
   const auto add = [&](const MeshElements &elements, const unsigned int element_dim) {
     for (std::size_t e = 0; e < elements.size(); ++e) {
       const unsigned int n = elements.n_nodes(e);
+      if (element_dim == 3 && is_wedge_or_pyramid(n))
+        continue;
+      ++n_cells;
       const bool is_triangular = n == 3 || n == 6 || n == 10 || (element_dim == 3 && n == 4);
       const unsigned int n_vertices = is_triangular ? element_dim + 1 : 1u << element_dim;
       for (unsigned int v = 0; v < (element_dim == 1 ? 2 : n_vertices); ++v)
@@ -326,10 +336,9 @@ void write_preview(const MeshFile &mesh, const unsigned int dim, const std::stri
   const std::string text =
       beginning +
       "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
-      std::to_string(mesh.nodes.size()) + "\" NumberOfCells=\"" +
-      std::to_string(mesh.cells.size() + mesh.faces.size()) + "\">\n<Points>\n" +
-      data_array("type=\"Float64\" NumberOfComponents=\"3\"", points.str()) + "</Points>\n<Cells>\n" +
-      data_array("type=\"Int64\" Name=\"connectivity\"", connectivity.str()) +
+      std::to_string(mesh.nodes.size()) + "\" NumberOfCells=\"" + std::to_string(n_cells) +
+      "\">\n<Points>\n" + data_array("type=\"Float64\" NumberOfComponents=\"3\"", points.str()) +
+      "</Points>\n<Cells>\n" + data_array("type=\"Int64\" Name=\"connectivity\"", connectivity.str()) +
       data_array("type=\"Int64\" Name=\"offsets\"", offsets.str()) +
       data_array("type=\"UInt8\" Name=\"types\"", types.str()) + "</Cells>\n<CellData>\n" +
       data_array("type=\"Int64\" Name=\"material_id\"", materials.str()) +

@@ -45,7 +45,7 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
       with_spectrum(output.read<bool>("Spectrum", false,
                                       "Report eigenvalues and condition number of the matrix, up to " +
                                           std::to_string(largest_spectrum) + " unknowns [-]")),
-      paraview(output, model, directory), reference(output, model)
+      paraview(output, model, directory), reference(output, model), used_ranges(model, text)
 {
   notes.read(output);
 }
@@ -247,7 +247,8 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
   for (auto &domain_flows : flows)
     for (auto &field_flows : domain_flows)
       field_flows.erase("rounding");
-  step_table.add(solution.t, probes.evaluate(ghosted, reactions), flows);
+  step_table.add(solution.t, probes.evaluate(ghosted, reactions), flows, probes.names_of_numbers(),
+                 model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz", probes.unit_of_time());
   if (step_table.is_due())
     write_step_table();
 }
@@ -299,10 +300,23 @@ void Results<dim>::explain(const Solution<dim> &solution)
   const Vector ghosted = solution.system.ghosted(solution.x);
   notes.add(explain_resolution(model, ghosted, solution.t));
   notes.add(explain_stiffness(model, ghosted));
-  notes.add(explain_tables(model, text, ghosted));
-  notes.add(explain_coefficients(model, ghosted, solution.t));
   notes.add(probes.notes_on_extremes(ghosted, solution.t));
-  notes.add(explain_jumps(model, solution.t, report()["domains"], report()["interfaces"]));
+  notes.add(
+      explain_jumps(model, solution.t, report()["domains"], report()["balance"], report()["interfaces"]));
+}
+
+template <int dim>
+void Results<dim>::record_ranges(const Solution<dim> &solution)
+{
+  if (used_ranges.has_any())
+    used_ranges.add(solution.system.ghosted(solution.x), solution.t);
+}
+
+template <int dim>
+void Results<dim>::explain_ranges(const Solution<dim> &solution)
+{
+  record_ranges(solution);
+  notes.add(used_ranges.explain());
 }
 
 template <int dim>

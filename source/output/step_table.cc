@@ -14,16 +14,16 @@ namespace {
 
 using nlohmann::ordered_json;
 
-void add_columns(const std::string &name, const ordered_json &value, std::vector<std::string> &names,
-                 std::vector<std::string> &texts)
+void add_columns(const std::string &name, const ordered_json &value, const std::string &axes,
+                 std::vector<std::string> &names, std::vector<std::string> &texts)
 {
   const std::string before = name.empty() ? "" : name + " ";
   if (value.is_object())
     for (const auto &[key, part] : value.items())
-      add_columns(before + key, part, names, texts);
+      add_columns(before + key, part, axes, names, texts);
   else if (value.is_array())
     for (std::size_t i = 0; i < value.size(); ++i)
-      add_columns(before + (value.size() <= 3 ? std::string(1, "xyz"[i]) : std::to_string(i)), value[i],
+      add_columns(before + (value.size() <= 3 ? std::string(1, axes[i]) : std::to_string(i)), value[i], axes,
                   names, texts);
   else {
     names.push_back(name);
@@ -33,11 +33,19 @@ void add_columns(const std::string &name, const ordered_json &value, std::vector
 
 } // namespace
 
-void StepTable::add(const double time, const ordered_json &probes, const ordered_json &balance)
+void StepTable::add(const double time, const ordered_json &probes, const ordered_json &balance,
+                    const ColumnNames &columns, const std::string &axes, const std::string &unit)
 {
-  std::vector<std::string> names = {first_word}, texts = {ordered_json(time).dump()};
-  add_columns("", probes, names, texts);
-  add_columns("balance", balance, names, texts);
+  std::vector<std::string> names = {first_word + (unit.empty() ? "" : " [" + unit + "]")},
+                           texts = {ordered_json(time).dump()};
+  for (const auto &[probe, value] : probes.items()) {
+    const std::size_t first = names.size();
+    add_columns(probe, value, axes, names, texts);
+    if (const auto given = columns.find(probe);
+        given != columns.end() && given->second.size() == names.size() - first)
+      std::copy(given->second.begin(), given->second.end(), names.begin() + first);
+  }
+  add_columns("balance", balance, axes, names, texts);
   const auto line = [](const std::vector<std::string> &cells) {
     std::string result;
     for (const std::string &cell : cells)
@@ -77,9 +85,9 @@ void StepTable::set_header(const std::string &line)
   for (std::string row; std::getline(earlier, row);) {
     const std::vector<std::string> cells = cells_of(row + "\n");
     for (const std::string &name : names) {
+      rows += &name == &names[0] ? "" : ",";
       const auto place = std::find(old_names.begin(), old_names.end(), name) - old_names.begin();
-      rows += (name == first_word ? "" : ",") +
-              (place < static_cast<std::ptrdiff_t>(cells.size()) ? cells[place] : std::string());
+      rows += place < static_cast<std::ptrdiff_t>(cells.size()) ? cells[place] : std::string();
     }
     rows += '\n';
   }

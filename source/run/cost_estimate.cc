@@ -34,7 +34,7 @@ const double longest_sample = 0.01; ///< seconds of a body
 /// Of a product with a sparse matrix that is larger than the caches.
 double seconds_per_entry()
 {
-  const unsigned int n_rows = 100000, n_of_row = 27;
+  const unsigned int n_rows = 40000, n_of_row = 27;
   const std::vector<double> entries(n_rows * n_of_row, 1.), x(n_rows, 1.);
   std::vector<int> columns;
   columns.reserve(entries.size());

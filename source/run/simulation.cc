@@ -269,6 +269,7 @@ bool Simulation<dim>::run_from(Vector x)
     const Solution<dim> solution = {step.system(), x, t, is_converged};
     if (is_converged)
       results.explain(solution);
+    results.explain_ranges(solution);
     results.measure_spectrum(solution, step.solve_groups());
   }
   if (step.has_system())

@@ -356,6 +356,8 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   results.forget_solution();
   if (step.has_rates() || ((steps.n_steps > 1 || steps.follows_path()) && results.has_probes()))
     results.record_step({step.system(), x, t, true}, step.tolerance());
+  if (steps.n_steps > 1)
+    results.record_ranges({step.system(), x, t, true});
   if (!steps.finds_modes() && (results.is_due(n_good) || t >= almost_end()))
     results.write_pictures({step.system(), x, t, true});
   remember_good_step();

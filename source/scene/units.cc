@@ -106,9 +106,10 @@ Units::Units(const std::string &text)
 {
   const auto words = dealii::Utilities::split_string_list(text, ',');
   for (unsigned int i = 0; i < 4 && i < words.size(); ++i)
-    if (const auto base = known_bases[i].find(words[i]); base != known_bases[i].end())
+    if (const auto base = known_bases[i].find(words[i]); base != known_bases[i].end()) {
+      names[i] = words[i];
       in_si[i] = base->second;
-    else {
+    } else {
       std::vector<std::string> names;
       for (const auto &[name, factor] : known_bases[i])
         names.push_back(name);
@@ -129,6 +130,29 @@ std::optional<double> Units::from_si(const std::string &unit) const
   for (unsigned int i = 0; i < 4; ++i)
     factor *= std::pow(in_si[i], -(*powers)[i]);
   return factor;
+}
+
+std::string Units::of(const std::string &unit) const
+{
+  const auto powers = UnitParser(unit).parse();
+  if (!powers)
+    return "";
+  if (unit == "N" || unit == "Pa" || unit == "J" || unit == "W")
+    for (const auto &[prefix, size] : {std::pair("m", 1e-3), std::pair("", 1.), std::pair("k", 1e3),
+                                       std::pair("M", 1e6), std::pair("G", 1e9)})
+      if (std::abs(*from_si(unit) * size - 1) < 1e-12)
+        return prefix + unit;
+  const auto product = [&](const int sign) {
+    std::string words;
+    for (const unsigned int i : {1, 0, 2, 3}) // masses first: kg m/s^2
+      if (const int power = sign * (*powers)[i]; power > 0)
+        words += (words.empty() ? "" : " ") + names[i] + (power > 1 ? "^" + std::to_string(power) : "");
+    return words;
+  };
+  const std::string above = product(1), below = product(-1);
+  const bool is_single = below.find(' ') == std::string::npos;
+  return below.empty() ? above
+                       : (above.empty() ? "1" : above) + "/" + (is_single ? below : "(" + below + ")");
 }
 
 namespace {

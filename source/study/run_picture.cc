@@ -25,7 +25,7 @@ const unsigned int most_panels = 12;
 
 struct Column
 {
-  std::string name;
+  std::string name, unit;          ///< of "tip x [mm]", with the brackets; perhaps empty
   std::vector<std::string> values; ///< as they are written, perhaps empty
 };
 
@@ -47,8 +47,11 @@ std::vector<Column> read_columns(const std::string &file)
   while (std::getline(in, line)) {
     const std::vector<std::string> row = cells(line);
     if (columns.empty())
-      for (const std::string &name : row)
-        columns.push_back({name, {}});
+      for (const std::string &name : row) {
+        const auto bracket = name.empty() || name.back() != ']' ? std::string::npos : name.rfind(" [");
+        columns.push_back(
+            {name.substr(0, bracket), bracket == std::string::npos ? "" : name.substr(bracket + 1), {}});
+      }
     else
       for (std::size_t c = 0; c < columns.size(); ++c)
         columns[c].values.push_back(c < row.size() ? row[c] : "");
@@ -178,7 +181,11 @@ Panel draw_probe(const std::string &probe, const unsigned int place, const order
          << " with linespoints pt 7 ps 0.4 lw 1.5 lc rgb '" << colour_of_curve(c) << "' "
          << (component.empty() ? "notitle" : "title " + quoted(component));
   }
-  return {probe, data.str(), "set xlabel 't'\n", plot.str()};
+  const std::string unit = components[0]->unit, unit_of_time = columns[0].unit;
+  return {probe, data.str(),
+          "set xlabel " + quoted(unit_of_time.empty() ? "t" : "t " + unit_of_time) + " noenhanced\n" +
+              (unit.empty() ? "" : "set ylabel " + quoted(unit) + " noenhanced\n"),
+          plot.str()};
 }
 
 void write_panel(std::ostream &out, const Panel &panel, const unsigned int column, const unsigned int row,

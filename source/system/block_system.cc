@@ -323,7 +323,7 @@ BlockSystem<dim>::make_pattern(const double t, const dealii::AffineConstraints<d
   for (const auto &interface : model.interfaces) {
     const TieParts<dim> parts = interface->tie().parts();
     if (interface->is_active(t)) {
-      if (parts.point_terms != nullptr)
+      if (parts.point_terms != nullptr && !is_given_as_products(*interface))
         add_pattern(*interface, lines, pattern);
       for (unsigned int i = 0; parts.multipliers != nullptr && i < parts.multipliers->n_terms(); ++i)
         lines.add_entries_local_to_global(parts.multipliers->term_dofs(i), pattern, false);
@@ -366,7 +366,7 @@ void BlockSystem<dim>::make_sparsity(const double t)
   matrix.clear();
   matrix.reinit(model.numbering->split(model.numbering->owned), parts_of_blocks(), pattern,
                 model.communicator);
-  make_cell_operators();
+  make_cell_operators(t);
 }
 
 /// Whether the tangent of the cells has entries in a field's own block.
@@ -390,9 +390,18 @@ void BlockSystem<dim>::make_cell_terms()
   }
 }
 
+/// Whether the terms of a tie need no entries, like the cells on both sides.
+template <int dim>
+bool BlockSystem<dim>::is_given_as_products(const Interface<dim> &interface) const
+{
+  return form == Form::direct && TieOperator<dim>::is_possible(interface) &&
+         interface.fields[0].names[source] == interface.fields[0].names[destination] &&
+         !has_entries(interface.fields[0].names[source]);
+}
+
 /// In place of entries, where the groups do without.
 template <int dim>
-void BlockSystem<dim>::make_cell_operators()
+void BlockSystem<dim>::make_cell_operators(const double t)
 {
   if (!cellwise.empty())
     make_cell_terms();
@@ -401,7 +410,12 @@ void BlockSystem<dim>::make_cell_operators()
   for (unsigned int b = 0; b < blocks.size(); ++b)
     if (const unsigned int part = matrix.part_of(b);
         !blocks[b].is_constraint && !has_entries(blocks[b].field) && cellwise.count(part) == 0) {
-      cellwise[part] = std::make_shared<CellwiseTangent<dim>>(model, matrix.numbering(part));
+      std::vector<const Interface<dim> *> interfaces;
+      for (const auto &interface : model.interfaces)
+        if (interface->is_active(t) && is_given_as_products(*interface) &&
+            interface->fields[0].names[source] == blocks[b].field)
+          interfaces.push_back(interface.get());
+      cellwise[part] = std::make_shared<CellwiseTangent<dim>>(model, matrix.numbering(part), interfaces);
       matrix.set_operator(part, cellwise[part]);
     }
   for (unsigned int b = 0; b < blocks.size(); ++b)
@@ -1024,36 +1038,58 @@ bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vecto
                                           const bool with_tangent)
 {
   PointTerms<dim> &terms = *interface.tie().parts().point_terms;
+  TieOperator<dim> *products = nullptr;
+  for (const auto &part : cellwise)
+    if (with_tangent && products == nullptr)
+      products = part.second->of_interface(interface);
   std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns, residual;
+  std::vector<double> unknowns, residual, residual_of_leading;
+  dealii::FullMatrix<double> of_leading;
   const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
   unknowns.resize(n_local);
-  local_matrix.reinit(n_local, n_local);
-  for (const auto &group : interface.pairing().groups) {
+  const bool has_local_matrix = with_tangent && products == nullptr;
+  if (has_local_matrix)
+    local_matrix.reinit(n_local, n_local);
+  const auto &groups = interface.pairing().groups;
+  for (unsigned int g = 0; g < groups.size(); ++g) {
+    const auto &group = groups[g];
     interface.group_dofs(group, dofs);
     ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
     residual.assign(n_local, 0.);
-    if (with_tangent)
-      local_matrix = 0;
-    if (!terms.assemble(interface, group, time, unknowns, residual, with_tangent ? &local_matrix : nullptr)) {
+    bool is_defined = true;
+    if (products != nullptr) {
+      const LeadingUnknowns &leading = products->leading(g);
+      residual_of_leading.assign(leading.size(), 0.);
+      of_leading.reinit(leading.size(), leading.size());
+      is_defined = terms.assemble_leading(interface, group, time, unknowns, residual_of_leading, &of_leading);
+      leading.expand(residual_of_leading, residual);
+      products->add(g, of_leading);
+      add_products(dofs, leading.sizes_of_products(of_leading, unknowns), n_local);
+    } else {
+      if (with_tangent)
+        local_matrix = 0;
+      is_defined =
+          terms.assemble(interface, group, time, unknowns, residual, with_tangent ? &local_matrix : nullptr);
+    }
+    if (!is_defined) {
       note_undefined("interface " + interface.name + " near " +
                      in_words(interface.pairing().X(source, group.begin)));
       return false;
     }
-    add_sizes(dofs, residual, unknowns, n_local, with_tangent);
+    add_sizes(dofs, residual, unknowns, n_local, has_local_matrix);
     if (const auto position = merge_repeated(interface, dofs); !position.empty()) {
       std::vector<double> merged_residual(dofs.size(), 0.);
       dealii::FullMatrix<double> merged(dofs.size(), dofs.size());
       for (unsigned int i = 0; i < position.size(); ++i) {
         merged_residual[position[i]] += residual[i];
-        for (unsigned int j = 0; with_tangent && j < position.size(); ++j)
+        for (unsigned int j = 0; has_local_matrix && j < position.size(); ++j)
           merged(position[i], position[j]) += local_matrix(i, j);
       }
       std::swap(merged, local_matrix);
-      scatter(merged_residual, dofs, with_tangent);
+      scatter(merged_residual, dofs, has_local_matrix);
       std::swap(merged, local_matrix);
     } else
-      scatter(residual, dofs, with_tangent);
+      scatter(residual, dofs, has_local_matrix);
   }
   return true;
 }

@@ -18,7 +18,8 @@
 namespace dovetail {
 
 template <int dim>
-CellwiseTangent<dim>::CellwiseTangent(const Model<dim> &model, const RowNumbering &rows)
+CellwiseTangent<dim>::CellwiseTangent(const Model<dim> &model, const RowNumbering &rows,
+                                      const std::vector<const Interface<dim> *> &interfaces)
     : model(model), rows(rows), place_of_block(model.numbering->blocks().size(), -1)
 {
   for (unsigned int i = 0; i < rows.blocks().size(); ++i) {
@@ -27,6 +28,8 @@ CellwiseTangent<dim>::CellwiseTangent(const Model<dim> &model, const RowNumberin
     place_of_block[rows.blocks()[i]] = i;
     operators[block.domain_index] = CellOperator<dim>::make(domain, domain.fields()[block.field_index]);
   }
+  for (const Interface<dim> *interface : interfaces)
+    ties.push_back(std::make_unique<TieOperator<dim>>(*interface));
   collect_columns();
 }
 
@@ -39,6 +42,8 @@ CellwiseTangent<dim>::CellwiseTangent(const CellwiseTangent &other)
 {
   for (const auto &[d, cells] : other.operators)
     operators[d] = cells->copy();
+  for (const auto &tie : other.ties)
+    ties.push_back(tie->copy());
 }
 
 template <int dim>
@@ -52,6 +57,8 @@ void CellwiseTangent<dim>::add(const double factor, const PartOperator &other)
 {
   for (auto &[d, cells] : operators)
     cells->add_tangent(factor, *dynamic_cast<const CellwiseTangent &>(other).operators.at(d));
+  for (unsigned int i = 0; i < ties.size(); ++i)
+    ties[i]->add_tangent(factor, *dynamic_cast<const CellwiseTangent &>(other).ties[i]);
   finish();
 }
 
@@ -68,11 +75,14 @@ void CellwiseTangent<dim>::collect_columns()
   const Epetra_MpiComm communicator(model.communicator);
   own_rows = std::make_shared<Epetra_Map>(-1, static_cast<int>(rows.n_local()), 0, communicator);
   std::set<int> others;
+  const auto collect = [&](const auto dof) {
+    if (const int global = row(dof); !own_rows->MyGID(global))
+      others.insert(global);
+  };
   for (const auto &[d, cells] : operators)
-    cells->for_each_unknown([&](const auto dof) {
-      if (const int global = row(dof); !own_rows->MyGID(global))
-        others.insert(global);
-    });
+    cells->for_each_unknown(collect);
+  for (const auto &tie : ties)
+    tie->for_each_unknown(collect);
   std::vector<int> all(own_rows->MyGlobalElements(),
                        own_rows->MyGlobalElements() + own_rows->NumMyElements());
   all.insert(all.end(), others.begin(), others.end());
@@ -80,6 +90,8 @@ void CellwiseTangent<dim>::collect_columns()
   import = std::make_shared<Epetra_Import>(*columns, *own_rows);
   for (auto &[d, cells] : operators)
     cells->number([&](const auto dof) { return columns->LID(row(dof)); });
+  for (const auto &tie : ties)
+    tie->number([&](const auto dof) { return columns->LID(row(dof)); });
 }
 
 template <int dim>
@@ -88,6 +100,8 @@ void CellwiseTangent<dim>::begin(const dealii::AffineConstraints<double> &constr
   make_constraint_matrix(constraints);
   for (auto &[d, cells] : operators)
     cells->begin_tangent();
+  for (const auto &tie : ties)
+    tie->begin_tangent();
 }
 
 template <int dim>
@@ -118,6 +132,17 @@ void CellwiseTangent<dim>::make_constraint_matrix(const dealii::AffineConstraint
         }
       }
   }
+  for (const auto &tie : ties) {
+    std::array<std::vector<unsigned int>, 2> blocks; // of each side
+    for (const unsigned int side : {source, destination})
+      for (const unsigned int b : rows.blocks())
+        if (model.domains[model.numbering->blocks()[b].domain_index].get() == tie->tied().sides[side].domain)
+          blocks[side].push_back(b);
+    for (const unsigned int b : blocks[source])
+      for (const unsigned int other : blocks[destination])
+        if (b != other)
+          own_pairs.insert({{b, other}, {other, b}});
+  }
   block_pairs.clear();
   for (const auto &of_rank : dealii::Utilities::MPI::all_gather(model.communicator, own_pairs))
     block_pairs.insert(of_rank.begin(), of_rank.end());
@@ -137,12 +162,16 @@ Epetra_Vector CellwiseTangent<dim>::multiply_cells(const Epetra_Vector &all_valu
   if (own_rows->Comm().NumProc() == 1) {
     for (const auto &[d, cells] : operators)
       cells->add_product(all_values.Values(), result.Values(), of_symmetric_part);
+    for (const auto &tie : ties)
+      tie->add_product(all_values.Values(), result.Values(), of_symmetric_part);
     return result;
   }
   Epetra_Vector x(*columns), y(*columns);
   x.Import(all_values, *import, Insert);
   for (const auto &[d, cells] : operators)
     cells->add_product(x.Values(), y.Values(), of_symmetric_part);
+  for (const auto &tie : ties)
+    tie->add_product(x.Values(), y.Values(), of_symmetric_part);
   result.Export(y, *import, Add);
   return result;
 }
@@ -205,6 +234,10 @@ void CellwiseTangent<dim>::finish()
   for (const auto &[d, cells] : operators) {
     cells->finish_tangent();
     cells->add_diagonal(of_cells.Values());
+  }
+  for (const auto &tie : ties) {
+    tie->finish_tangent();
+    tie->add_diagonal(of_cells.Values());
   }
   own.Export(of_cells, *import, Add);
   Epetra_CrsMatrix squares(*follow);
@@ -442,6 +475,17 @@ std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_
       find_numbers(local);
       sum.meet(numbers);
     });
+  std::vector<typename TieOperator<dim>::Restriction> of_ties;
+  for (const auto &tie : ties)
+    of_ties.push_back(tie->restricted(row_of_P));
+  const auto for_each_row_of_ties = [&](const auto &visit) {
+    for (const auto &of_tie : of_ties)
+      for (unsigned int i = 0; i < of_tie.rows.size(); ++i) {
+        find_numbers(of_tie.columns[i]);
+        visit(number[of_tie.rows[i]], of_tie.values[i].data());
+      }
+  };
+  for_each_row_of_ties([&](const int row, const double *) { sum.meet(row, numbers); });
   const auto for_each_row_of_summand = [&](const auto &visit) {
     for (int i = 0; i < summand.NumMyRows(); ++i) {
       int n = 0, *local = nullptr;
@@ -462,6 +506,7 @@ std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_
       sum.add(numbers, product);
     });
   for_each_row_of_summand([&](const int row, const double *entries) { sum.add(row, numbers, entries); });
+  for_each_row_of_ties([&](const int row, const double *entries) { sum.add(row, numbers, entries); });
   return sum.finish();
 }
 

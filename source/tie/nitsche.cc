@@ -480,6 +480,37 @@ bool Nitsche<dim>::assemble(const Interface<dim> &interface, const typename Pair
                             const double t, const std::vector<double> &unknowns,
                             std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
+  const LeadingUnknowns &of_group = *leading_unknowns(interface, group);
+  if (of_group.is_complete())
+    return assemble_leading(interface, group, t, unknowns, residual, tangent);
+  const unsigned int n = of_group.size();
+  residual_of_leading.assign(n, 0.);
+  if (tangent != nullptr)
+    tangent_of_leading.reinit(n, n);
+  if (!assemble_leading(interface, group, t, unknowns, residual_of_leading,
+                        tangent == nullptr ? nullptr : &tangent_of_leading))
+    return false;
+  of_group.expand(residual_of_leading, residual);
+  if (tangent != nullptr)
+    of_group.expand(tangent_of_leading, *tangent);
+  return true;
+}
+
+/// All where a flux may be that at the centre of a cell.
+template <int dim>
+const LeadingUnknowns *Nitsche<dim>::leading_unknowns(const Interface<dim> &interface,
+                                                      const typename Pairing<dim>::Group &group) const
+{
+  return has_large_strain(interface) ? &interface.all_unknowns() : &interface.leading_unknowns(group);
+}
+
+template <int dim>
+bool Nitsche<dim>::assemble_leading(const Interface<dim> &interface,
+                                    const typename Pairing<dim>::Group &group, const double t,
+                                    const std::vector<double> &unknowns, std::vector<double> &residual,
+                                    dealii::FullMatrix<double> *tangent)
+{
+  leading = leading_unknowns(interface, group);
   const bool with_derivatives = tangent != nullptr || theta != 0;
   for (unsigned int q = group.begin; q < group.end; ++q) {
     if (!toggle.is_on(q))
@@ -491,17 +522,17 @@ bool Nitsche<dim>::assemble(const Interface<dim> &interface, const typename Pair
         return false;
   }
   if (own_sides)
-    keep_own_rows(interface, group, residual, tangent);
+    keep_own_rows(group, residual, tangent);
   return true;
 }
 
 /// The test functions of the side on whose faces the points lie, with the whole weight.
 template <int dim>
-void Nitsche<dim>::keep_own_rows(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
-                                 std::vector<double> &residual, dealii::FullMatrix<double> *tangent) const
+void Nitsche<dim>::keep_own_rows(const typename Pairing<dim>::Group &group, std::vector<double> &residual,
+                                 dealii::FullMatrix<double> *tangent) const
 {
   for (unsigned int i = 0; i < residual.size(); ++i) {
-    const double factor = (i < interface.n_local(source)) == (group.side == source) ? 2 : 0;
+    const double factor = (i < leading->n_of_side[source]) == (group.side == source) ? 2 : 0;
     residual[i] *= factor;
     if (tangent != nullptr)
       for (unsigned int j = 0; j < residual.size(); ++j)
@@ -557,7 +588,7 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
 {
   const Pairing<dim> &pairing = interface.pairing();
   const unsigned int n_c = field.n_components;
-  const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
+  const unsigned int n_local = leading->size();
   mean_flux_of.assign(n_c * n_local, 0.);
   if (theta != 0) {
     variation_of.assign(n_c * n_local, 0.);
@@ -569,11 +600,13 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
     const unsigned int n = domain.n_components();
     const double factor = (side == source ? 1 : -1) * p.weight[side];
     if (factor == 0) {
-      i += interface.n_local(side);
+      i += leading->n_of_side[side];
       continue;
     }
-    for (const unsigned int d : interface.components[side]) {
-      const unsigned int n_nodes = domain.layout().n_nodes(d);
+    for (unsigned int k = 0; k < interface.components[side].size(); ++k) {
+      const unsigned int d = interface.components[side][k];
+      const std::vector<unsigned int> &nodes = leading->nodes[side][k];
+      const unsigned int n_nodes = nodes.size();
       const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + domain.layout().first_shape(d);
       const double *values = pairing.values(side, q) + domain.layout().first_shape(d);
       for (unsigned int c = 0; c < n_c; ++c) {
@@ -583,18 +616,19 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
         const double by_value = factor * (pairing.N(side, q) * sides.response[side].by_value[pair]);
         double *mean = &mean_flux_of[c * n_local + i];
         for (unsigned int a = 0; a < n_nodes; ++a)
-          mean[a] = by_gradient * gradients[a];
+          mean[a] = by_gradient * gradients[nodes[a]];
         const bool varies_by_value = field.varies_by_value(side, d);
         if (has_frozen_variation)
           for (unsigned int a = 0; a < n_nodes; ++a)
             variation_of[c * n_local + i + a] =
-                factor * (frozen[side][q * n * n + pair].by_gradient * gradients[a] +
-                          (varies_by_value ? frozen[side][q * n * n + pair].by_value * values[a] : 0.));
+                factor *
+                (frozen[side][q * n * n + pair].by_gradient * gradients[nodes[a]] +
+                 (varies_by_value ? frozen[side][q * n * n + pair].by_value * values[nodes[a]] : 0.));
         else if (theta != 0 && !varies_by_value)
           std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
         if (by_value != 0)
           for (unsigned int a = 0; a < n_nodes; ++a)
-            mean[a] += by_value * values[a];
+            mean[a] += by_value * values[nodes[a]];
         if (theta != 0 && varies_by_value && !has_frozen_variation)
           std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
       }
@@ -603,7 +637,7 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
   }
   if (theta != 0 && field.has_partition()) // the flux varies by K times the destination's trace
     for (unsigned int c = 0; c < n_c; ++c)
-      for (unsigned int j = interface.n_local(source); j < n_local; ++j)
+      for (unsigned int j = leading->n_of_side[source]; j < n_local; ++j)
         variation_of[c * n_local + j] /= field.partition;
 }
 
@@ -616,17 +650,19 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
   unsigned int i = 0;
   for (const unsigned int side : {source, destination}) {
     const double sign = side == source ? 1 : -1;
-    const auto &layout = interface.sides[side].domain->layout();
     const double *trial = interface.pairing().trial(side, q, field.index) + field.first_shape[side],
                  *test = interface.pairing().test(side, q, field.index) + field.first_shape[side];
-    for (const unsigned int component : interface.components[side]) {
-      const unsigned int c = component - field.first_component[side]; // wraps if not of this field
-      for (unsigned int a = 0; a < layout.n_nodes(component); ++a, ++i)
+    for (unsigned int k = 0; k < interface.components[side].size(); ++k) {
+      const unsigned int c =
+          interface.components[side][k] - field.first_component[side]; // wraps if not of this field
+      for (const unsigned int a : leading->nodes[side][k]) {
         if (c < field.n_components) {
           field_unknowns.push_back(i);
           if (std::abs(trial[a]) > interface.least_in_jump || std::abs(test[a]) > interface.least_in_jump)
             in_jump.push_back({i, c, sign * field.in_jump(side) * trial[a], sign * test[a]});
         }
+        ++i;
+      }
     }
   }
 }
@@ -712,10 +748,11 @@ void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const Ti
   const double factor = pairing.weight(q) * series.b_by_mean * (p.gamma * jump[0] - mean_flux[0]) / 2;
   const auto add_row = [&](const unsigned int row, const double test) {
     for (const unsigned int side : {source, destination}) {
-      const unsigned int column = interface.first_unknown(side, field.first_component[side]);
+      const unsigned int k = interface.position(side, field.first_component[side]);
+      unsigned int column = leading->first[side][k];
       const double *values = pairing.values(side, q) + field.first_shape[side];
-      for (unsigned int b = 0; b < field.n_nodes[side]; ++b)
-        tangent(row, column + b) += factor * test * values[b];
+      for (const unsigned int b : leading->nodes[side][k])
+        tangent(row, column++) += factor * test * values[b];
     }
   };
   for (const InJump &row : in_jump)
@@ -753,12 +790,15 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
         const double *values = pairing.values(side, q) + field.first_shape[side];
         const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + field.first_shape[side];
         const bool varies_by_value = field.varies_by_value(side, c);
-        const unsigned int first_row = interface.first_unknown(side, c);
-        for (const unsigned int d : components) {
+        const unsigned int position = interface.position(side, c), first_row = leading->first[side][position];
+        const std::vector<unsigned int> &rows = leading->nodes[side][position];
+        for (unsigned int k = 0; k < components.size(); ++k) {
+          const unsigned int d = components[k], first_column = leading->first[side][k];
           const double *values_of_d = pairing.values(side, q) + layout.first_shape(d);
           const dealii::Tensor<1, dim> *gradients_of_d = sides.shape_gradients[side] + layout.first_shape(d);
-          const unsigned int n_columns = layout.n_nodes(d), first_column = interface.first_unknown(side, d);
-          for (unsigned int a = 0; a < field.n_nodes[side]; ++a) {
+          const std::vector<unsigned int> &columns = leading->nodes[side][k];
+          for (unsigned int i = 0; i < rows.size(); ++i) {
+            const unsigned int a = rows[i];
             const unsigned int row = c * (1 + dim), column = d * (1 + dim);
             dealii::Tensor<1, dim>
                 g; // grad phi_a (and phi_a) times H, by gradient and by value of the column
@@ -770,11 +810,11 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
               for (unsigned int L = 0; L < dim; ++L)
                 g[L] += gradients[a][J] * H(row + 1 + J, column + 1 + L);
             }
-            double *entries = &tangent(first_row + a, first_column);
-            for (unsigned int b = 0; b < n_columns; ++b)
-              entries[b] += g * gradients_of_d[b];
-            for (unsigned int b = 0; v != 0 && b < n_columns; ++b)
-              entries[b] += v * values_of_d[b];
+            double *entries = &tangent(first_row + i, first_column);
+            for (unsigned int b = 0; b < columns.size(); ++b)
+              entries[b] += g * gradients_of_d[columns[b]];
+            for (unsigned int b = 0; v != 0 && b < columns.size(); ++b)
+              entries[b] += v * values_of_d[columns[b]];
           }
         }
       }

@@ -165,7 +165,8 @@ int main(int argc, char **argv)
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const std::string nitsche = set("Type", "Nitsche"),
                     dual = set("Type", "mortar") + set("Multiplier space", "dual"),
-                    pointwise = set("Type", "pointwise");
+                    pointwise = set("Type", "pointwise"),
+                    resistance = set("Type", "contact resistance") + set("Joint stiffness", "0.7; 0.4");
   const std::string elastic =
                         subsection("Solid", set("Type", "linear elastic") + set("Young modulus", "2 + x*y") +
                                                 set("Poisson ratio", "0.3")),
@@ -195,6 +196,15 @@ int main(int argc, char **argv)
              degree);
     check<2>({"around an axis", rubber, clamp("displacement", "0.001; 0"), "", nitsche + set("Theta", "0"),
               around_axis, "", false, false},
+             degree);
+    check<2>({"own sides", elastic, clamp("displacement", "0.01; 0.02"), with_spring,
+              nitsche + set("Integrate on", "own sides") + set("Theta", "-1"), "", "", false, false},
+             degree);
+    check<2>(
+        {"layer", elastic, clamp("displacement", "0.01; 0.02"), with_spring, resistance, "", refined, true},
+        degree);
+    check<3>({"refined", elastic, clamp("displacement", "0.01; 0.02; 0"), "",
+              nitsche + set("Integrate on", "both"), "", set("Refine boxes", "0.8; 0; 0 : 1; 0.4; 1"), true},
              degree);
     check<2>(
         {"dual mortar", elastic, clamp("displacement", "0.01; 0.02"), with_spring, dual, "", refined, true},

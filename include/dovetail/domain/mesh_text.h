@@ -78,6 +78,12 @@ private:
 /// The largest numbers of elements and nodes, and of material and boundary ids.
 constexpr std::int64_t largest_mesh_number = 1'000'000'000'000'000'000, largest_mesh_id = INT32_MAX;
 
+/// From the order in which Abaqus and VTK give the nodes of a tetrahedron or hexahedron of second order to
+/// that of Gmsh: edges about the bottom, the top, then between both, in VTK followed by the nodes in the
+/// middle of the faces x-, x+, y-, y+, z-, z+ and of the cell. Elements of another number of nodes stay.
+template <typename Number>
+void order_as_in_gmsh(std::vector<Number> &nodes);
+
 /// Collects nodes and elements and knows the nodes by their numbers.
 class MeshCollector
 {

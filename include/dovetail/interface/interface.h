@@ -9,6 +9,7 @@
 #include <dovetail/interface/tie.h>
 #include <dovetail/scene/note.h>
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -82,6 +83,13 @@ public:
   std::vector<bool> unknowns_in_jump(const typename Pairing<dim>::Group &group) const;
   /// Shape functions at a point that are smaller than this are rounding: their node is not on the interface.
   static constexpr double least_in_jump = 1e-14;
+  /// Of a group whose terms depend on traces and gradients at its points.
+  const LeadingUnknowns &leading_unknowns(const typename Pairing<dim>::Group &group) const
+  {
+    return *leading[&group - geometry->groups.data()];
+  }
+  /// Of one whose terms depend on more than that.
+  const LeadingUnknowns &all_unknowns() const { return every_unknown; }
   /// Position of a component of the domain among components[side].
   unsigned int position(unsigned int side, unsigned int component) const;
   /// Whether the unknown of component index r (row, counted over both sides' components) couples with that of
@@ -107,6 +115,7 @@ private:
   void find_components();
   double distance_of_sides(const MPI_Comm &communicator) const;
   void check_coverage(const MPI_Comm &communicator);
+  void find_leading();
 
   typename Pairing<dim>::Options options;
   std::string uncovered; ///< error, warn or allow
@@ -118,6 +127,9 @@ private:
   std::string toggle;
   std::unique_ptr<Tie<dim>> method;
   std::unique_ptr<Pairing<dim>> geometry;
+  LeadingUnknowns every_unknown;
+  std::map<std::array<unsigned int, 2>, LeadingUnknowns> leading_by_faces; ///< by face of each side's cell
+  std::vector<const LeadingUnknowns *> leading;                            ///< of each group
   mutable InterfaceWork all_work; ///< counted by collective calls, so never by two threads at once
 };
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/domain/constraint_lines.h>
+#include <dovetail/interface/leading_unknowns.h>
 #include <dovetail/interface/transmission.h>
 #include <dovetail/pairing/pairing.h>
 #include <dovetail/scene/catalogue.h>
@@ -110,6 +111,20 @@ public:
   virtual bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                         const std::vector<double> &unknowns, std::vector<double> &residual,
                         dealii::FullMatrix<double> *tangent) = 0;
+
+  /// Of a group, if the tie can tell: the unknowns from whose terms those of the others follow. Then
+  /// assemble_leading() does for these what assemble() does for all; @p unknowns are all there.
+  virtual const LeadingUnknowns *leading_unknowns(const Interface<dim> & /*interface*/,
+                                                  const typename Pairing<dim>::Group & /*group*/) const
+  {
+    return nullptr;
+  }
+  virtual bool assemble_leading(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
+                                double t, const std::vector<double> &unknowns, std::vector<double> &residual,
+                                dealii::FullMatrix<double> *tangent)
+  {
+    return assemble(interface, group, t, unknowns, residual, tangent);
+  }
 
   /// Whether two unknowns that are both zero in the jump, of different sides, have an entry in the tangent.
   virtual bool couples_fluxes() const { return true; }

@@ -23,6 +23,6 @@ namespace dovetail {
 /// the resultants of ties that do not balance, worth one above a hundredth.
 template <int dim>
 NoteList explain_jumps(const Model<dim> &model, double t, const nlohmann::ordered_json &domains,
-                       nlohmann::ordered_json &interfaces);
+                       const nlohmann::ordered_json &balance, nlohmann::ordered_json &interfaces);
 
 } // namespace dovetail

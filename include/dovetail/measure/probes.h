@@ -8,12 +8,14 @@
 #include <dovetail/measure/point_in_domain.h>
 #include <dovetail/measure/reduction.h>
 #include <dovetail/scene/note.h>
+#include <dovetail/scene/units.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
 #include <nlohmann/json.hpp>
 
 #include <functional>
+#include <map>
 #include <optional>
 
 namespace dovetail {
@@ -59,6 +61,12 @@ public:
   /// A number, or an array of components. Collective; @p solution is ghosted.
   nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
 
+  /// Of its numbers, probe by probe: the name, that of the component (x, y, z; r, z; xx, xy, ... of a tensor
+  /// row by row; in axisymmetry t stands for the direction around the axis) and, if the scene has Units, its
+  /// unit.
+  std::map<std::string, std::vector<std::string>> names_of_numbers() const;
+  std::string unit_of_time() const { return units ? units->of("s") : ""; } ///< empty without Units
+
   struct Probe
   {
     std::string name;
@@ -85,6 +93,7 @@ private:
   static void read_tolerance(Probe &probe, const Section &section, const Model<dim> &model);
 
   const Model<dim> &model;
+  std::optional<Units> units; ///< of the scene
   std::vector<Probe> probes;
 };
 

@@ -9,16 +9,58 @@
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/system/model.h>
 
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace dovetail {
 
-/// About tables of a material or a condition that a field looks up beyond their ends by more than 1 % of
-/// their width, where they stay constant. Collective; @p solution is ghosted.
+/// What the steps of a run ask of tables and film coefficients.
 template <int dim>
-NoteList explain_tables(const Model<dim> &model, const SceneText &text, const Vector &solution);
+class UsedRanges
+{
+public:
+  UsedRanges(const Model<dim> &model, const SceneText &text) : model(model), text(text) {}
 
-/// About coefficients of conditions that are negative somewhere at the time @p t, or earlier if they depend
-/// on no field . Collective; @p solution is ghosted.
-template <int dim>
-NoteList explain_coefficients(const Model<dim> &model, const Vector &solution, double t);
+  /// Whether there is anything to look at.
+  bool has_any() const;
+  /// The state at the time @p t. Collective; @p solution is ghosted.
+  void add(const Vector &solution, double t);
+
+  /// About tables of a material or a condition that a field looked up beyond their ends by more than 1 % of
+  /// their width, where they stay constant, and about coefficients of conditions that were negative
+  /// somewhere.
+  NoteList explain() const;
+
+private:
+  /// Of the values of a field in the part of a body for which an entry holds.
+  struct Range
+  {
+    const FormulaWithTables *entry;
+    unsigned int scalar; ///< of those of the formula
+    double smallest, largest;
+  };
+  struct LeastCoefficient
+  {
+    double smallest = 0, t = 0;
+    dealii::Point<dim> X;
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &smallest &t &X;
+    }
+  };
+
+  void add_tables(const Vector &solution);
+  void add_coefficients(const Vector &solution, double t);
+  NoteList explain_tables() const;
+
+  const Model<dim> &model;
+  const SceneText &text;
+  std::map<std::pair<const Domain<dim> *, std::string>, std::vector<Range>> ranges; ///< by body and field
+  std::map<const Condition<dim> *, LeastCoefficient> coefficients;
+};
 
 } // namespace dovetail

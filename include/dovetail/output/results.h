@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/measure/probes.h>
+#include <dovetail/measure/used_ranges.h>
 #include <dovetail/output/checkpoint.h>
 #include <dovetail/output/directory_lock.h>
 #include <dovetail/output/notes.h>
@@ -84,6 +85,9 @@ public:
   void compare(const Solution<dim> &solution);
   /// What a user should know about it. @pre It has been measured.
   void explain(const Solution<dim> &solution);
+  void record_ranges(const Solution<dim> &solution); ///< of a good step
+  /// Of which values tables and film coefficients were asked in the steps so far, also in a run that fails.
+  void explain_ranges(const Solution<dim> &solution);
   void measure_spectrum(const Solution<dim> &solution, const std::vector<SolveGroup> &groups);
   void finish(bool is_converged, const Plan &plan, const nlohmann::ordered_json &counters);
 
@@ -115,6 +119,7 @@ private:
   Reference<dim> reference;
   std::unique_ptr<DirectoryLock> lock;
   std::unique_ptr<Report> content;
+  UsedRanges<dim> used_ranges;
   StepTable step_table;
   std::size_t n_steps_so_far = 0, n_notes_so_far = 0; ///< in the report, at the last good step
   std::optional<NodalForces<dim>> forces;             ///< at the solution, once they are asked for

@@ -7,18 +7,25 @@
 
 #include <nlohmann/json.hpp>
 
+#include <map>
 #include <string>
+#include <vector>
 
 namespace dovetail {
 
-/// One row per step: the time, and the numbers of probes and balance as in the report. A column is called by
-/// the keys that lead to its number, those of the balance after that word, and by x, y, z or the index in a
-/// list.
+/// The columns of each probe, "tip x [mm]".
+using ColumnNames = std::map<std::string, std::vector<std::string>>;
+
+/// One row per step: the time, and the numbers of probes and balance as in the report. The columns of probes
+/// have the names that are given; others are called by the keys that lead to the number, those of the balance
+/// after that word, and by an axis or the index in a list.
 class StepTable
 {
 public:
-  /// Of each step the same numbers.
-  void add(double time, const nlohmann::ordered_json &probes, const nlohmann::ordered_json &balance);
+  /// Of each step the same numbers. @p axes: the letters of three directions, xyz; @p unit: of the time, or
+  /// empty
+  void add(double time, const nlohmann::ordered_json &probes, const nlohmann::ordered_json &balance,
+           const ColumnNames &columns, const std::string &axes, const std::string &unit);
 
   bool is_empty() const { return rows.empty(); }
   std::string text() const { return header + rows; }

@@ -23,7 +23,11 @@ public:
   /// if it is not understood.
   std::optional<double> from_si(const std::string &unit) const;
 
+  /// A unit of SI in these: of "J/m^3" in mm, t, s, K "t/(mm s^2)", of "Pa" by its name, "MPa". Empty if it is not understood or has no dimension.
+  std::string of(const std::string &unit) const;
+
 private:
+  std::array<std::string, 4> names;
   std::array<double, 4> in_si = {{1, 1, 1, 1}};
 };
 

@@ -183,7 +183,8 @@ private:
   std::vector<unsigned int> parts_of_blocks() const;
   bool has_entries(const std::string &field) const;
   void make_cell_terms();
-  void make_cell_operators();
+  void make_cell_operators(double t);
+  bool is_given_as_products(const Interface<dim> &interface) const;
   dealii::DynamicSparsityPattern make_pattern(double t, const dealii::AffineConstraints<double> &lines) const;
   void add_pattern(const CellTerms<dim> &terms, const dealii::AffineConstraints<double> &lines,
                    dealii::DynamicSparsityPattern &pattern) const;

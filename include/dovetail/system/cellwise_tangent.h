@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The tangent of the cells of several domains on the constraints, without a matrix.
+// The tangent of the cells of several domains and of their ties on the constraints, without a matrix.
 
 #pragma once
 
 #include <dovetail/domain/cell_operator.h>
+#include <dovetail/interface/tie_operator.h>
 #include <dovetail/solve/part_operator.h>
 #include <dovetail/solve/row_numbering.h>
 #include <dovetail/system/model.h>
@@ -23,18 +24,28 @@
 
 namespace dovetail {
 
-/// @f[ C^T K C @f] with the tangent K of the cells in one field of all bodies, and C, which finds the
+/// @f[ C^T K C @f] with the tangent K of the cells in one field of all bodies and of ties at points, and C, which finds the
 /// constrained unknowns from those that they follow: hanging nodes and ties by constraints; prescribed ones
 /// are zero. A constrained row is empty.
 template <int dim>
 class CellwiseTangent : public PartOperator
 {
 public:
-  /// @p rows: of the blocks of the field. Collective.
-  CellwiseTangent(const Model<dim> &model, const RowNumbering &rows);
+  /// @p rows: of the blocks of the field; @p interfaces: those whose terms are a part of K,
+  /// TieOperator::is_possible(). Collective.
+  CellwiseTangent(const Model<dim> &model, const RowNumbering &rows,
+                  const std::vector<const Interface<dim> *> &interfaces = {});
 
   CellOperator<dim> &of_domain(const unsigned int d) { return *operators.at(d); }
   bool has_domain(const unsigned int d) const { return operators.count(d) > 0; }
+  /// nullptr: its terms are no part of K.
+  TieOperator<dim> *of_interface(const Interface<dim> &interface)
+  {
+    for (const auto &tie : ties)
+      if (&tie->tied() == &interface)
+        return tie.get();
+    return nullptr;
+  }
 
   /// New derivatives follow, with these constraints. Collective.
   void begin(const dealii::AffineConstraints<double> &constraints);
@@ -69,6 +80,7 @@ private:
   const Model<dim> &model;
   const RowNumbering &rows;
   std::map<unsigned int, std::unique_ptr<CellOperator<dim>>> operators; ///< by domain
+  std::vector<std::unique_ptr<TieOperator<dim>>> ties;
   std::vector<unsigned int> place_of_block;                             ///< among those of the part
   std::shared_ptr<Epetra_Map> own_rows, columns; ///< the own ones first, then those of cells on other ranks
   std::shared_ptr<Epetra_Import> import;

@@ -77,6 +77,11 @@ public:
   bool assemble(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                 const std::vector<double> &unknowns, std::vector<double> &residual,
                 dealii::FullMatrix<double> *tangent) override;
+  const LeadingUnknowns *leading_unknowns(const Interface<dim> &interface,
+                                          const typename Pairing<dim>::Group &group) const override;
+  bool assemble_leading(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
+                        const std::vector<double> &unknowns, std::vector<double> &residual,
+                        dealii::FullMatrix<double> *tangent) override;
   void accept_state() override { sides.accept(); }
   bool evaluate_memory(Interface<dim> &interface, double t, const ValuesOf &unknowns) override;
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
@@ -149,8 +154,8 @@ private:
   bool add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q, double t,
                  const std::vector<double> &unknowns, std::vector<double> &residual,
                  dealii::FullMatrix<double> *tangent);
-  void keep_own_rows(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
-                     std::vector<double> &residual, dealii::FullMatrix<double> *tangent) const;
+  void keep_own_rows(const typename Pairing<dim>::Group &group, std::vector<double> &residual,
+                     dealii::FullMatrix<double> *tangent) const;
   void linearise_mean_flux(const Interface<dim> &interface, const TiedField &field, const AtPoint &parameters,
                            unsigned int q);
   void find_jump_unknowns(const Interface<dim> &interface, const TiedField &field, unsigned int q);
@@ -188,6 +193,11 @@ private:
   bool has_begun = false;
   NoteList note_on_centres; ///< at most one
   FluxVariations variations;
+
+  // of the current group: its unknowns, here those that lead; and residual and tangent of them
+  const LeadingUnknowns *leading = nullptr;
+  std::vector<double> residual_of_leading;
+  dealii::FullMatrix<double> tangent_of_leading;
 
   // at the current point: states and responses of the two sides, and of the current field what R needs
   SideStates<dim> sides;

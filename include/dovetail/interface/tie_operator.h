@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// Products with the tangent of a tie's terms at points, in fewer unknowns than the cells have.
+
+#pragma once
+
+#include <dovetail/domain/cell_operator.h>
+#include <dovetail/interface/interface.h>
+
+#include <deal.II/lac/full_matrix.h>
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace dovetail {
+
+/// The tangent of the PointTerms of an interface, in the groups of this rank and before any constraint,
+/// @f[ S = G^T T G, @f]
+/// with T in the leading unknowns (leading_unknowns.h): those on the faces, and one for each line of nodes
+/// into a cell, which neighbours share. T has three to nine times fewer entries than S for degree 4 in 3D. It
+/// is stored in square blocks of the components at two nodes.
+///
+/// Vectors are arrays as those of CellOperator, with the unknowns of these groups.
+template <int dim>
+class TieOperator
+{
+public:
+  /// Whether one can take the terms of an interface: they are of one field, which depends on no other one.
+  static bool is_possible(const Interface<dim> &interface);
+
+  /// @pre is_possible()
+  explicit TieOperator(const Interface<dim> &interface);
+  std::unique_ptr<TieOperator> copy() const { return std::make_unique<TieOperator>(*this); }
+
+  const Interface<dim> &tied() const { return *interface; }
+  /// Calls @p visit with each unknown of the whole system that a group has.
+  void for_each_unknown(const std::function<void(dealii::types::global_dof_index)> &visit) const;
+  /// @p index of each such unknown in the arrays. Finds which blocks T has.
+  void number(const std::function<int(dealii::types::global_dof_index)> &index);
+
+  const LeadingUnknowns &leading(unsigned int group) const;
+  void begin_tangent(); ///< T = 0; then add() for each group and finish_tangent()
+  void add(unsigned int group, const dealii::FullMatrix<double> &of_leading);
+  void finish_tangent();
+  void add_tangent(double factor, const TieOperator &other); ///< @p other: a copy of this one
+
+  /// y += S x, or with the symmetric part of S.
+  void add_product(const double *x, double *y, bool of_symmetric_part) const;
+  void add_diagonal(double *diagonal) const;
+
+  /// P^T S P of the symmetric part of S, by the columns of P.
+  struct Restriction
+  {
+    std::vector<int> rows;
+    std::vector<std::vector<int>> columns; ///< of each row
+    std::vector<std::vector<double>> values;
+  };
+  Restriction restricted(const typename CellOperator<dim>::Prolongation &P) const;
+
+private:
+  /// A leading node: the sum of the nodes it leads.
+  struct Node
+  {
+    std::vector<int> index;      ///< of the unknowns of each node it leads, in the arrays
+    std::vector<double> factors; ///< of each node
+  };
+  struct Summand ///< of a leading unknown
+  {
+    int index;
+    unsigned int node, component;
+    double factor;
+  };
+
+  void find_nodes(const std::function<int(dealii::types::global_dof_index)> &index);
+  void find_blocks();
+  unsigned int position(unsigned int row, unsigned int column) const; ///< of a block; n_blocks: there is none
+  template <int n>
+  void multiply(const std::vector<double> &blocks, const double *x, double *y) const;
+  const std::vector<double> &symmetric_blocks() const { return is_symmetric ? blocks : symmetric; }
+
+  const Interface<dim> *interface;
+  unsigned int n_components;
+  std::vector<Node> nodes;
+  std::vector<std::vector<unsigned int>> nodes_of_group;     ///< in the order of its leading unknowns
+  std::vector<Summand> summands;                             ///< ascending by index
+  std::vector<unsigned int> first_block, column, transposed; ///< of each node; of each block
+  std::vector<double> blocks, symmetric;                     ///< row by row; the second one if it differs
+  bool is_symmetric = true;
+};
+
+} // namespace dovetail

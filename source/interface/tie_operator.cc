@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/interface/tie_operator.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace dovetail {
+
+template <int dim>
+bool TieOperator<dim>::is_possible(const Interface<dim> &interface)
+{
+  if (interface.fields.size() != 1 || interface.tie().parts().point_terms == nullptr)
+    return false;
+  const TiedField &field = interface.fields[0];
+  return (field.n_components == 1 || field.n_components == dim) &&
+         interface.components[0].size() == field.n_components &&
+         interface.components[1].size() == field.n_components;
+}
+
+template <int dim>
+TieOperator<dim>::TieOperator(const Interface<dim> &interface)
+    : interface(&interface), n_components(interface.fields[0].n_components)
+{
+}
+
+template <int dim>
+const LeadingUnknowns &TieOperator<dim>::leading(const unsigned int group) const
+{
+  const LeadingUnknowns *given =
+      interface->tie().parts().point_terms->leading_unknowns(*interface, interface->pairing().groups[group]);
+  return given == nullptr ? interface->all_unknowns() : *given;
+}
+
+template <int dim>
+void TieOperator<dim>::for_each_unknown(
+    const std::function<void(dealii::types::global_dof_index)> &visit) const
+{
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &group : interface->pairing().groups) {
+    interface->group_dofs(group, dofs);
+    for (const auto dof : dofs)
+      visit(dof);
+  }
+}
+
+template <int dim>
+void TieOperator<dim>::number(const std::function<int(dealii::types::global_dof_index)> &index)
+{
+  find_nodes(index);
+  find_blocks();
+}
+
+/// A line of nodes has one leading node, also where several cells share it.
+template <int dim>
+void TieOperator<dim>::find_nodes(const std::function<int(dealii::types::global_dof_index)> &index)
+{
+  std::map<std::vector<int>, unsigned int> number; // by the index of the first component
+  std::vector<dealii::types::global_dof_index> dofs;
+  nodes.clear();
+  nodes_of_group.clear();
+  for (unsigned int g = 0; g < interface->pairing().groups.size(); ++g) {
+    const LeadingUnknowns &of_group = leading(g);
+    interface->group_dofs(interface->pairing().groups[g], dofs);
+    nodes_of_group.emplace_back();
+    unsigned int first = 0; // of a side
+    for (const unsigned int side : {0u, 1u}) {
+      const std::vector<unsigned int> &leaders = of_group.nodes[side][0];
+      const unsigned int n_nodes = interface->n_local(side) / n_components;
+      std::vector<std::vector<unsigned int>> led(leaders.size());
+      for (unsigned int i = 0; i < leaders.size(); ++i)
+        led[i].push_back(leaders[i]);
+      for (unsigned int a = 0; a < n_nodes; ++a)
+        if (const unsigned int i = of_group.leader[first + a] - of_group.first[side][0]; leaders[i] != a)
+          led[i].push_back(a);
+      for (const std::vector<unsigned int> &line : led) {
+        std::vector<int> key;
+        for (const unsigned int a : line)
+          key.push_back(index(dofs[first + a]));
+        const auto [place, is_new] = number.try_emplace(key, nodes.size());
+        nodes_of_group.back().push_back(place->second);
+        if (!is_new)
+          continue;
+        nodes.emplace_back();
+        for (const unsigned int a : line) {
+          nodes.back().factors.push_back(of_group.factor[first + a]);
+          for (unsigned int c = 0; c < n_components; ++c)
+            nodes.back().index.push_back(index(dofs[first + c * n_nodes + a]));
+        }
+      }
+      first += interface->n_local(side);
+    }
+  }
+  summands.clear();
+  for (unsigned int node = 0; node < nodes.size(); ++node)
+    for (unsigned int k = 0; k < nodes[node].factors.size(); ++k)
+      for (unsigned int c = 0; c < n_components; ++c)
+        summands.push_back({nodes[node].index[k * n_components + c], node, c, nodes[node].factors[k]});
+  std::sort(summands.begin(), summands.end(), [](const Summand &a, const Summand &b) {
+    return std::tie(a.index, a.node, a.component) < std::tie(b.index, b.node, b.component);
+  });
+}
+
+/// Two nodes couple as in BlockSystem::add_pattern: if one of them enters the jump, unless the tie couples
+/// more.
+template <int dim>
+void TieOperator<dim>::find_blocks()
+{
+  const PointTerms<dim> &terms = *interface->tie().parts().point_terms;
+  const bool by_flux = terms.couples_fluxes(), by_inside = terms.couples_insides(*interface);
+  std::vector<std::vector<unsigned int>> columns(nodes.size());
+  for (unsigned int g = 0; g < nodes_of_group.size(); ++g) {
+    const LeadingUnknowns &of_group = leading(g);
+    const std::vector<bool> in_jump = interface->unknowns_in_jump(interface->pairing().groups[g]);
+    const std::vector<unsigned int> &own = nodes_of_group[g];
+    const unsigned int n_source = of_group.nodes[0][0].size();
+    std::vector<bool> jumps(own.size(), by_flux);
+    for (unsigned int i = 0; i < in_jump.size(); ++i)
+      if (in_jump[i]) {
+        const unsigned int lead = of_group.leader[i], side = lead < of_group.n_of_side[0] ? 0 : 1,
+                           n = of_group.nodes[side][0].size();
+        jumps[side * n_source + (lead - side * of_group.n_of_side[0]) % n] = true;
+      }
+    for (unsigned int i = 0; i < own.size(); ++i)
+      for (unsigned int j = 0; j < own.size(); ++j)
+        if (jumps[i] || jumps[j] || (by_inside && (i < n_source) == (j < n_source)))
+          columns[own[i]].push_back(own[j]);
+  }
+  first_block.assign(1, 0);
+  column.clear();
+  for (auto &of_node : columns) {
+    std::sort(of_node.begin(), of_node.end());
+    of_node.erase(std::unique(of_node.begin(), of_node.end()), of_node.end());
+    column.insert(column.end(), of_node.begin(), of_node.end());
+    first_block.push_back(column.size());
+  }
+  transposed.resize(column.size());
+  for (unsigned int row = 0; row < nodes.size(); ++row)
+    for (unsigned int k = first_block[row]; k < first_block[row + 1]; ++k)
+      transposed[k] = position(column[k], row);
+  begin_tangent();
+}
+
+template <int dim>
+unsigned int TieOperator<dim>::position(const unsigned int row, const unsigned int wanted) const
+{
+  const auto begin = column.begin() + first_block[row], end = column.begin() + first_block[row + 1],
+             found = std::lower_bound(begin, end, wanted);
+  return found == end || *found != wanted ? column.size() : found - column.begin();
+}
+
+template <int dim>
+void TieOperator<dim>::begin_tangent()
+{
+  blocks.assign(column.size() * n_components * n_components, 0.);
+}
+
+template <int dim>
+void TieOperator<dim>::add(const unsigned int group, const dealii::FullMatrix<double> &T)
+{
+  const LeadingUnknowns &of_group = leading(group);
+  const std::vector<unsigned int> &own = nodes_of_group[group];
+  const unsigned int n = n_components, n_source = of_group.nodes[0][0].size();
+  const auto unknown = [&](const unsigned int i, const unsigned int c) {
+    const unsigned int side = i < n_source ? 0 : 1;
+    return of_group.first[side][c] + i - side * n_source;
+  };
+  for (unsigned int i = 0; i < own.size(); ++i)
+    for (unsigned int j = 0; j < own.size(); ++j) {
+      const unsigned int k = position(own[i], own[j]);
+      for (unsigned int c = 0; c < n; ++c)
+        for (unsigned int d = 0; d < n; ++d) {
+          const double value = T(unknown(i, c), unknown(j, d));
+          AssertThrow(k < column.size() || value == 0,
+                      dealii::ExcMessage("a tie couples nodes that it has not named"));
+          if (k < column.size())
+            blocks[(k * n + c) * n + d] += value;
+        }
+    }
+}
+
+template <int dim>
+void TieOperator<dim>::finish_tangent()
+{
+  const unsigned int n = n_components;
+  double largest = 0, difference = 0;
+  symmetric.resize(blocks.size());
+  for (unsigned int k = 0; k < column.size(); ++k)
+    for (unsigned int c = 0; c < n; ++c)
+      for (unsigned int d = 0; d < n; ++d) {
+        const double value = blocks[(k * n + c) * n + d], partner = blocks[(transposed[k] * n + d) * n + c];
+        symmetric[(k * n + c) * n + d] = (value + partner) / 2;
+        largest = std::max(largest, std::abs(value));
+        difference = std::max(difference, std::abs(value - partner));
+      }
+  is_symmetric = difference <= 1e-13 * largest;
+  if (is_symmetric)
+    symmetric = std::vector<double>();
+}
+
+template <int dim>
+void TieOperator<dim>::add_tangent(const double factor, const TieOperator &other)
+{
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    blocks[i] += factor * other.blocks[i];
+}
+
+template <int dim>
+template <int n>
+void TieOperator<dim>::multiply(const std::vector<double> &values, const double *x, double *y) const
+{
+  std::vector<double> of_nodes(nodes.size() * n, 0.);
+  for (unsigned int i = 0; i < nodes.size(); ++i)
+    for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
+      for (unsigned int c = 0; c < n; ++c)
+        of_nodes[i * n + c] += nodes[i].factors[k] * x[nodes[i].index[k * n + c]];
+  const double *block = values.data();
+  for (unsigned int i = 0; i < nodes.size(); ++i) {
+    std::array<double, n> sum{};
+    for (unsigned int k = first_block[i]; k < first_block[i + 1]; ++k, block += n * n) {
+      const double *other = &of_nodes[column[k] * n];
+      for (unsigned int c = 0; c < n; ++c)
+        for (unsigned int d = 0; d < n; ++d)
+          sum[c] += block[c * n + d] * other[d];
+    }
+    for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
+      for (unsigned int c = 0; c < n; ++c)
+        y[nodes[i].index[k * n + c]] += nodes[i].factors[k] * sum[c];
+  }
+}
+
+template <int dim>
+void TieOperator<dim>::add_product(const double *x, double *y, const bool of_symmetric_part) const
+{
+  const std::vector<double> &values = of_symmetric_part ? symmetric_blocks() : blocks;
+  if (n_components == 1)
+    multiply<1>(values, x, y);
+  else
+    multiply<dim>(values, x, y);
+}
+
+template <int dim>
+void TieOperator<dim>::add_diagonal(double *diagonal) const
+{
+  const unsigned int n = n_components;
+  for (auto begin = summands.begin(); begin != summands.end();) {
+    const auto end = std::find_if(begin, summands.end(),
+                                  [&](const Summand &summand) { return summand.index != begin->index; });
+    for (auto a = begin; a != end; ++a)
+      for (auto b = begin; b != end; ++b)
+        if (const unsigned int k = position(a->node, b->node); k < column.size())
+          diagonal[begin->index] += a->factor * b->factor * blocks[(k * n + a->component) * n + b->component];
+    begin = end;
+  }
+}
+
+namespace {
+
+using SparseRow = std::vector<std::pair<unsigned int, double>>; ///< columns and entries
+
+/// Sums of sparse rows.
+class SparseSum
+{
+public:
+  explicit SparseSum(const unsigned int n_columns) : value(n_columns, 0.), is_there(n_columns, false) {}
+
+  void add(const double factor, const SparseRow &row)
+  {
+    for (const auto &[j, entry] : row) {
+      if (!is_there[j]) {
+        is_there[j] = true;
+        columns.push_back(j);
+      }
+      value[j] += factor * entry;
+    }
+  }
+  /// And begin anew.
+  SparseRow take()
+  {
+    std::sort(columns.begin(), columns.end());
+    SparseRow row;
+    for (const unsigned int j : columns) {
+      row.emplace_back(j, value[j]);
+      value[j] = 0;
+      is_there[j] = false;
+    }
+    columns.clear();
+    return row;
+  }
+
+private:
+  std::vector<double> value;
+  std::vector<bool> is_there;
+  std::vector<unsigned int> columns;
+};
+
+} // namespace
+
+/// (G P)^T T (G P): a function of degree one has few unknowns at a leading node.
+template <int dim>
+typename TieOperator<dim>::Restriction
+TieOperator<dim>::restricted(const typename CellOperator<dim>::Prolongation &P) const
+{
+  const unsigned int n = n_components;
+  Restriction result;
+  for (const Summand &summand : summands) {
+    const auto row = P(summand.index);
+    result.rows.insert(result.rows.end(), row.columns, row.columns + row.n);
+  }
+  std::sort(result.rows.begin(), result.rows.end());
+  result.rows.erase(std::unique(result.rows.begin(), result.rows.end()), result.rows.end());
+  const unsigned int n_coarse = result.rows.size();
+
+  SparseSum sum(n_coarse);
+  std::vector<SparseRow> GP, TGP, GP_transposed(n_coarse);
+  for (unsigned int node = 0; node < nodes.size(); ++node)
+    for (unsigned int c = 0; c < n; ++c) {
+      SparseRow of_column;
+      for (unsigned int k = 0; k < nodes[node].factors.size(); ++k) {
+        const auto row = P(nodes[node].index[k * n + c]);
+        of_column.clear();
+        for (int j = 0; j < row.n; ++j)
+          of_column.emplace_back(std::lower_bound(result.rows.begin(), result.rows.end(), row.columns[j]) -
+                                     result.rows.begin(),
+                                 row.weights[j]);
+        sum.add(nodes[node].factors[k], of_column);
+      }
+      GP.push_back(sum.take());
+      for (const auto &[j, weight] : GP.back())
+        GP_transposed[j].emplace_back(GP.size() - 1, weight);
+    }
+  const std::vector<double> &values = symmetric_blocks();
+  for (unsigned int node = 0; node < nodes.size(); ++node)
+    for (unsigned int c = 0; c < n; ++c) {
+      for (unsigned int k = first_block[node]; k < first_block[node + 1]; ++k)
+        for (unsigned int d = 0; d < n; ++d)
+          if (const double value = values[(k * n + c) * n + d]; value != 0)
+            sum.add(value, GP[column[k] * n + d]);
+      TGP.push_back(sum.take());
+    }
+  result.columns.resize(n_coarse);
+  result.values.resize(n_coarse);
+  for (unsigned int i = 0; i < n_coarse; ++i) {
+    for (const auto &[row, weight] : GP_transposed[i])
+      sum.add(weight, TGP[row]);
+    for (const auto &[j, value] : sum.take()) {
+      result.columns[i].push_back(result.rows[j]);
+      result.values[i].push_back(value);
+    }
+  }
+  return result;
+}
+
+template class TieOperator<2>;
+template class TieOperator<3>;
+
+} // namespace dovetail

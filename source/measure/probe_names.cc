@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// What the numbers of a probe are called in a table, and their units.
+
+#include <dovetail/measure/probes.h>
+
+namespace dovetail {
+
+namespace {
+
+/// Of a vector or of a tensor row by row; a number of its own has no name.
+std::vector<std::string> names_of_components(const unsigned int n, const bool is_axisymmetric)
+{
+  const std::string axes = is_axisymmetric ? "rzt" : "xyz";
+  std::vector<std::string> names;
+  for (unsigned int i = 0; i < n; ++i)
+    if (n == 1)
+      names.emplace_back();
+    else if (n <= 3)
+      names.emplace_back(1, axes[i]);
+    else if (n == 9)
+      names.push_back({axes[i / 3], axes[i % 3]});
+    else
+      names.push_back(std::to_string(i));
+  return names;
+}
+
+/// In SI: of the field, and of the integral of its flux over a surface.
+std::array<std::string, 2> units_of(const std::string &field)
+{
+  if (field == "displacement")
+    return {{"m", "N"}};
+  if (field == "temperature")
+    return {{"K", "W"}};
+  return {};
+}
+
+/// In SI; empty if it is not known.
+template <int dim>
+std::string unit_of(const typename Probes<dim>::Probe &probe)
+{
+  std::string unit;
+  if (probe.field)
+    unit = units_of(probe.field->name)[probe.X || probe.reduce ? 0 : 1];
+  else {
+    const std::string &help =
+        QuantityCatalogue<dim>::find(probe.section->peek("Quantity"), *probe.section, "Quantity").help;
+    const auto bracket = help.rfind('[');
+    unit = bracket == std::string::npos ? "" : help.substr(bracket + 1, help.rfind(']') - bracket - 1);
+  }
+  if (unit.empty() || probe.reduce != Reduce::integral)
+    return unit;
+  return unit + (probe.region.boundary_ids.empty() ? " m^3" : " m^2");
+}
+
+} // namespace
+
+template <int dim>
+std::map<std::string, std::vector<std::string>> Probes<dim>::names_of_numbers() const
+{
+  std::map<std::string, std::vector<std::string>> result;
+  for (const Probe &probe : probes) {
+    const auto arrays = probe.quantity->arrays();
+    const std::string unit = units ? units->of(unit_of<dim>(probe)) : "";
+    auto &names = result[probe.name];
+    for (const auto &array : arrays)
+      for (const std::string &component :
+           names_of_components(array.n_components, probe.region.domain->measure.is_axisymmetric()))
+        names.push_back(probe.name + (arrays.size() > 1 ? " " + array.name : "") +
+                        (component.empty() ? "" : " " + component) + (unit.empty() ? "" : " [" + unit + "]"));
+  }
+  return result;
+}
+
+template std::map<std::string, std::vector<std::string>> Probes<2>::names_of_numbers() const;
+template std::map<std::string, std::vector<std::string>> Probes<3>::names_of_numbers() const;
+
+} // namespace dovetail

@@ -147,8 +147,9 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   point.state.t = t;
   find_rates(cell);
   enter(cell);
-  point.enter(cell_values, unknowns);
   const bool needs_shapes = !with_source.empty() || !lumped.empty() || (tangent && !operators.empty());
+  if (!needs_shapes)
+    point.enter(cell_values, unknowns);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     if (needs_shapes)
       point.reinit(cell_values, q, unknowns);

@@ -67,8 +67,7 @@ void add_squares(const Domain<dim> &domain, const Field &field, const ExactSolut
   const double dV = domain.measure(values, q);
   for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c) {
     const double B = exact.value[c][q], error = state.value[c] - B;
-    const dealii::Tensor<1, dim> &gradient = exact.gradient[c][q],
-                                 difference = state.gradient[c] - gradient;
+    const dealii::Tensor<1, dim> &gradient = exact.gradient[c][q], difference = state.gradient[c] - gradient;
     squares.norm += B * B * dV;
     squares.error += error * error * dV;
     squares.norm_of_gradient += (gradient * gradient) * dV;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/material/transient.h>
 #include <dovetail/measure/extreme_places.h>
 #include <dovetail/measure/probes.h>
 #include <dovetail/measure/singular_points.h>
@@ -88,6 +89,10 @@ typename QuantityCatalogue<dim>::Creator read_quantity(const Section &section, c
   section.check(!quantity->is_of_nodes(), "Quantity",
                 "asks for " + name +
                     ", which only pictures show: they act on nodes. Give Boundary and Field for their sum.");
+  section.check(!quantity->is_of_motion() || (is_transient(section) && has_inertia(section)), "Quantity",
+                "asks for " + name +
+                    ", which only bodies with inertia have: set Inertia = true in the "
+                    "subsection Steps of a transient scene.");
   section.check(is_on_boundary || !quantity->is_of_boundary(), "Quantity",
                 "asks for " + name + ", which only boundaries have: give Boundary and Reduce.");
   return member.create;
@@ -315,6 +320,21 @@ template <int dim>
 bool Probes<dim>::has_tolerance() const
 {
   return std::any_of(probes.begin(), probes.end(), [](const Probe &probe) { return probe.tolerance > 0; });
+}
+
+template <int dim>
+bool Probes<dim>::has_motion() const
+{
+  return std::any_of(probes.begin(), probes.end(),
+                     [](const Probe &probe) { return probe.quantity && probe.quantity->is_of_motion(); });
+}
+
+template <int dim>
+void Probes<dim>::set_velocity(const Vector *velocity)
+{
+  for (const Probe &probe : probes)
+    if (probe.quantity)
+      probe.quantity->set_velocity(velocity);
 }
 
 template <int dim>

@@ -24,6 +24,21 @@ unsigned int Quantity<dim>::n_numbers() const
 }
 
 template <int dim>
+dealii::Tensor<1, dim> Quantity<dim>::velocity(DomainPoint<dim> &point) const
+{
+  dealii::Tensor<1, dim> v;
+  const CellLayout<dim> &layout = domain.layout();
+  const Field *field = domain.material.find_field("displacement");
+  for (unsigned int i = 0; velocities != nullptr && i < dim; ++i) {
+    const unsigned int c = field->first_component + i;
+    for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
+      v[i] +=
+          point.shape_values()[layout.first_shape(c) + a] * (*velocities)(point.dofs()[layout.index(c, a)]);
+  }
+  return v;
+}
+
+template <int dim>
 std::map<std::string, typename QuantityCatalogue<dim>::Member> &QuantityCatalogue<dim>::members()
 {
   static std::map<std::string, Member> all;

@@ -3,6 +3,8 @@
 
 #include <dovetail/output/domain_picture.h>
 #include <dovetail/output/paraview.h>
+
+#include <dovetail/material/transient.h>
 #include <dovetail/output/report.h>
 #include <dovetail/output/uncovered_picture.h>
 
@@ -107,6 +109,10 @@ void Paraview<dim>::read_fields(const Section &output)
                  "asks for " + *name + ", but no material has a " + law_of_field(member.field) +
                      ". Remove it from the list.");
   }
+  output.check(
+      quantities.empty() || !has_motion() || (is_transient(output) && has_inertia(output)), "Fields",
+      "asks for velocities, which only bodies with inertia have: set Inertia = true in the subsection "
+      "Steps of a transient scene.");
   for (const auto &[domain, shown] : quantities_of) {
     std::set<std::string> names;
     for (const Quantity<dim> *quantity : shown)
@@ -137,6 +143,20 @@ bool Paraview<dim>::needs_reactions() const
 {
   return writes && std::any_of(quantities.begin(), quantities.end(),
                                [](const auto &quantity) { return quantity->is_of_nodes(); });
+}
+
+template <int dim>
+bool Paraview<dim>::has_motion() const
+{
+  return writes && std::any_of(quantities.begin(), quantities.end(),
+                               [](const auto &quantity) { return quantity->is_of_motion(); });
+}
+
+template <int dim>
+void Paraview<dim>::set_velocity(const Vector *velocity)
+{
+  for (const auto &quantity : quantities)
+    quantity->set_velocity(velocity);
 }
 
 /// Letters, digits, '-' and '_' only, not too many for a file, and no name twice, also where upper and lower

@@ -47,6 +47,11 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
                                           std::to_string(largest_spectrum) + " unknowns [-]")),
       paraview(output, model, directory), reference(output, model), used_ranges(model, text)
 {
+  if (output.read<bool>(
+          "Energy", false,
+          "Report the energy of the solids after each step: kinetic, elastic, that of ties, the "
+          "work of loads and supports, and what is lost [-]"))
+    energy_balance.emplace(model);
   notes.read(output);
 }
 
@@ -104,8 +109,9 @@ Checkpoint<dim> Results<dim>::find_checkpoint() const
 }
 
 template <int dim>
-void Results<dim>::go_on(const Plan &plan, const nlohmann::ordered_json &saved)
+void Results<dim>::go_on(const Plan &plan, const SavedState &from)
 {
+  const nlohmann::ordered_json &saved = from.numbers["results"];
   prepare_directory(plan);
   report()["steps"] = saved["steps"];
   notes.recall(saved["names of notes"], saved["notes"]);
@@ -116,6 +122,9 @@ void Results<dim>::go_on(const Plan &plan, const nlohmann::ordered_json &saved)
   try_to_write([&]() { paraview.go_on_from(saved["pictures"]); });
   if (!step_table.is_empty())
     write_step_table();
+  if (energy_balance && saved.contains("energy"))
+    energy_balance->restore({saved["energy"][0], saved["energy"][1], from.vectors.at("external forces"),
+                             from.vectors.at("solution")});
 }
 
 template <int dim>
@@ -139,6 +148,11 @@ void Results<dim>::write_checkpoint(SavedState &state)
       {"names of notes", so_far(notes.names())},
       {"probes", step_table.save()},
       {"pictures", paraview.times_of_steps()}};
+  if (energy_balance) {
+    const auto &memory = energy_balance->memory();
+    state.numbers["results"]["energy"] = {memory.initial, memory.work};
+    state.vectors["external forces"] = memory.forces;
+  }
   try_to_write([&]() {
     if (const Obstacle obstacle = dovetail::write_checkpoint(checkpoint_file(), text, model, state))
       obstacle.raise(set_another_directory);
@@ -199,6 +213,8 @@ void Results<dim>::write_pictures(const Solution<dim> &solution)
   std::optional<Reactions<dim>> reactions;
   if (with_reactions)
     reactions.emplace(model, nodal_forces(solution), ghosted);
+  const std::optional<Vector> velocity = ghosted_velocity(solution);
+  paraview.set_velocity(velocity ? &*velocity : nullptr);
   try_to_write([&]() { paraview.write(solution.t, ghosted, with_reactions ? &*reactions : nullptr); });
 }
 
@@ -227,6 +243,24 @@ double Results<dim>::last_residual() const
   return residuals.empty() || !residuals.back().is_number() ? 0 : residuals.back().template get<double>();
 }
 
+template <int dim>
+std::optional<Vector> Results<dim>::ghosted_velocity(const Solution<dim> &solution)
+{
+  if (solution.velocity == nullptr || !(energy_balance || probes.has_motion() || paraview.has_motion()))
+    return {};
+  return solution.system.ghosted(*solution.velocity);
+}
+
+template <int dim>
+void Results<dim>::start(const Solution<dim> &solution)
+{
+  if (!energy_balance)
+    return;
+  const std::optional<Vector> velocity = ghosted_velocity(solution);
+  energy_balance->start(solution.x, solution.system.ghosted(solution.x), velocity ? &*velocity : nullptr,
+                        solution.t);
+}
+
 /// Of a nonlinear scene that of Newton's method; a linear one is solved as exactly as it can be.
 template <int dim>
 double Results<dim>::tolerance_of_balance(const double tolerance) const
@@ -239,15 +273,25 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
 {
   const Phases::Scope scope(phases, "output");
   const Vector ghosted = solution.system.ghosted(solution.x);
+  const std::optional<Vector> velocity = ghosted_velocity(solution);
   const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
   const Balance balance = // its notes, of the last step, are told by measure()
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), nullptr);
   report()["steps"].back()["imbalance"] = balance.worst;
+  probes.set_velocity(velocity ? &*velocity : nullptr);
   nlohmann::ordered_json flows = balance.report;
   for (auto &domain_flows : flows)
     for (auto &field_flows : domain_flows)
       field_flows.erase("rounding");
-  step_table.add(solution.t, probes.evaluate(ghosted, reactions), flows, probes.names_of_numbers(),
+  nlohmann::ordered_json numbers = probes.evaluate(ghosted, reactions);
+  if (energy_balance) {
+    const auto energy =
+        energy_balance->add_step(reactions, solution.x, ghosted, velocity ? &*velocity : nullptr);
+    report()["steps"].back()["energy"] = energy;
+    for (const auto &[name, value] : energy.items())
+      numbers["energy " + name] = value;
+  }
+  step_table.add(solution.t, numbers, flows, probes.names_of_numbers(),
                  model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz", probes.unit_of_time());
   if (step_table.is_due())
     write_step_table();
@@ -275,6 +319,8 @@ void Results<dim>::measure(const Solution<dim> &solution, const double tolerance
   report()["interfaces"] = measure_interfaces(model, ghosted, reactions);
   report()["balance"] =
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), &sentences).report;
+  const std::optional<Vector> velocity = ghosted_velocity(solution);
+  probes.set_velocity(velocity ? &*velocity : nullptr);
   report()["probes"] = probes.evaluate(ghosted, reactions);
   if (solution.is_last) // else the ties are those of the step that failed
     notes.add(sentences);

@@ -181,7 +181,7 @@ void Simulation<dim>::measure(const Vector &x, const bool is_converged)
   const double t = step_control.time();
   const bool has_results = step_control.n_done() > 0; // else nothing could be taken for a result
   if (has_results) {
-    results.measure({step.system(), x, t, is_converged}, step.tolerance());
+    results.measure({step.system(), x, t, is_converged, step.velocity()}, step.tolerance());
     results.compare({step.system(), x, t, is_converged});
   } else {
     results.report()["dofs"] = model.numbering->n_dofs();
@@ -220,6 +220,10 @@ Vector Simulation<dim>::begin()
   Vector x = step.system().owned_vector();
   set_initial_values(model, steps.size(), x);
   step.start(x);
+  Vector before = x;
+  if (!step.has_rates()) // of a static scene it is a guess
+    before = 0;
+  results.start({step.system(), before, 0, true, step.velocity()});
   return x;
 }
 
@@ -240,7 +244,7 @@ Vector Simulation<dim>::go_on()
   saved.vectors = checkpoint.vectors(model, step.system().owned_vector());
   const Vector x = saved.vectors.at("solution");
   step.go_on(checkpoint, saved, t, x);
-  results.go_on(planned, saved.numbers["results"]);
+  results.go_on(planned, saved);
   results.report().add(
       "resumed", {{"step", step_control.n_done()}, {"time", t}, {"ranks before", checkpoint.n_ranks()}});
   return x;

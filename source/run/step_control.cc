@@ -354,12 +354,13 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   size = steps.controls_errors() ? size_by_error : std::min(steps.size(), 2 * size);
   log.step_ends();
   results.forget_solution();
-  if (step.has_rates() || ((steps.n_steps > 1 || steps.follows_path()) && results.has_probes()))
-    results.record_step({step.system(), x, t, true}, step.tolerance());
+  if (step.has_rates() || results.has_energy() ||
+      ((steps.n_steps > 1 || steps.follows_path()) && results.has_probes()))
+    results.record_step({step.system(), x, t, true, step.velocity()}, step.tolerance());
   if (steps.n_steps > 1)
     results.record_ranges({step.system(), x, t, true});
   if (!steps.finds_modes() && (results.is_due(n_good) || t >= almost_end()))
-    results.write_pictures({step.system(), x, t, true});
+    results.write_pictures({step.system(), x, t, true, step.velocity()});
   remember_good_step();
   if (results.is_checkpoint_due(n_good) || (results.has_checkpoints() && t >= almost_end()))
     write_checkpoint(x);
@@ -440,7 +441,7 @@ template <int dim>
 void StepControl<dim>::write_last_good(const Vector &x)
 {
   if (n_good > 0 && !results.is_due(n_good))
-    results.write_pictures({step.system(), x, t, false});
+    results.write_pictures({step.system(), x, t, false, step.velocity()});
 }
 
 /// @return whether a smaller step than that to time @p next can be tried.

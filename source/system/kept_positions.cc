@@ -166,7 +166,8 @@ double diagonal_of_prescribed(const dealii::FullMatrix<double> &local_matrix, co
 template <int dim>
 void KeptPositions<dim>::prefetch(const unsigned int cell_index) const
 {
-  if (way[cell_index] != Way::kept)
+  constexpr std::size_t largest = 64 * 1024; // bytes that are still there after the cell
+  if (way[cell_index] != Way::kept || sizeof(double) * n_local * n_local > largest)
     return;
   const int *const row_of_dof = &all_rows[std::size_t(cell_index) * n_local];
   const std::uint16_t *kept = &positions[std::size_t(cell_index) * nodes.size() * nodes.size()];

@@ -450,6 +450,23 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
     result[c] = is_defined ? series.transmitted[c] : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// -{A}.[B] + gamma/2 |[B]|^2 with {A} = s + gamma [B].
+template <int dim>
+std::optional<double> Nitsche<dim>::energy(const Interface<dim> &interface, const TiedField &field,
+                                           const unsigned int q, const std::vector<double> &s,
+                                           const std::vector<double> &jump) const
+{
+  if (!toggle.is_on(q) || penalty_at_points.empty())
+    return 0.;
+  if (!is_symmetric() || has_joint())
+    return {};
+  const double gamma = penalty_at_points[field.index * interface.pairing().n_points() + q].gamma;
+  double energy = 0;
+  for (unsigned int c = 0; c < field.n_components; ++c)
+    energy -= s[c] * jump[c] + gamma / 2 * jump[c] * jump[c];
+  return energy;
+}
+
 /// @return false where a law is not defined, or no penalty was found at the beginning of the step.
 template <int dim>
 bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,

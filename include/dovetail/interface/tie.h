@@ -18,6 +18,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -292,6 +293,15 @@ public:
   {
     for (unsigned int c = 0; c < jump.size(); ++c)
       result[c] = (flux[source][c] - flux[destination][c]) / 2;
+  }
+
+  /// Per area at a point, by the numerical flux and the jump, if its forces follow from an energy; a tie
+  /// without terms, whose jump does no work, has none.
+  virtual std::optional<double> energy(const Interface<dim> & /*interface*/, const TiedField & /*field*/,
+                                       unsigned int /*q*/, const std::vector<double> & /*numerical_flux*/,
+                                       const std::vector<double> & /*jump*/) const
+  {
+    return 0.;
   }
 };
 

@@ -52,6 +52,9 @@ public:
   void locate_again();
 
   bool is_empty() const { return probes.empty(); }
+  bool has_motion() const; ///< some probe asks for velocities
+  /// Before evaluate(), ghosted and kept by reference; nullptr: everything is at rest.
+  void set_velocity(const Vector *velocity);
 
   /// About probes of fluxes at points where these are singular. Collective. @pre The model is paired.
   NoteList notes() const;

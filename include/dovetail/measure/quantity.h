@@ -51,9 +51,19 @@ public:
   virtual bool is_of_nodes() const { return false; }
   virtual void set_reactions(const Reactions<dim> & /*reactions*/) {}
 
+  /// Asks for velocity(): only bodies with inertia have one.
+  virtual bool is_of_motion() const { return false; }
+  void set_velocity(const Vector *rates) { velocities = rates; } ///< of all unknowns, ghosted; by reference
+
 protected:
+  /// du/dt at a point; zero where nothing is known of it.
+  dealii::Tensor<1, dim> velocity(DomainPoint<dim> &point) const;
+
   const std::string name; ///< in the scene
   const Domain<dim> &domain;
+
+private:
+  const Vector *velocities = nullptr;
 };
 
 /// All quantities: name -> creator, help, and the field whose law it asks.

@@ -47,6 +47,8 @@ public:
   /// is paired. @throw UserError or OutputError on all ranks if a file cannot be written.
   void write(double time, const Vector &solution, const Reactions<dim> *reactions = nullptr);
   bool needs_reactions() const;
+  bool has_motion() const;                           ///< some quantity asks for velocities
+  void set_velocity(const Vector *velocity);         ///< before write(), ghosted, by reference
   unsigned int n_files() const { return n_written; } ///< so far, those written anew counted again
 
   void forget_meshes() { blocks.clear(); } ///< they have changed

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/measure/energy_balance.h>
 #include <dovetail/measure/probes.h>
 #include <dovetail/measure/used_ranges.h>
 #include <dovetail/output/checkpoint.h>
@@ -35,6 +36,7 @@ struct Solution
   const Vector &x;          ///< the last good state
   double t;
   bool is_last; ///< no step after it has failed
+  const Vector *velocity = nullptr; ///< of all unknowns, if something has inertia
 };
 
 /// The directory of a run and what stands in it. What cannot be written ends no run, since the numbers are
@@ -57,7 +59,7 @@ public:
   /// What the directory holds of a run that has not come to its end. @throw UserError if nothing can go on.
   Checkpoint<dim> find_checkpoint() const;
   /// Instead of begin(): results are added to those of that run until its checkpoint. Collective.
-  void go_on(const Plan &plan, const nlohmann::ordered_json &saved);
+  void go_on(const Plan &plan, const SavedState &from);
   /// A step is done: what comes later is not of the checkpoint after it.
   void mark_good_step();
   bool is_checkpoint_due(const unsigned int step) const
@@ -76,6 +78,9 @@ public:
   void forget_solution() { forces.reset(); } ///< there is another one, or soon another system
   void find_new_meshes();                    ///< after the old ones have been forgotten
 
+  bool has_energy() const { return energy_balance.has_value(); } ///< the scene asks for it
+  /// The state before the first step, of which the energy is measured.
+  void start(const Solution<dim> &solution);
   /// Probes and balance of a good step, for probes.csv, and its largest imbalance for the report.
   void record_step(const Solution<dim> &solution, double tolerance);
   bool has_probes() const { return !probes.is_empty(); }
@@ -104,6 +109,7 @@ private:
   void write_step_table();
   const NodalForces<dim> &nodal_forces(const Solution<dim> &solution);
   double last_residual() const;
+  std::optional<Vector> ghosted_velocity(const Solution<dim> &solution); ///< if anything asks for it
   double tolerance_of_balance(double tolerance) const;
 
   const SceneText &text;
@@ -117,6 +123,7 @@ private:
   bool with_spectrum;
   Paraview<dim> paraview;
   Reference<dim> reference;
+  std::optional<EnergyBalance<dim>> energy_balance;
   std::unique_ptr<DirectoryLock> lock;
   std::unique_ptr<Report> content;
   UsedRanges<dim> used_ranges;

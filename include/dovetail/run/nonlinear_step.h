@@ -42,6 +42,11 @@ public:
   /// The step that was tried last is rejected: what comes next is not predicted from the steps before.
   void reject_step() { predictor.forget(); }
   bool has_rates() const { return scheme != nullptr; } ///< a term asks for them
+  /// The first rates of the last good state, where some term asks for second ones; else nullptr.
+  const Vector *velocity() const
+  {
+    return scheme && !scheme->memory().rates.empty() ? &scheme->memory().rates[0] : nullptr;
+  }
 
   /// What later steps depend on, after a good one.
   void save(SavedState &to) const;

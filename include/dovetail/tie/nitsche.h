@@ -87,6 +87,9 @@ public:
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
                       const std::array<State<dim>, 2> &state, const std::array<std::vector<double>, 2> &flux,
                       const std::vector<double> &jump, std::vector<double> &result) const override;
+  std::optional<double> energy(const Interface<dim> &interface, const TiedField &field, unsigned int q,
+                               const std::vector<double> &numerical_flux,
+                               const std::vector<double> &jump) const override;
   PenaltyRange penalty() const override { return penalty_at_points.range(); }
   NoteList notes() const override;
   FluxVariations flux_variations() const override { return variations; }

@@ -159,9 +159,35 @@ def chain_reaction():
     print("chain reaction", errors)
 
 
+DYNAMICS = "tests/scenes/dynamics"
+
+
+def oscillating_bar():
+    rows, _ = run(f"{DYNAMICS}/oscillation_base.prm")
+    total = [sum(float(row[f"energy {part}"]) for part in ("kinetic", "elastic", "ties")) for row in rows]
+    print("oscillating bar", max(abs(energy / total[0] - 1) for energy in total))
+    exact = [k / 25 for k in range(201)]
+    energy = 3 * 0.2 * (math.pi / 2) ** 2 / 4
+    draw("oscillating_bar", "time", "energy",
+         [("kinetic", [(t, energy * math.sin(math.pi * t / 2) ** 2) for t in exact], column(rows, "energy kinetic")[:40]),
+          ("elastic", [(t, energy * math.cos(math.pi * t / 2) ** 2) for t in exact], column(rows, "energy elastic")[:40]),
+          ("kinetic + elastic + ties", [(0, energy), (8, energy)],
+           [(float(row["time"]), sum_) for row, sum_ in zip(rows, total)][:40])])
+
+
+def impact():
+    rows, _ = run(f"{DYNAMICS}/impact.prm")
+    draw("impact", "time", "mean velocity",
+         [("first bar", [(0, 1), (2, 0), (3, 0)], column(rows, "first x")[4::10]),
+          ("second bar", [(0, 0), (2, 1), (3, 1)], column(rows, "second x")[4::10])])
+    print("impact", rows[-1]["first x"], rows[-1]["second x"])
+
+
 os.makedirs("output", exist_ok=True)
 quench("quenched_slab", slab, 0.4)
 quench("quenched_cylinder", cylinder, 0.2)
 self_similar()
 laminate()
 chain_reaction()
+oscillating_bar()
+impact()

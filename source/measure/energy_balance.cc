@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/cell_terms.h>
+#include <dovetail/measure/domain_point.h>
+#include <dovetail/measure/energy_balance.h>
+#include <dovetail/measure/interface_point.h>
+
+#include <deal.II/base/mpi.h>
+
+#include <vector>
+
+namespace dovetail {
+
+namespace {
+
+bool is_of_solid(const Field &field)
+{
+  return field.law == "solid";
+}
+
+template <int dim>
+const Field *solid_field(const Domain<dim> &domain)
+{
+  for (const Field &field : domain.fields())
+    if (is_of_solid(field))
+      return &field;
+  return nullptr;
+}
+
+} // namespace
+
+template <int dim>
+void EnergyBalance<dim>::start(const Vector &x, const Vector &ghosted, const Vector *velocity, const double t)
+{
+  last = Memory();
+  last.x = x;
+  last.initial = energies(ghosted, velocity, t).sum();
+}
+
+template <int dim>
+void EnergyBalance<dim>::add_domain(const Domain<dim> &domain, const Vector &x, const Vector *velocity,
+                                    const double t, Energies &sums) const
+{
+  const Field *field = solid_field(domain);
+  if (field == nullptr)
+    return;
+  const double density = domain.material.solid_density();
+  dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(), domain.cell_quadrature(),
+                               DomainPoint<dim>::needed() | dealii::update_JxW_values);
+  DomainPoint<dim> point(domain, x, t), rate(domain, velocity != nullptr ? *velocity : x, t);
+  for (const auto &cell : domain.mesh().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      values.reinit(cell);
+      point.enter(values);
+      if (velocity != nullptr)
+        rate.enter(values);
+      for (const unsigned int q : values.quadrature_point_indices()) {
+        const double dV = domain.measure(values, q);
+        point.move_to(q);
+        sums.elastic += point.energy_density() * dV;
+        if (velocity == nullptr)
+          continue;
+        rate.move_to(q);
+        for (unsigned int c = field->first_component; c < field->first_component + dim; ++c)
+          sums.kinetic += density / 2 * rate.state().value[c] * rate.state().value[c] * dV;
+      }
+    }
+}
+
+template <int dim>
+void EnergyBalance<dim>::add_interface(const Interface<dim> &interface, const Vector &x, const double t,
+                                       Energies &sums) const
+{
+  if (!interface.is_active(t))
+    return;
+  InterfacePoint<dim> point(interface, t);
+  point.for_each(x, [&](const unsigned int q, const unsigned int /*side*/) {
+    for (const TiedField &field : interface.fields)
+      if (is_of_solid(interface.sides[source].domain->fields()[field.field[source]])) {
+        const auto &at_point = point.fields[field.index];
+        const auto energy =
+            interface.tie().energy(interface, field, q, at_point.numerical_flux, at_point.jump);
+        sums.ties += energy.value_or(0) * interface.pairing().weight(q);
+        sums.knows_ties = sums.knows_ties && energy.has_value();
+      }
+  });
+}
+
+template <int dim>
+typename EnergyBalance<dim>::Energies EnergyBalance<dim>::energies(const Vector &x, const Vector *velocity,
+                                                                   const double t) const
+{
+  Energies sums;
+  for (const auto &domain : model.domains)
+    add_domain(*domain, x, velocity, t, sums);
+  for (const auto &interface : model.interfaces)
+    add_interface(*interface, x, t, sums);
+  std::vector<double> over_ranks = {sums.kinetic, sums.elastic, sums.ties, sums.knows_ties ? 0. : 1.};
+  dealii::Utilities::MPI::sum(over_ranks, model.communicator, over_ranks);
+  return {over_ranks[0], over_ranks[1], over_ranks[2], over_ranks[3] == 0};
+}
+
+/// Into the nodes of solids, before constraints.
+template <int dim>
+Vector EnergyBalance<dim>::forces(const Reactions<dim> &reactions, const Vector &x,
+                                  const Vector &ghosted) const
+{
+  Vector result = x;
+  result = 0;
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &domain : model.domains) {
+    const Field *field = solid_field(*domain);
+    if (field == nullptr)
+      continue;
+    CellTerms<dim> terms(*domain);
+    const CellLayout<dim> &layout = domain->layout();
+    std::vector<double> unknowns(domain->dofs_per_cell()), given(unknowns.size()), boundary(unknowns.size());
+    for (const auto &cell : domain->dof_handler().active_cell_iterators())
+      if (cell->is_locally_owned()) {
+        domain->cell_dofs(cell, dofs);
+        ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+        terms.assemble_given(cell, reactions.forces().t, given);
+        terms.assemble_boundary(cell, reactions.forces().t, unknowns, boundary);
+        for (unsigned int c = field->first_component; c < field->first_component + dim; ++c)
+          for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
+            const unsigned int i = layout.index(c, a);
+            result(dofs[i]) -= given[i] + boundary[i];
+          }
+      }
+    for (const auto &[dof, at_node] : reactions.at_nodes(*domain, *field))
+      result(dof) += at_node.force;
+  }
+  result.compress(dealii::VectorOperation::add);
+  return result;
+}
+
+template <int dim>
+nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reactions, const Vector &x,
+                                                    const Vector &ghosted, const Vector *velocity)
+{
+  Vector now = forces(reactions, x, ghosted), change = x;
+  if (last.forces.n_blocks() == 0)
+    last.forces = now;
+  change -= last.x;
+  last.work += (now * change + last.forces * change) / 2;
+  last.forces = std::move(now);
+  last.x = x;
+  const Energies present = energies(ghosted, velocity, reactions.forces().t);
+  nlohmann::ordered_json result = {{"kinetic", present.kinetic}, {"elastic", present.elastic}};
+  if (present.knows_ties)
+    result["ties"] = present.ties;
+  result["work"] = last.work;
+  result["lost"] = last.initial + last.work - present.sum();
+  return result;
+}
+
+template class EnergyBalance<2>;
+template class EnergyBalance<3>;
+
+} // namespace dovetail

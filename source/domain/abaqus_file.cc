@@ -392,7 +392,10 @@ private:
     text.check(dim == 3 || !is_solid, element + " has three dimensions, but the scene has Dimension = 2");
     if (n_nodes <= 2 || is_bar(type_name) || (dim == 3 && !is_solid && !type_name.empty()))
       return false;
-    text.check(n_vertices_in_abaqus(dim, n_nodes) > 0,
+    const unsigned int n_vertices = n_vertices_in_abaqus(dim, n_nodes);
+    const bool is_wedge_or_pyramid = dim == 3 && (n_vertices == 5 || n_vertices == 6);
+    text.check(n_vertices > 0 && (!is_wedge_or_pyramid ||
+                                  type_name.find("C3D" + std::to_string(n_nodes)) != std::string::npos),
                element + " has " + std::to_string(n_nodes) +
                    (dim == 2 ? " nodes. Triangles and quadrilaterals are read (3 or 6 and 4 or 8 nodes)"
                              : " nodes. Tetrahedra and hexahedra are read (4 or 10 and 8 or 20 nodes)"));

@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/output/domain_picture.h>
+#include <dovetail/output/new_file.h>
 #include <dovetail/output/paraview.h>
 
 #include <dovetail/material/transient.h>
@@ -9,6 +10,8 @@
 #include <dovetail/output/uncovered_picture.h>
 
 #include <cctype>
+#include <filesystem>
+#include <fstream>
 #include <iomanip>
 #include <set>
 #include <sstream>
@@ -43,6 +46,36 @@ std::string escape(const std::string &text)
   return result;
 }
 
+/// The files that an index names, without their folder.
+std::vector<std::string> files_in(const std::string &index)
+{
+  std::ifstream stream(index);
+  std::vector<std::string> files;
+  const std::string before = "file=\"";
+  for (std::string line; std::getline(stream, line);)
+    if (const auto begin = line.find(before); begin != std::string::npos) {
+      const std::string path = line.substr(begin + before.size());
+      files.push_back(std::filesystem::path(path.substr(0, path.find('"'))).filename().string());
+    }
+  return files;
+}
+
+/// The pictures of an earlier run, as its indices name them, and the indices. Other files stay.
+void remove_series(const std::string &directory)
+{
+  const std::string series = directory + "/solution.pvd", steps = directory + "/steps/";
+  if (obstacle_to_replacing(series, beginning_of_index))
+    return;
+  for (const std::string &step : files_in(series)) {
+    if (obstacle_to_replacing(steps + step, beginning_of_index))
+      continue;
+    for (const std::string &picture : files_in(steps + step))
+      remove_file(steps + picture, beginning_of_vtu);
+    remove_file(steps + step, beginning_of_index);
+  }
+  remove_file(series, beginning_of_index);
+}
+
 } // namespace
 
 template <int dim>
@@ -69,7 +102,7 @@ void Paraview<dim>::prepare()
   name_files();
   make_directory(directory + "/steps", model.communicator);
   if (times.empty() && dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
-    remove_file(directory + "/solution.pvd", beginning_of_index); // its steps will be those of this run
+    remove_series(directory); // its steps will be those of this run
   for (unsigned int i = 0; i < model.interfaces.size() && shows_interfaces; ++i)
     show_uncovered_points(i);
 }

@@ -2,8 +2,8 @@
 // Copyright (C) 2026 by the Dovetail authors
 //
 // A picture of a run, from a report of two steps and a table of two probes, one with components and a gap:
-// the data that gnuplot gets, and that it draws them. A probe with a single row, or none, is not drawn. What
-// is no report is an error.
+// the data that gnuplot gets, the units on the axes, and that it draws them. A probe with a single row, or
+// none, is not drawn. What is no report is an error.
 
 #include <dovetail/scene/user_error.h>
 #include <dovetail/study/run_picture.h>
@@ -32,6 +32,15 @@ void print_data(const std::string &script, const std::string &name)
     if (is_inside)
       std::cout << line << '\n';
   }
+}
+
+/// Of the axes of probes.
+void print_labels(const std::string &script)
+{
+  std::ifstream in(script);
+  for (std::string line; std::getline(in, line);)
+    if (line.rfind("set xlabel 't", 0) == 0 || line.rfind("set ylabel '[", 0) == 0)
+      std::cout << line << '\n';
 }
 
 void print_beginning(const std::string &file)
@@ -69,10 +78,12 @@ int main()
                               "seconds": {"mesh": 0.25, "solve": 1.5, "total": 1.75},
                               "probes": {"force": [1, 2], "force at end": 7, "tip's": 3, "new": 4}})");
   try_to_draw("run");
-  write("run/probes.csv", "time,force x,force y,force at end,tip's\n0.5,1,2,7,3\n1,1.5,,8,3.25\n");
+  write("run/probes.csv",
+        "time [s],force x [N],force y [N],force at end,tip's\n0.5,1,2,7,3\n1,1.5,,8,3.25\n");
   try_to_draw("run");
   for (const std::string name : {"residuals", "seconds", "probe_2", "probe_3", "probe_4"})
     print_data("run/run.gp", name);
+  print_labels("run/run.gp");
   print_beginning("run/run.svg");
   print_beginning("run/run.png");
 }

@@ -23,7 +23,8 @@ public:
   /// if it is not understood.
   std::optional<double> from_si(const std::string &unit) const;
 
-  /// A unit of SI in these: of "J/m^3" in mm, t, s, K "t/(mm s^2)", of "Pa" by its name, "MPa". Empty if it is not understood or has no dimension.
+  /// A unit of SI in these: of "J/m^3" in mm, t, s, K "t/(mm s^2)", of "Pa" by its name, "MPa". Empty if it
+  /// is not understood or has no dimension.
   std::string of(const std::string &unit) const;
 
 private:

@@ -113,36 +113,42 @@ void TieOperator<dim>::find_blocks()
 {
   const PointTerms<dim> &terms = *interface->tie().parts().point_terms;
   const bool by_flux = terms.couples_fluxes(), by_inside = terms.couples_insides(*interface);
-  std::vector<std::vector<unsigned int>> columns(nodes.size());
+  std::vector<std::vector<bool>> jumps; // by group, each of its nodes
+  std::vector<std::vector<std::pair<unsigned int, unsigned int>>> places(nodes.size()); // in which groups
   for (unsigned int g = 0; g < nodes_of_group.size(); ++g) {
     const LeadingUnknowns &of_group = leading(g);
     const std::vector<bool> in_jump = interface->unknowns_in_jump(interface->pairing().groups[g]);
-    const std::vector<unsigned int> &own = nodes_of_group[g];
-    const unsigned int n_source = of_group.nodes[0][0].size();
-    std::vector<bool> jumps(own.size(), by_flux);
+    jumps.emplace_back(nodes_of_group[g].size(), by_flux);
     for (unsigned int i = 0; i < in_jump.size(); ++i)
       if (in_jump[i]) {
         const unsigned int lead = of_group.leader[i], side = lead < of_group.n_of_side[0] ? 0 : 1,
                            n = of_group.nodes[side][0].size();
-        jumps[side * n_source + (lead - side * of_group.n_of_side[0]) % n] = true;
+        jumps[g][side * of_group.nodes[0][0].size() + (lead - side * of_group.n_of_side[0]) % n] = true;
       }
-    for (unsigned int i = 0; i < own.size(); ++i)
-      for (unsigned int j = 0; j < own.size(); ++j)
-        if (jumps[i] || jumps[j] || (by_inside && (i < n_source) == (j < n_source)))
-          columns[own[i]].push_back(own[j]);
+    for (unsigned int i = 0; i < nodes_of_group[g].size(); ++i)
+      places[nodes_of_group[g][i]].emplace_back(g, i);
   }
   first_block.assign(1, 0);
   column.clear();
-  for (auto &of_node : columns) {
-    std::sort(of_node.begin(), of_node.end());
-    of_node.erase(std::unique(of_node.begin(), of_node.end()), of_node.end());
-    column.insert(column.end(), of_node.begin(), of_node.end());
+  std::vector<unsigned int> last_row(nodes.size(), dealii::numbers::invalid_unsigned_int); // with this column
+  for (unsigned int row = 0; row < nodes.size(); ++row) {
+    for (const auto &[g, i] : places[row]) {
+      const unsigned int n_source = leading(g).nodes[0][0].size();
+      for (unsigned int j = 0; j < nodes_of_group[g].size(); ++j)
+        if (const unsigned int other = nodes_of_group[g][j];
+            last_row[other] != row &&
+            (jumps[g][i] || jumps[g][j] || (by_inside && (i < n_source) == (j < n_source)))) {
+          last_row[other] = row;
+          column.push_back(other);
+        }
+    }
+    std::sort(column.begin() + first_block.back(), column.end());
     first_block.push_back(column.size());
   }
   transposed.resize(column.size());
-  for (unsigned int row = 0; row < nodes.size(); ++row)
-    for (unsigned int k = first_block[row]; k < first_block[row + 1]; ++k)
-      transposed[k] = position(column[k], row);
+  std::vector<unsigned int> next(first_block.begin(), first_block.end() - 1); // rows come in their order
+  for (unsigned int k = 0; k < column.size(); ++k)
+    transposed[k] = next[column[k]]++;
   begin_tangent();
 }
 
@@ -170,9 +176,14 @@ void TieOperator<dim>::add(const unsigned int group, const dealii::FullMatrix<do
     const unsigned int side = i < n_source ? 0 : 1;
     return of_group.first[side][c] + i - side * n_source;
   };
-  for (unsigned int i = 0; i < own.size(); ++i)
+  std::vector<unsigned int> position_of(nodes.size());
+  for (unsigned int i = 0; i < own.size(); ++i) {
+    for (const unsigned int node : own)
+      position_of[node] = column.size();
+    for (unsigned int k = first_block[own[i]]; k < first_block[own[i] + 1]; ++k)
+      position_of[column[k]] = k;
     for (unsigned int j = 0; j < own.size(); ++j) {
-      const unsigned int k = position(own[i], own[j]);
+      const unsigned int k = position_of[own[j]];
       for (unsigned int c = 0; c < n; ++c)
         for (unsigned int d = 0; d < n; ++d) {
           const double value = T(unknown(i, c), unknown(j, d));
@@ -182,6 +193,7 @@ void TieOperator<dim>::add(const unsigned int group, const dealii::FullMatrix<do
             blocks[(k * n + c) * n + d] += value;
         }
     }
+  }
 }
 
 template <int dim>

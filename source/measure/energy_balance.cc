@@ -140,6 +140,9 @@ nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reacti
                                                     const Vector &ghosted, const Vector *velocity)
 {
   Vector now = forces(reactions, x, ghosted), change = x;
+  const bool is_first = last.x.n_blocks() == 0; // a run that goes on from one without
+  if (is_first)
+    last.x = x;
   if (last.forces.n_blocks() == 0)
     last.forces = now;
   change -= last.x;
@@ -147,6 +150,8 @@ nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reacti
   last.forces = std::move(now);
   last.x = x;
   const Energies present = energies(ghosted, velocity, reactions.forces().t);
+  if (is_first)
+    last.initial = present.sum();
   nlohmann::ordered_json result = {{"kinetic", present.kinetic}, {"elastic", present.elastic}};
   if (present.knows_ties)
     result["ties"] = present.ties;

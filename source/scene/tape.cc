@@ -16,49 +16,6 @@ std::optional<double> Tape::constant(const unsigned int formula) const
   return node.operation == Operation::constant ? std::optional(node.constant) : std::nullopt;
 }
 
-double Tape::bound(const unsigned int formula, const std::vector<double> &largest) const
-{
-  std::vector<double> of(nodes.size());
-  for (const Number i : formulas[formula].needed)
-    of[i] = bound(nodes[i], largest, of);
-  return of[formulas[formula].node];
-}
-
-/// @p of: of the nodes before. Infinity times zero is not known either.
-double Tape::bound(const Node &node, const std::vector<double> &largest, const std::vector<double> &of) const
-{
-  constexpr double not_known = std::numeric_limits<double>::infinity();
-  double result = not_known;
-  switch (node.operation) {
-  case Operation::constant:
-    result = std::abs(node.constant);
-    break;
-  case Operation::variable:
-    result = largest[node.first];
-    break;
-  case Operation::sum:
-  case Operation::difference:
-    result = of[node.first] + of[node.second];
-    break;
-  case Operation::product:
-    result = of[node.first] * of[node.second];
-    break;
-  case Operation::power:
-    if (const Node &exponent = nodes[node.second]; exponent.operation == Operation::constant &&
-                                                   exponent.constant >= 0 &&
-                                                   exponent.constant == std::floor(exponent.constant))
-      result = std::pow(of[node.first], exponent.constant);
-    break;
-  case Operation::function:
-    if (node.function != nullptr && std::isfinite(of[node.first]))
-      result = node.function->bound;
-    break;
-  default: // quotients, for one
-    break;
-  }
-  return std::isnan(result) ? not_known : result;
-}
-
 std::vector<Tape::Table> Tape::tables_in(const unsigned int variable)
 {
   std::vector<Table> tables;

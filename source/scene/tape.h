@@ -9,7 +9,6 @@
 
 #include <cstdint>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -50,10 +49,6 @@ public:
   /// Those whose argument depends on @p variable and on no other one.
   std::vector<Table> tables_in(unsigned int variable);
 
-  /// What its size does not exceed where those of the variables do not exceed @p largest: infinite if no
-  /// bound is known, as of a quotient.
-  double bound(unsigned int formula, const std::vector<double> &largest) const;
-
   /// Its value if it is a number, whatever the variables.
   std::optional<double> constant(unsigned int formula) const;
 
@@ -88,7 +83,6 @@ private:
     const char *name;
     double (*value)(double);
     Number (*slope)(Tape &tape, Number a);
-    double bound = std::numeric_limits<double>::infinity(); ///< of |f|
   };
 
   /// What a function was last at an argument.
@@ -140,7 +134,6 @@ private:
   Number derivative(Number node, unsigned int variable, std::vector<std::optional<Number>> &known);
   Number derivative_of_power(Number node, unsigned int variable, std::vector<std::optional<Number>> &known);
   bool is_constant(Number node, double value) const;
-  double bound(const Node &node, const std::vector<double> &largest, const std::vector<double> &of) const;
   static double value_of(Operation operation, double first, double second);
   void evaluate(Node &node);
   void evaluate_function(Node &node, const std::vector<double> &arguments);

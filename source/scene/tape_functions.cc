@@ -23,9 +23,9 @@ std::vector<Tape::Function> Tape::trigonometric_functions()
 {
   using T = Tape;
   return {
-      {"sin", [](double a) { return std::sin(a); }, [](T &t, Number a) { return t.apply("cos", a); }, 1.},
+      {"sin", [](double a) { return std::sin(a); }, [](T &t, Number a) { return t.apply("cos", a); }},
       {"cos", [](double a) { return std::cos(a); },
-       [](T &t, Number a) { return t.times(t.add_constant(-1), t.apply("sin", a)); }, 1.},
+       [](T &t, Number a) { return t.times(t.add_constant(-1), t.apply("sin", a)); }},
       {"tan", [](double a) { return std::tan(a); },
        [](T &t, Number a) { return t.plus_square(1, 1, t.apply("tan", a)); }},
       {"asin", [](double a) { return std::asin(a); },
@@ -33,7 +33,7 @@ std::vector<Tape::Function> Tape::trigonometric_functions()
       {"acos", [](double a) { return std::acos(a); },
        [](T &t, Number a) { return t.quotient(-1, t.apply("sqrt", t.plus_square(1, -1, a))); }},
       {"atan", [](double a) { return std::atan(a); },
-       [](T &t, Number a) { return t.quotient(1, t.plus_square(1, 1, a)); }, 2.},
+       [](T &t, Number a) { return t.quotient(1, t.plus_square(1, 1, a)); }},
   };
 }
 
@@ -44,7 +44,7 @@ std::vector<Tape::Function> Tape::hyperbolic_functions()
       {"sinh", [](double a) { return std::sinh(a); }, [](T &t, Number a) { return t.apply("cosh", a); }},
       {"cosh", [](double a) { return std::cosh(a); }, [](T &t, Number a) { return t.apply("sinh", a); }},
       {"tanh", [](double a) { return std::tanh(a); },
-       [](T &t, Number a) { return t.plus_square(1, -1, t.apply("tanh", a)); }, 1.},
+       [](T &t, Number a) { return t.plus_square(1, -1, t.apply("tanh", a)); }},
       {"asinh", [](double a) { return std::asinh(a); },
        [](T &t, Number a) { return t.quotient(1, t.apply("sqrt", t.plus_square(1, 1, a))); }},
       {"acosh", [](double a) { return std::acosh(a); },

@@ -445,6 +445,31 @@ std::unique_ptr<Epetra_CrsMatrix> SumOfSmall::finish()
   return result;
 }
 
+/// A row of entries beside those of small matrices, by the numbers of a SumOfSmall.
+struct FurtherRow
+{
+  int number;
+  std::vector<int> columns;
+  const double *entries;
+};
+
+/// Those of @p matrix, which are referred to.
+std::vector<FurtherRow> rows_of(const Epetra_CrsMatrix &matrix, const SumOfSmall &sum)
+{
+  std::vector<FurtherRow> rows;
+  for (int i = 0; i < matrix.NumMyRows(); ++i) {
+    int n = 0, *local = nullptr;
+    double *entries = nullptr;
+    matrix.ExtractMyRowView(i, n, entries, local);
+    if (n == 0)
+      continue;
+    rows.push_back({sum.number(matrix.GRID(i)), {}, entries});
+    for (int k = 0; k < n; ++k)
+      rows.back().columns.push_back(sum.number(matrix.GCID(local[k])));
+  }
+  return rows;
+}
+
 } // namespace
 
 template <int dim>
@@ -478,35 +503,22 @@ std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_
   std::vector<typename TieOperator<dim>::Restriction> of_ties;
   for (const auto &tie : ties)
     of_ties.push_back(tie->restricted(row_of_P));
-  const auto for_each_row_of_ties = [&](const auto &visit) {
-    for (const auto &of_tie : of_ties)
-      for (unsigned int i = 0; i < of_tie.rows.size(); ++i) {
-        find_numbers(of_tie.columns[i]);
-        visit(number[of_tie.rows[i]], of_tie.values[i].data());
-      }
-  };
-  for_each_row_of_ties([&](const int row, const double *) { sum.meet(row, numbers); });
-  const auto for_each_row_of_summand = [&](const auto &visit) {
-    for (int i = 0; i < summand.NumMyRows(); ++i) {
-      int n = 0, *local = nullptr;
-      double *entries = nullptr;
-      summand.ExtractMyRowView(i, n, entries, local);
-      numbers.clear();
-      for (int k = 0; k < n; ++k)
-        numbers.push_back(sum.number(summand.GCID(local[k])));
-      if (n > 0)
-        visit(sum.number(summand.GRID(i)), entries);
+  std::vector<FurtherRow> further = rows_of(summand, sum);
+  for (const auto &of_tie : of_ties)
+    for (unsigned int i = 0; i < of_tie.rows.size(); ++i) {
+      find_numbers(of_tie.columns[i]);
+      further.push_back({number[of_tie.rows[i]], numbers, of_tie.values[i].data()});
     }
-  };
-  for_each_row_of_summand([&](const int row, const double *) { sum.meet(row, numbers); });
+  for (const FurtherRow &row : further)
+    sum.meet(row.number, row.columns);
   sum.allocate();
   for (const auto &[d, cells] : operators)
     cells->for_each_restriction(row_of_P, [&](const std::vector<int> &local, const auto &product) {
       find_numbers(local);
       sum.add(numbers, product);
     });
-  for_each_row_of_summand([&](const int row, const double *entries) { sum.add(row, numbers, entries); });
-  for_each_row_of_ties([&](const int row, const double *entries) { sum.add(row, numbers, entries); });
+  for (const FurtherRow &row : further)
+    sum.add(row.number, row.columns, row.entries);
   return sum.finish();
 }
 

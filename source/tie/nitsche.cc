@@ -528,6 +528,9 @@ bool Nitsche<dim>::assemble_leading(const Interface<dim> &interface,
                                     dealii::FullMatrix<double> *tangent)
 {
   leading = leading_unknowns(interface, group);
+  has_flux_by_jump = false;
+  if (tangent != nullptr && theta == 1)
+    flux_by_jump.reinit(leading->size(), leading->size());
   const bool with_derivatives = tangent != nullptr || theta != 0;
   for (unsigned int q = group.begin; q < group.end; ++q) {
     if (!toggle.is_on(q))
@@ -537,6 +540,10 @@ bool Nitsche<dim>::assemble_leading(const Interface<dim> &interface,
     for (unsigned int f = 0; f < interface.fields.size(); ++f)
       if (!add_field(interface, f, q, t, unknowns, residual, tangent))
         return false;
+  }
+  if (has_flux_by_jump) {
+    tangent->add(1., flux_by_jump);
+    tangent->Tadd(1., flux_by_jump);
   }
   if (own_sides)
     keep_own_rows(group, residual, tangent);
@@ -701,12 +708,14 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
           transmitted_of[c * n_local + j] += a * mean_flux_of[d * n_local + j];
       }
   }
+  const bool is_mirrored = series.is_rigid && varies_as_mean();
+  has_flux_by_jump = has_flux_by_jump || is_mirrored;
   for (const InJump &row : in_jump) {
     const double test = w * row.test;
     const double *row_flux = &(series.is_rigid ? mean_flux_of : transmitted_of)[row.component * n_local];
-    double *entries = &tangent(row.i, 0);
+    double *entries = &tangent(row.i, 0), *with_flux = is_mirrored ? &flux_by_jump(row.i, 0) : entries;
     for (unsigned int j = 0; j < n_local; ++j)
-      entries[j] -= test * row_flux[j];
+      with_flux[j] -= test * row_flux[j];
     const double penalty = p.gamma * test;
     if (series.is_rigid) {
       for (const InJump &column : in_jump)
@@ -716,10 +725,18 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
       for (const InJump &column : in_jump)
         entries[column.i] += series.a[row.component][column.component] * penalty * column.trial;
   }
-  if (theta != 0)
+  if (theta != 0 && !is_mirrored)
     add_variation_rows(field, series, w, tangent);
   if (series.b_by_mean != 0)
     add_change_of_joint(interface, field, p, series, q, tangent);
+}
+
+/// Whether - delta{A}.d[B] is the transpose of - d{A}.delta[B].
+template <int dim>
+bool Nitsche<dim>::varies_as_mean() const
+{
+  return theta_here == 1 && variation_of == mean_flux_of &&
+         std::all_of(in_jump.begin(), in_jump.end(), [](const InJump &row) { return row.trial == row.test; });
 }
 
 /// - theta delta{A}.(a.d[B] + b.d{A})

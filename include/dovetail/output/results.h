@@ -35,7 +35,7 @@ struct Solution
   BlockSystem<dim> &system; ///< whose step has begun at the time
   const Vector &x;          ///< the last good state
   double t;
-  bool is_last; ///< no step after it has failed
+  bool is_last;                     ///< no step after it has failed
   const Vector *velocity = nullptr; ///< of all unknowns, if something has inertia
 };
 

@@ -24,9 +24,9 @@
 
 namespace dovetail {
 
-/// @f[ C^T K C @f] with the tangent K of the cells in one field of all bodies and of ties at points, and C, which finds the
-/// constrained unknowns from those that they follow: hanging nodes and ties by constraints; prescribed ones
-/// are zero. A constrained row is empty.
+/// @f[ C^T K C @f] with the tangent K of the cells in one field of all bodies and of ties at points, and C,
+/// which finds the constrained unknowns from those that they follow: hanging nodes and ties by constraints;
+/// prescribed ones are zero. A constrained row is empty.
 template <int dim>
 class CellwiseTangent : public PartOperator
 {
@@ -81,7 +81,7 @@ private:
   const RowNumbering &rows;
   std::map<unsigned int, std::unique_ptr<CellOperator<dim>>> operators; ///< by domain
   std::vector<std::unique_ptr<TieOperator<dim>>> ties;
-  std::vector<unsigned int> place_of_block;                             ///< among those of the part
+  std::vector<unsigned int> place_of_block;      ///< among those of the part
   std::shared_ptr<Epetra_Map> own_rows, columns; ///< the own ones first, then those of cells on other ranks
   std::shared_ptr<Epetra_Import> import;
   std::vector<int> constrained;             ///< local rows

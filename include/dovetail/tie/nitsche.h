@@ -164,6 +164,7 @@ private:
   void find_jump_unknowns(const Interface<dim> &interface, const TiedField &field, unsigned int q);
   void add_tangent(const Interface<dim> &interface, const TiedField &field, const AtPoint &parameters,
                    const Series &series, unsigned int q, dealii::FullMatrix<double> &tangent);
+  bool varies_as_mean() const;
   void add_variation_rows(const TiedField &field, const Series &series, double weight,
                           dealii::FullMatrix<double> &tangent) const;
   void add_change_of_joint(const Interface<dim> &interface, const TiedField &field, const AtPoint &parameters,
@@ -201,6 +202,9 @@ private:
   const LeadingUnknowns *leading = nullptr;
   std::vector<double> residual_of_leading;
   dealii::FullMatrix<double> tangent_of_leading;
+  /// int d{A}.delta[B] of the points at which delta{A} is d{A}: with its transpose it is both terms.
+  dealii::FullMatrix<double> flux_by_jump;
+  bool has_flux_by_jump = false;
 
   // at the current point: states and responses of the two sides, and of the current field what R needs
   SideStates<dim> sides;

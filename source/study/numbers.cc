@@ -455,8 +455,9 @@ std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::str
 namespace {
 
 /// The finest value of a curve, with its estimated error added, if there is an estimate.
-void take_finest_value(const StudyCurve &curve, const std::string &probe, std::vector<double> &exact,
-                       std::string &words)
+/// @param why no order is observed
+void take_finest_value(const StudyCurve &curve, const std::string &probe, const std::string &why,
+                       std::vector<double> &exact, std::string &words)
 {
   for (const StudyPoint &point : curve.points) {
     std::vector<double> values = values_of_probe(point, probe);
@@ -467,9 +468,7 @@ void take_finest_value(const StudyCurve &curve, const std::string &probe, std::v
       values[i] += errors[i];
     exact = std::move(values); // the last one stays
     words = list_text(exact) + " of probe " + probe + " at level " + std::to_string(point.level) + " of " +
-            curve.name +
-            (errors.empty() ? ": no three levels converge, so no order is observed"
-                            : ", its estimated error added");
+            curve.name + (errors.empty() ? why : ", its estimated error added");
   }
 }
 
@@ -498,8 +497,9 @@ std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string 
               curve->name + " with the observed order " + to_text(extrapolated->order, "%.2f");
       break;
     }
+  const std::string why = warning.empty() ? ": no three levels converge, so no order is observed" : "";
   for (auto curve = by_size.begin(); exact.empty() && curve != by_size.end(); ++curve)
-    take_finest_value(**curve, probe, exact, words);
+    take_finest_value(**curve, probe, why, exact, words);
   const double size = distance(exact, std::vector<double>(exact.size(), 0.));
   for (StudyCurve &curve : curves)
     for (StudyPoint &point : curve.points)

@@ -3,10 +3,11 @@
 //
 // What a study makes of numbers: medians, rates, the Pareto front, combined errors, who is first and by how
 // much, errors of probes against an extrapolated value: 2 + h^2 has the values 3, 2.25, 2.0625, so J = 2 with
-// the order 2.
+// the order 2. 2 + h^4 is of the order 4, which elements of degree 2 can have and those of degree 1 cannot.
 
 #include <dovetail/study/numbers.h>
 
+#include <cmath>
 #include <iostream>
 
 using namespace dovetail;
@@ -56,6 +57,17 @@ StudyPoint point_of_probe(const unsigned int level, const double dofs, const dou
   StudyPoint result = point(level, 1, std::numeric_limits<double>::quiet_NaN());
   result.numbers = {{"dofs", dofs}, {"probes/tip/0", x}, {"probes/tip/1", y}, {"probes/tipple", 7}};
   return result;
+}
+
+/// 2 + h^4 by elements of this degree.
+void extrapolate_fourth_order(const int degree)
+{
+  std::vector<StudyCurve> curves = {{"fast", 0, {}}};
+  for (unsigned int level = 0; level < 3; ++level) {
+    curves[0].points.push_back(point_of_probe(level, 8 << 2 * level, 2 + std::pow(2., -4. * level), 0));
+    curves[0].points.back().numbers.emplace_back("domains/a/degree", degree);
+  }
+  std::cout << measure_by_probe(curves, "tip") << '\n';
 }
 
 void compare_probes()
@@ -111,5 +123,7 @@ int main()
     std::cout << curves[curve].name << ' ' << place << '\n';
   std::cout << '\n';
   compare_probes();
+  extrapolate_fourth_order(2);
+  extrapolate_fourth_order(1);
   std::cout << std::flush;
 }

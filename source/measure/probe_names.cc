@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
-//
-// What the numbers of a probe are called in a table, and their units.
 
-#include <dovetail/measure/probes.h>
+#include <dovetail/measure/probe_names.h>
 
 namespace dovetail {
 
@@ -57,12 +55,12 @@ std::string unit_of(const typename Probes<dim>::Probe &probe)
 } // namespace
 
 template <int dim>
-std::map<std::string, std::vector<std::string>> Probes<dim>::names_of_numbers() const
+std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<dim> &probes)
 {
   std::map<std::string, std::vector<std::string>> result;
-  for (const Probe &probe : probes) {
+  for (const auto &probe : probes.all()) {
     const auto arrays = probe.quantity->arrays();
-    const std::string unit = units ? units->of(unit_of<dim>(probe)) : "";
+    const std::string unit = probes.units() ? probes.units()->of(unit_of<dim>(probe)) : "";
     auto &names = result[probe.name];
     for (const auto &array : arrays)
       for (const std::string &component :
@@ -73,7 +71,7 @@ std::map<std::string, std::vector<std::string>> Probes<dim>::names_of_numbers() 
   return result;
 }
 
-template std::map<std::string, std::vector<std::string>> Probes<2>::names_of_numbers() const;
-template std::map<std::string, std::vector<std::string>> Probes<3>::names_of_numbers() const;
+template std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<2> &);
+template std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<3> &);
 
 } // namespace dovetail

@@ -147,7 +147,7 @@ template <int dim>
 Probes<dim>::Probes(const Section &scene, const Model<dim> &model) : model(model)
 {
   if (const std::string words = scene.peek("Units"); !words.empty())
-    units.emplace(words);
+    given_units.emplace(words);
   for (const std::string &name :
        scene.announce("Probes", "Probe", "Names of the numbers that are reported at the end [-]"))
     probes.push_back(read(name, scene.subsection("Probe " + name), model));

@@ -7,6 +7,7 @@
 #include <dovetail/measure/bending_stiffness.h>
 #include <dovetail/measure/jumps.h>
 #include <dovetail/measure/measures.h>
+#include <dovetail/measure/probe_names.h>
 #include <dovetail/measure/resolution.h>
 #include <dovetail/measure/spectrum.h>
 #include <dovetail/measure/used_ranges.h>
@@ -291,8 +292,9 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
     for (const auto &[name, value] : energy.items())
       numbers["energy " + name] = value;
   }
-  step_table.add(solution.t, numbers, flows, probes.names_of_numbers(),
-                 model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz", probes.unit_of_time());
+  step_table.add(solution.t, numbers, flows, names_of_numbers(probes),
+                 model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz",
+                 probes.units() ? probes.units()->of("s") : "");
   if (step_table.is_due())
     write_step_table();
 }

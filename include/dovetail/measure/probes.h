@@ -64,11 +64,7 @@ public:
   /// A number, or an array of components. Collective; @p solution is ghosted.
   nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
 
-  /// Of its numbers, probe by probe: the name, that of the component (x, y, z; r, z; xx, xy, ... of a tensor
-  /// row by row; in axisymmetry t stands for the direction around the axis) and, if the scene has Units, its
-  /// unit.
-  std::map<std::string, std::vector<std::string>> names_of_numbers() const;
-  std::string unit_of_time() const { return units ? units->of("s") : ""; } ///< empty without Units
+  const std::optional<Units> &units() const { return given_units; } ///< of the scene
 
   struct Probe
   {
@@ -96,7 +92,7 @@ private:
   static void read_tolerance(Probe &probe, const Section &section, const Model<dim> &model);
 
   const Model<dim> &model;
-  std::optional<Units> units; ///< of the scene
+  std::optional<Units> given_units;
   std::vector<Probe> probes;
 };
 

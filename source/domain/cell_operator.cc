@@ -225,14 +225,15 @@ private:
   {
     explicit Work(const CellOperatorOf &K)
         : coefficients(n_components * K.n_nodes), state((n_slopes + n_components) * K.n_points),
-          response(state), in_space(state), flux_in_space(state)
+          response(state), in_space(state), flux_in_space(state), ones(K.n_points, 1.)
     {
     }
     Array coefficients;                             ///< [component][lexicographic node]
     Array state, response, in_space, flux_in_space; ///< [slope, then value][point]
     Array T;                                        ///< of a batch of affine cells: [entry]
     unsigned int batch_of_T = dealii::numbers::invalid_unsigned_int;
-    Array J; ///< of a batch of any cells: [entry][point], dV times it, then 1 and dV
+    Array J;                  ///< of a batch of any cells: [entry][point], dV times it, then 1 and dV
+    std::vector<double> ones; ///< weights of points whose dV has them
   };
 
   // Derivatives at a point of the flux, then of the source, by the gradient, then by the value. Of A there is
@@ -578,7 +579,7 @@ void CellOperatorOf<dim, n_components>::multiply(Work &work, const unsigned int 
                        data(work.T), state, response);
   else {
     multiply_at_points(to_space, n_points, data(work.J), state, data(work.in_space));
-    multiply_at_points(sums.in_space, std::vector<double>(n_points, 1.), data(tangents), data(work.in_space),
+    multiply_at_points(sums.in_space, work.ones, data(tangents), data(work.in_space),
                        data(work.flux_in_space));
     multiply_at_points(from_space, n_points, data(work.J), data(work.flux_in_space), response);
   }

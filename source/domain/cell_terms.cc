@@ -147,6 +147,8 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   point.state.t = t;
   find_rates(cell);
   enter(cell);
+  if (tangent == nullptr)
+    has_uniform_tangent = false; // the next cell is not compared with the one of the last tangent
   const bool needs_shapes = !with_source.empty() || !lumped.empty() || (tangent && !operators.empty());
   if (!needs_shapes)
     point.enter(cell_values, unknowns);
@@ -421,16 +423,18 @@ template <int dim>
 void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, const unsigned int q,
                                const double JxW, const std::vector<double> &unknowns)
 {
-  Response<dim> &response = responses[q];
+  const Response<dim> &response = responses[q];
   const BodyForce<dim> &force = domain.body_force();
-  if (force.depends_on_displacement() && has_operator(force.first_component())) {
-    const dealii::Tensor<2, dim> derivative =
-        force.derivative(cell_values.quadrature_point(q), point.state.t);
-    for (unsigned int c = 0; c < dim; ++c)
-      for (unsigned int d = 0; d < dim; ++d)
-        response.source_by_value[(force.first_component() + c) * n + force.first_component() + d] -=
-            derivative[c][d];
-  }
+  dealii::Tensor<2, dim> by_position;
+  const auto source_by_displacement = [&](const unsigned int c, const unsigned int d) -> double & {
+    return responses[q].source_by_value[(force.first_component() + c) * n + force.first_component() + d];
+  };
+  const bool has_force = force.depends_on_displacement() && has_operator(force.first_component());
+  if (has_force)
+    by_position = force.derivative(cell_values.quadrature_point(q), point.state.t);
+  for (unsigned int c = 0; has_force && c < dim; ++c)
+    for (unsigned int d = 0; d < dim; ++d)
+      source_by_displacement(c, d) -= by_position[c][d];
   for (const auto &[field, cells] : operators)
     cells->set_tangent(cell->active_cell_index(), q, JxW / cell_values.JxW(q), response);
 
@@ -461,6 +465,9 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
       product_sizes[layout.index(c, a)] += size * JxW;
     }
   }
+  for (unsigned int c = 0; has_force && c < dim; ++c) // the next cell begins with what laws leave at zero
+    for (unsigned int d = 0; d < dim; ++d)
+      source_by_displacement(c, d) += by_position[c][d];
 }
 
 namespace {

@@ -176,7 +176,7 @@ void TieOperator<dim>::add(const unsigned int group, const dealii::FullMatrix<do
     const unsigned int side = i < n_source ? 0 : 1;
     return of_group.first[side][c] + i - side * n_source;
   };
-  std::vector<unsigned int> position_of(nodes.size());
+  position_of.resize(nodes.size());
   for (unsigned int i = 0; i < own.size(); ++i) {
     for (const unsigned int node : own)
       position_of[node] = column.size();
@@ -220,6 +220,7 @@ void TieOperator<dim>::add_tangent(const double factor, const TieOperator &other
 {
   for (std::size_t i = 0; i < blocks.size(); ++i)
     blocks[i] += factor * other.blocks[i];
+  finish_tangent();
 }
 
 template <int dim>

@@ -3,6 +3,7 @@
 
 #include <dovetail/output/results.h>
 
+#include <dovetail/material/transient.h>
 #include <dovetail/measure/balance.h>
 #include <dovetail/measure/bending_stiffness.h>
 #include <dovetail/measure/jumps.h>
@@ -50,9 +51,14 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
 {
   if (output.read<bool>(
           "Energy", false,
-          "Report the energy of the solids after each step: kinetic, elastic, that of ties, the "
-          "work of loads and supports, and what is lost [-]"))
+          "Report the energy of solids with inertia after each step: kinetic, elastic, that of ties, the "
+          "work of loads and supports, and what is lost [-]")) {
+    output.check(
+        is_transient(output) && has_inertia(output), "Energy",
+        "is that of motion, which only bodies with inertia have: set Kind = transient and Inertia = true "
+        "in the subsection Steps, or remove it.");
     energy_balance.emplace(model);
+  }
   notes.read(output);
 }
 
@@ -214,8 +220,7 @@ void Results<dim>::write_pictures(const Solution<dim> &solution)
   std::optional<Reactions<dim>> reactions;
   if (with_reactions)
     reactions.emplace(model, nodal_forces(solution), ghosted);
-  const std::optional<Vector> velocity = ghosted_velocity(solution);
-  paraview.set_velocity(velocity ? &*velocity : nullptr);
+  find_velocity(solution);
   try_to_write([&]() { paraview.write(solution.t, ghosted, with_reactions ? &*reactions : nullptr); });
 }
 
@@ -244,12 +249,17 @@ double Results<dim>::last_residual() const
   return residuals.empty() || !residuals.back().is_number() ? 0 : residuals.back().template get<double>();
 }
 
+/// What refers to it sees the last one that was found.
 template <int dim>
-std::optional<Vector> Results<dim>::ghosted_velocity(const Solution<dim> &solution)
+const Vector *Results<dim>::find_velocity(const Solution<dim> &solution)
 {
-  if (solution.velocity == nullptr || !(energy_balance || probes.has_motion() || paraview.has_motion()))
-    return {};
-  return solution.system.ghosted(*solution.velocity);
+  velocity.reset();
+  if (solution.velocity != nullptr && (energy_balance || probes.has_motion() || paraview.has_motion()))
+    velocity = solution.system.ghosted(*solution.velocity);
+  const Vector *const found = velocity ? &*velocity : nullptr;
+  probes.set_velocity(found);
+  paraview.set_velocity(found);
+  return found;
 }
 
 template <int dim>
@@ -257,9 +267,7 @@ void Results<dim>::start(const Solution<dim> &solution)
 {
   if (!energy_balance)
     return;
-  const std::optional<Vector> velocity = ghosted_velocity(solution);
-  energy_balance->start(solution.x, solution.system.ghosted(solution.x), velocity ? &*velocity : nullptr,
-                        solution.t);
+  energy_balance->start(solution.x, solution.system.ghosted(solution.x), find_velocity(solution), solution.t);
 }
 
 /// Of a nonlinear scene that of Newton's method; a linear one is solved as exactly as it can be.
@@ -274,20 +282,18 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
 {
   const Phases::Scope scope(phases, "output");
   const Vector ghosted = solution.system.ghosted(solution.x);
-  const std::optional<Vector> velocity = ghosted_velocity(solution);
+  const Vector *const velocity_now = find_velocity(solution);
   const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
   const Balance balance = // its notes, of the last step, are told by measure()
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), nullptr);
   report()["steps"].back()["imbalance"] = balance.worst;
-  probes.set_velocity(velocity ? &*velocity : nullptr);
   nlohmann::ordered_json flows = balance.report;
   for (auto &domain_flows : flows)
     for (auto &field_flows : domain_flows)
       field_flows.erase("rounding");
   nlohmann::ordered_json numbers = probes.evaluate(ghosted, reactions);
   if (energy_balance) {
-    const auto energy =
-        energy_balance->add_step(reactions, solution.x, ghosted, velocity ? &*velocity : nullptr);
+    const auto energy = energy_balance->add_step(reactions, solution.x, ghosted, velocity_now);
     report()["steps"].back()["energy"] = energy;
     for (const auto &[name, value] : energy.items())
       numbers["energy " + name] = value;
@@ -321,8 +327,7 @@ void Results<dim>::measure(const Solution<dim> &solution, const double tolerance
   report()["interfaces"] = measure_interfaces(model, ghosted, reactions);
   report()["balance"] =
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), &sentences).report;
-  const std::optional<Vector> velocity = ghosted_velocity(solution);
-  probes.set_velocity(velocity ? &*velocity : nullptr);
+  find_velocity(solution);
   report()["probes"] = probes.evaluate(ghosted, reactions);
   if (solution.is_last) // else the ties are those of the step that failed
     notes.add(sentences);

@@ -59,7 +59,7 @@ void CellwiseTangent<dim>::add(const double factor, const PartOperator &other)
     cells->add_tangent(factor, *dynamic_cast<const CellwiseTangent &>(other).operators.at(d));
   for (unsigned int i = 0; i < ties.size(); ++i)
     ties[i]->add_tangent(factor, *dynamic_cast<const CellwiseTangent &>(other).ties[i]);
-  finish();
+  find_diagonal();
 }
 
 template <int dim>
@@ -230,15 +230,21 @@ void CellwiseTangent<dim>::subtract_moves(const dealii::AffineConstraints<double
 template <int dim>
 void CellwiseTangent<dim>::finish()
 {
-  Epetra_Vector of_cells(*columns), own(*own_rows);
-  for (const auto &[d, cells] : operators) {
+  for (const auto &[d, cells] : operators)
     cells->finish_tangent();
-    cells->add_diagonal(of_cells.Values());
-  }
-  for (const auto &tie : ties) {
+  for (const auto &tie : ties)
     tie->finish_tangent();
+  find_diagonal();
+}
+
+template <int dim>
+void CellwiseTangent<dim>::find_diagonal()
+{
+  Epetra_Vector of_cells(*columns), own(*own_rows);
+  for (const auto &[d, cells] : operators)
+    cells->add_diagonal(of_cells.Values());
+  for (const auto &tie : ties)
     tie->add_diagonal(of_cells.Values());
-  }
   own.Export(of_cells, *import, Add);
   Epetra_CrsMatrix squares(*follow);
   for (int k = 0; k < squares.NumMyRows(); ++k) {

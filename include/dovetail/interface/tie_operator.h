@@ -89,6 +89,7 @@ private:
   std::vector<unsigned int> first_block, column, transposed; ///< of each node; of each block
   std::vector<double> blocks, symmetric;                     ///< row by row; the second one if it differs
   bool is_symmetric = true;
+  std::vector<unsigned int> position_of; ///< scratch: of the blocks of a row, by node
 };
 
 } // namespace dovetail

@@ -20,7 +20,8 @@ namespace dovetail {
 /// by the quadrature of the equations, and lost = initial energy + work - kinetic - elastic - ties. f are the
 /// forces that sources, conditions and supports put into the nodes; in the first step those at its end. Ties
 /// that do not follow from an energy (theta other than 1, joints) have no "ties": what they take or give is
-/// in what is lost, as is what plastic flow and the time scheme take (doc/theory/time.md).
+/// in what is lost, as is what plastic flow and the time scheme take and what heating gives, with its sign
+/// (doc/theory/time.md).
 template <int dim>
 class EnergyBalance
 {

@@ -109,7 +109,7 @@ private:
   void write_step_table();
   const NodalForces<dim> &nodal_forces(const Solution<dim> &solution);
   double last_residual() const;
-  std::optional<Vector> ghosted_velocity(const Solution<dim> &solution); ///< if anything asks for it
+  const Vector *find_velocity(const Solution<dim> &solution); ///< nullptr: nothing asks for it
   double tolerance_of_balance(double tolerance) const;
 
   const SceneText &text;
@@ -129,6 +129,7 @@ private:
   UsedRanges<dim> used_ranges;
   StepTable step_table;
   std::size_t n_steps_so_far = 0, n_notes_so_far = 0; ///< in the report, at the last good step
+  std::optional<Vector> velocity;                     ///< ghosted; probes and pictures refer to it
   std::optional<NodalForces<dim>> forces;             ///< at the solution, once they are asked for
   std::exception_ptr problem_of_output;               ///< why no more pictures are written
 };

@@ -73,6 +73,7 @@ private:
   int row(dealii::types::global_dof_index dof) const; ///< global
   void collect_columns();
   void make_constraint_matrix(const dealii::AffineConstraints<double> &constraints);
+  void find_diagonal();
   Epetra_Vector multiply_cells(const Epetra_Vector &all_values, bool of_symmetric_part) const;
   void condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights) const;
   std::shared_ptr<const Epetra_CrsMatrix> complete(const Epetra_CrsMatrix &P) const;

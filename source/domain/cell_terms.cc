@@ -36,6 +36,22 @@ std::vector<unsigned int> lumped_components(const Domain<dim> &domain)
   return lumped;
 }
 
+namespace {
+
+/// Those whose capacity or mass is lumped.
+template <int dim>
+std::vector<unsigned int> all_lumped_components(const Domain<dim> &domain)
+{
+  std::vector<unsigned int> lumped = lumped_components(domain);
+  if (domain.section.top().peek("Steps", "Lumped mass") == "true")
+    for (unsigned int c = 0; c < domain.n_components(); ++c)
+      if (domain.material.order_in_time(c) == 2)
+        lumped.push_back(c);
+  return lumped;
+}
+
+} // namespace
+
 template <int dim>
 CellTerms<dim>::CellTerms(const Domain<dim> &domain)
     : domain(domain), layout(domain.layout()), n(domain.n_components()),
@@ -43,7 +59,7 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
-      fluxes(n * responses.size()), uniform_response(n), lumped(lumped_components(domain)),
+      fluxes(n * responses.size()), uniform_response(n), lumped(all_lumped_components(domain)),
       lumped_response(n), source_of_component(n)
 {
   const auto &fields = domain.fields();
@@ -86,9 +102,14 @@ void CellTerms<dim>::hide_lumped_rates()
 {
   if (lumped.empty() || point.state.rate.empty())
     return;
-  point.state.rate_by_value = 0;
   for (const unsigned int c : lumped)
-    point.state.rate[c] = 0;
+    if (domain.material.order_in_time(c) == 2) {
+      point.state.second_rate_by_value = 0;
+      point.state.second_rate[c] = 0;
+    } else {
+      point.state.rate_by_value = 0;
+      point.state.rate[c] = 0;
+    }
 }
 
 /// A capacity that does not depend on X is asked once at each node, when the weights of all points are known.
@@ -107,6 +128,7 @@ bool CellTerms<dim>::add_lumped_storage(const unsigned int q, const double JxW,
   for (unsigned int a = 0; a < n_nodes; ++a)
     node_weights[a] += point.shape_values()[layout.first_shape(lumped[0]) + a] * JxW;
   point.state.rate_by_value = rates->by_value;
+  point.state.second_rate_by_value = rates->second_by_value;
   for (unsigned int a = 0; a < n_nodes && (is_of_point || is_last); ++a) {
     point.move_to_node(a, unknowns);
     if (!add_storage_of_node(a, node_weights[a], residual, tangent))

@@ -25,7 +25,7 @@ Coupling DeformationHeat<dim>::coupling(const unsigned int c, const unsigned int
 {
   Coupling result;
   result.source_by_gradient = solid.field.has_component(d);
-  result.source_by_value = c == d;
+  result.source_by_value = c == d || (solid.is_around_axis() && d == solid.field.first_component);
   return result;
 }
 
@@ -79,6 +79,8 @@ bool DeformationHeat<dim>::add_flow(const State<dim> &state, const double durati
   if (response == nullptr)
     return true;
   response->source_by_value[T * n + T] -= factor * work.by_temperature;
+  if (solid.is_around_axis())
+    response->source_by_value[T * n + first] -= factor * work.by_radius;
   for (unsigned int i = 0; i < dim; ++i)
     for (unsigned int J = 0; J < dim; ++J)
       response->source_by_gradient[T * n + first + i][J] -= factor * work.by_gradient[i][J];

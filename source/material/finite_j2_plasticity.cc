@@ -91,6 +91,8 @@ public:
     return {{"inverse plastic deformation", 9}, {"plastic strain", 9}, {"equivalent plastic strain"}};
   }
 
+  std::optional<double> shear_of_flow() const override { return moduli.shear; }
+
   /// The part that unloading gives back.
   double energy(const Tensor<2, 3> &H, const double e, const Place &place) const override
   {

@@ -163,14 +163,15 @@ private:
     section.check(!found.empty(), entry,
                   "needs a solid, but the material has no law in its subsection Solid.");
     section.check(found.size() == 1, entry, "does not go with Formulation = mixed. Take displacement.");
-    section.check(!found[0]->is_around_axis(), entry,
+    section.check(!with_compression || !found[0]->is_around_axis(), entry,
                   "does not go with Geometry = axisymmetric. Compute a sector in 3D.");
-    const bool has_slope = found[0]->is_linear() || found[0]->has_curvature() || found[0]->can_flow();
+    const bool has_slope = found[0]->is_linear() || found[0]->has_curvature() ||
+                           (found[0]->can_flow() && !found[0]->has_large_strain());
     section.check(!with_compression || has_slope, "Heat of compression",
                   "needs the second derivatives of the stress, which this solid law does not have.");
     section.check(share == 0 || found[0]->can_flow(), "Share of plastic work",
-                  "needs a law of small displacements that flows, J2 plasticity or Norton creep, in 3D or "
-                  "plane strain.");
+                  "needs a law that flows (J2 plasticity, finite J2 plasticity, Norton creep), not in plane "
+                  "stress; with finite J2 plasticity the Expansion coefficient is a number.");
     return *found[0];
   }
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace dovetail {
@@ -176,33 +177,83 @@ void SolidTerm<dim>::add_curvature(const State<dim> &state, const std::vector<Te
   }
 }
 
-/// dW = (eps_p - eps_p,n - dev P/(2 mu)) : dP + dev P : d eps, by the derivative of eps_p that
-/// SolidLaw::shear_of_flow() tells.
+namespace {
+
+/// The work of flow in all three dimensions.
+struct Flow
+{
+  double value = 0, by_strain = 0; ///< by the thermal strain
+  Tensor<2, 3> by_F;
+};
+
+/// (T:D)_kL = T_iJ D_iJkL
+Tensor<2, 3> contract(const Tensor<2, 3> &T, const Tensor<4, 3> &D)
+{
+  Tensor<2, 3> result;
+  for (unsigned int i = 0; i < 3; ++i)
+    for (unsigned int J = 0; J < 3; ++J)
+      result += T[i][J] * D[i][J];
+  return result;
+}
+
+Tensor<2, 3> deviator(const Tensor<2, 3> &T)
+{
+  return T - trace(T) / 3 * Tensor<2, 3>(dealii::unit_symmetric_tensor<3>());
+}
+
+/// dW = (eps_p - eps_p,n - dev P/(2 mu)) : dP + dev P : d eps.
+Flow flow_of_small_strains(const SolidLaw::Response &response, const double mu)
+{
+  const Tensor<2, 3> stress = deviator(response.P);
+  Tensor<2, 3> flow;
+  for (unsigned int i = 0; i < 9; ++i)
+    flow[i / 3][i % 3] = response.memory.trial[i] - response.memory.accepted[i];
+  const Tensor<2, 3> by_stress = flow - stress / (2 * mu);
+  return {scalar_product(response.P, flow), scalar_product(by_stress, response.dP_de),
+          stress + contract(by_stress, response.dP_dF)};
+}
+
+/// With the Kirchhoff stress tau = P F^T, n = dev tau/|dev tau|, d gamma = (3/2)^1/2 (a - a_n) and the
+/// thermal stretch s: W = |dev tau| d gamma, where 2 mu d gamma = |dev tau_trial| - |dev tau|/s^3. The trial
+/// stress has the axes of tau and changes by d|dev tau_trial| = 2 mu n : dF F^-1.
+Flow flow_of_large_strains(const SolidLaw::Response &response, const Tensor<2, 3> &H, const double s,
+                           const double mu)
+{
+  const unsigned int last = response.memory.accepted.size() - 1;
+  const double flow = std::sqrt(1.5) * (response.memory.trial[last] - response.memory.accepted[last]);
+  const Tensor<2, 3> F = Deformation(H).F, stress = deviator(response.P * transpose(F));
+  const double norm = stress.norm(), volume = s * s * s;
+  const Tensor<2, 3> n = stress / norm, norm_by_F = contract(n * F, response.dP_dF) + n * response.P;
+  const double norm_by_e = scalar_product(n * F, response.dP_de);
+  const double by_norm = flow - norm / (2 * mu * volume);
+  return {norm * flow, by_norm * norm_by_e + 3 * norm * norm / (2 * mu * volume * s),
+          by_norm * norm_by_F + norm * n * transpose(invert(F))};
+}
+
+} // namespace
+
 template <int dim>
 bool SolidTerm<dim>::flow_work(const State<dim> &state, FlowWork &work) const
 {
   SolidLaw::Response local;
   static_cast<SolidLaw::Place &>(local) = place(state);
-  if (!law->evaluate(displacement_gradient(state), thermal_strain(state), true, local))
+  const Tensor<2, 3> H = displacement_gradient(state);
+  const double e = thermal_strain(state), mu = *law->shear_of_flow();
+  if (!law->evaluate(H, e, true, local))
     return false;
   if (std::equal(local.memory.trial.begin(), local.memory.trial.begin() + 9, local.memory.accepted.begin()))
     return true; // nothing flows: no rounding in place of zeros
-  const Tensor<2, 3> deviator = local.P - trace(local.P) / 3 * dealii::unit_symmetric_tensor<3>();
-  Tensor<2, 3> by_stress;
-  for (unsigned int i = 0; i < 3; ++i)
-    for (unsigned int j = 0; j < 3; ++j) {
-      const double flow = local.memory.trial[3 * i + j] - local.memory.accepted[3 * i + j];
-      work.value += local.P[i][j] * flow;
-      by_stress[i][j] = flow - deviator[i][j] / (2 * *law->shear_of_flow());
-    }
-  for (unsigned int k = 0; k < dim; ++k)
-    for (unsigned int l = 0; l < dim; ++l) {
-      work.by_gradient[k][l] = deviator[k][l];
-      for (unsigned int i = 0; i < 3; ++i)
-        for (unsigned int j = 0; j < 3; ++j)
-          work.by_gradient[k][l] += by_stress[i][j] * local.dP_dF[i][j][k][l];
-    }
-  work.by_temperature = expansion ? expansion->coefficient * scalar_product(by_stress, local.dP_de) : 0;
+  const Flow flow =
+      law->has_large_strain() ? flow_of_large_strains(local, H, 1 + e, mu) : flow_of_small_strains(local, mu);
+  work.value = flow.value;
+  work.by_temperature = expansion ? expansion->coefficient * flow.by_strain : 0;
+  for (unsigned int i = 0; i < dim; ++i)
+    work.by_gradient[i] = restrict_to<dim>(flow.by_F[i]);
+  if (is_axisymmetric) {
+    const auto [by_value, by_gradient] = hoop(state);
+    work.by_radius = by_value * flow.by_F[2][2];
+    work.by_gradient[0][0] += by_gradient * flow.by_F[2][2];
+  }
   return true;
 }
 

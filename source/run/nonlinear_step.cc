@@ -44,14 +44,6 @@ bool follows_fields(const Model<dim> &model)
                      [](const auto &interface) { return interface->tie().follows_fields(); });
 }
 
-/// Whether the step begins on another curve, since a toggle that looks at fields has switched.
-template <int dim>
-bool has_switched_by_fields(const Model<dim> &model)
-{
-  return std::any_of(model.interfaces.begin(), model.interfaces.end(),
-                     [](const auto &interface) { return interface->tie().has_switched(); });
-}
-
 } // namespace
 
 template <int dim>
@@ -173,6 +165,15 @@ template <int dim>
 bool NonlinearStep<dim>::starts_anew(const double begin, const double t) const
 {
   return active_toggles(model, begin) != active_toggles(model, t) || given->jump_between(begin, t);
+}
+
+/// Whether the step that has begun is on another curve, since a toggle that looks at fields has switched.
+template <int dim>
+bool NonlinearStep<dim>::has_switched_by_fields() const
+{
+  return condition_switches.have_switched() ||
+         std::any_of(model.interfaces.begin(), model.interfaces.end(),
+                     [](const auto &interface) { return interface->tie().has_switched(); });
 }
 
 template <int dim>
@@ -298,7 +299,7 @@ template <int dim>
 void NonlinearStep<dim>::begin(const double t, const Vector &x)
 {
   begin(t, x, rates_to(t));
-  if (!has_switched_by_fields(model))
+  if (!has_switched_by_fields())
     return;
   predictor.forget();
   if (scheme && scheme->order() > 1 && scheme->memory().last.size > 0 && !step_to(t).starts_anew) {
@@ -327,6 +328,7 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x, const Rates &rat
   present_system->set_rates(rates);
   present_system->begin_step(t, x);
   problem->begin_step(t, x);
+  condition_switches.look(model, t);
 }
 
 /// A linear scene that is solved directly does not ask where its solution may lie.

@@ -70,6 +70,12 @@ Steps::Steps(const Section &section)
                                             "however short the steps are; Degree = 1 only [-]");
   section.check(!is_lumped || is_transient, "Lumped capacity",
                 "needs Kind = transient: a static scene stores nothing.");
+  const bool has_lumped_mass = section.read<bool>("Lumped mass", false,
+                                                  "With Kind = eigenmodes: the mass of solids is summed at "
+                                                  "the nodes, which lowers the frequencies of a mesh; "
+                                                  "Degree = 1 only [-]");
+  section.check(!has_lumped_mass || finds_modes(), "Lumped mass",
+                "needs Kind = eigenmodes: steps in time take the mass as it is.");
   section.check(tolerance == 0 || is_transient, "Tolerance",
                 "needs Kind = transient: a static step has no error in time.");
   section.check(largest == 0 || controls_errors(), "Largest step",

@@ -6,6 +6,7 @@
 //
 //     q = (T + offset) dP/dT : dF/dt + f P : deps_p/dt
 //
+// per undeformed volume, at large strains with (3/2)^1/2 |dev P F^T| da/dt in place of P : deps_p/dt,
 // with backward differences from the last good step, whatever the scheme of the step is. At the time of that
 // step it gives the heat of that step again. Reference: Simo & Miehe, Comput. Methods Appl. Mech. Engrg. 98
 // (1992).

@@ -91,8 +91,8 @@ public:
   virtual void pass(const Place & /*place*/) const {}
   /// Whether the second derivatives exist. A law with memory has different branches, so it has none.
   virtual bool has_curvature() const { return internal_variables().empty(); }
-  /// Of a law of small displacements that flows without change of volume, its first 9 internal variables: mu
-  /// in d eps_p = dev (d eps - dP/(2 mu)) [Pa]. Nothing of another law.
+  /// mu [Pa] of a law that flows without change of volume: at small displacements by its first 9 internal
+  /// variables, at large ones along the trial stress, by its last one, the equivalent strain. Else nothing.
   virtual std::optional<double> shear_of_flow() const { return {}; }
   /// dP/dF is, and it is not negative at rest: there is an energy, or an incremental one.
   virtual bool is_symmetric() const { return true; }

@@ -54,10 +54,12 @@ public:
   void add_curvature(const State<dim> &state, const std::vector<dealii::Tensor<1, dim>> &w,
                      dealii::FullMatrix<double> &result) const override;
 
-  /// P : (eps_p - eps_p,n), what the flow of this step dissipates per volume, with its derivatives.
+  /// What the flow of this step dissipates per undeformed volume, with its derivatives: P : (eps_p -
+  /// eps_p,n), or at large strains q (a - a_n) with the equivalent of the Kirchhoff stress, q = (3/2)^1/2
+  /// |dev P F^T|.
   struct FlowWork
   {
-    double value = 0, by_temperature = 0;
+    double value = 0, by_temperature = 0, by_radius = 0; ///< by u_r around an axis
     dealii::Tensor<2, dim> by_gradient;
   };
   bool can_flow() const { return law->shear_of_flow().has_value(); }

@@ -61,7 +61,11 @@ public:
   std::vector<InternalVariable> internal_variables() const override { return law->internal_variables(); }
   void pass(const Place &place) const override { law->pass(place); }
   bool has_curvature() const override { return law->has_curvature(); }
-  std::optional<double> shear_of_flow() const override { return law->shear_of_flow(); }
+  /// Large strains: not without the thermal strain itself, which SolidTerm does not see here.
+  std::optional<double> shear_of_flow() const override
+  {
+    return has_large_strain() ? std::nullopt : law->shear_of_flow();
+  }
   bool is_symmetric() const override { return law->is_symmetric(); }
   const Volumetric *volume() const override { return law->volume(); }
   bool is_linear() const override

@@ -8,6 +8,7 @@
 #include <dovetail/output/checkpoint.h>
 #include <dovetail/output/notes.h>
 #include <dovetail/output/plan.h>
+#include <dovetail/run/condition_switches.h>
 #include <dovetail/run/predictor.h>
 #include <dovetail/run/range_watch.h>
 #include <dovetail/run/step_problem.h>
@@ -140,6 +141,7 @@ private:
   const StepTime &step_to(double t);
   Rates rates_to(double t);
   bool starts_anew(double begin, double t) const;
+  bool has_switched_by_fields() const;
   bool may_predict() const;
   using Ranges = std::map<std::string, ValueRange>; ///< by field
   void widen(Ranges &ranges, const Vector &x) const;
@@ -165,6 +167,7 @@ private:
   std::unique_ptr<StepProblem<dim>> problem;
   NewtonResult last_result;
   Predictor predictor;
+  ConditionSwitches<dim> condition_switches;
   Vector begin_of_step;                   ///< the state; only for conditions whose toggles look at fields
   std::vector<bool> toggles_of_predictor; ///< active ones
   unsigned int n_predictions = 0;

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/run/condition_switches.h>
+
+#include <dovetail/domain/open_boundary.h>
+
+#include <deal.II/base/mpi.h>
+
+namespace dovetail {
+
+template <int dim>
+typename ConditionSwitches<dim>::Places ConditionSwitches<dim>::find(const Model<dim> &model, const double t)
+{
+  Places places;
+  for (const auto &domain : model.domains) {
+    if (!domain->has_conditions_by_fields())
+      continue;
+    OpenBoundary<dim> boundary(*domain);
+    for (const auto &cell : domain->dof_handler().active_cell_iterators()) {
+      if (!cell->is_locally_owned() || !cell->at_boundary())
+        continue;
+      const std::vector<double> &unknowns = domain->last_good.of_cell(cell->active_cell_index());
+      for (const auto &condition : domain->conditions())
+        if (condition->follows_fields())
+          for (const unsigned int face : cell->face_indices())
+            if (cell->face(face)->at_boundary())
+              boundary.for_each_point(cell, face, *condition, t, unknowns,
+                                      [&](const auto &point) { places.push_back(point.state.X); });
+    }
+  }
+  return places;
+}
+
+template <int dim>
+void ConditionSwitches<dim>::look(const Model<dim> &model, const double t)
+{
+  if (!model.has_conditions_by_fields())
+    return;
+  if (before && before->first == t) {
+    now = std::exchange(before, {});
+    is_new = false;
+    return;
+  }
+  if (now && now->first == t)
+    return;
+  if (now && t > now->first)
+    before = std::move(now);
+  now.emplace(t, find(model, t));
+  is_new =
+      dealii::Utilities::MPI::max(before && now->second != before->second ? 1 : 0, model.communicator) == 1;
+}
+
+template class ConditionSwitches<2>;
+template class ConditionSwitches<3>;
+
+} // namespace dovetail

@@ -186,16 +186,6 @@ struct Flow
   Tensor<2, 3> by_F;
 };
 
-/// (T:D)_kL = T_iJ D_iJkL
-Tensor<2, 3> contract(const Tensor<2, 3> &T, const Tensor<4, 3> &D)
-{
-  Tensor<2, 3> result;
-  for (unsigned int i = 0; i < 3; ++i)
-    for (unsigned int J = 0; J < 3; ++J)
-      result += T[i][J] * D[i][J];
-  return result;
-}
-
 Tensor<2, 3> deviator(const Tensor<2, 3> &T)
 {
   return T - trace(T) / 3 * Tensor<2, 3>(dealii::unit_symmetric_tensor<3>());
@@ -210,7 +200,7 @@ Flow flow_of_small_strains(const SolidLaw::Response &response, const double mu)
     flow[i / 3][i % 3] = response.memory.trial[i] - response.memory.accepted[i];
   const Tensor<2, 3> by_stress = flow - stress / (2 * mu);
   return {scalar_product(response.P, flow), scalar_product(by_stress, response.dP_de),
-          stress + contract(by_stress, response.dP_dF)};
+          stress + dealii::double_contract<0, 0, 1, 1>(by_stress, response.dP_dF)};
 }
 
 /// With the Kirchhoff stress tau = P F^T, n = dev tau/|dev tau|, d gamma = (3/2)^1/2 (a - a_n) and the
@@ -223,7 +213,8 @@ Flow flow_of_large_strains(const SolidLaw::Response &response, const Tensor<2, 3
   const double flow = std::sqrt(1.5) * (response.memory.trial[last] - response.memory.accepted[last]);
   const Tensor<2, 3> F = Deformation(H).F, stress = deviator(response.P * transpose(F));
   const double norm = stress.norm(), volume = s * s * s;
-  const Tensor<2, 3> n = stress / norm, norm_by_F = contract(n * F, response.dP_dF) + n * response.P;
+  const Tensor<2, 3> n = stress / norm,
+                     norm_by_F = dealii::double_contract<0, 0, 1, 1>(n * F, response.dP_dF) + n * response.P;
   const double norm_by_e = scalar_product(n * F, response.dP_de);
   const double by_norm = flow - norm / (2 * mu * volume);
   return {norm * flow, by_norm * norm_by_e + 3 * norm * norm / (2 * mu * volume * s),

@@ -181,13 +181,15 @@ void Eigenmodes<dim>::find_free_unknowns()
   while (std::none_of(groups[group].begin(), groups[group].end(), is_massive))
     ++group;
   free.clear();
+  constrained.clear();
   const auto &blocks = model.numbering->blocks();
   for (unsigned int b = 0; b < blocks.size(); ++b)
     if (std::find(groups[group].begin(), groups[group].end(), blocks[b].field) != groups[group].end())
       for (unsigned int i = 0; i < blocks[b].owned.n_elements(); ++i) {
         const auto unknown = blocks[b].begin + blocks[b].owned.nth_index_in_set(i);
-        if (!step.system().is_constrained(unknown) &&
-            !(blocks[b].is_of_multipliers && step.system().is_dropped(unknown)))
+        if (step.system().is_constrained(unknown))
+          constrained[b].push_back(i);
+        else if (!(blocks[b].is_of_multipliers && step.system().is_dropped(unknown)))
           free.emplace_back(b, i);
       }
 }
@@ -447,14 +449,21 @@ void Eigenmodes<dim>::write(const EigenPairs &pairs)
     notes.add(of_modes("not all eigenmodes have converged: their residuals tell which"));
 }
 
-/// How many eigenvalues lie below the shift, by the pivots of K - shift M.
+/// How many eigenvalues lie below the shift, by the pivots of K - shift M. Rows of constrained unknowns have
+/// a pivot of their own.
 template <int dim>
 bool Eigenmodes<dim>::has_counted(const double shift, unsigned long &n)
 {
   prepare_inverse(shift);
   solve(problem.mass(problem.guides[0]));
   const auto n_negative = step.solver().n_negative_eigenvalues(group);
-  n = n_negative.value_or(0);
+  unsigned long n_of_constrained = 0;
+  for (const auto &[block, rows] : constrained) {
+    const std::vector<double> diagonal = step.system().tangent().diagonal(block);
+    n_of_constrained +=
+        std::count_if(rows.begin(), rows.end(), [&](const unsigned int i) { return diagonal[i] < 0; });
+  }
+  n = n_negative.value_or(0) - dealii::Utilities::MPI::sum(n_of_constrained, model.communicator);
   return n_negative.has_value();
 }
 

@@ -167,11 +167,12 @@ bool NonlinearStep<dim>::starts_anew(const double begin, const double t) const
   return active_toggles(model, begin) != active_toggles(model, t) || given->jump_between(begin, t);
 }
 
-/// Whether the step that has begun is on another curve, since a toggle that looks at fields has switched.
+/// Whether the step that has begun is on another curve, since a toggle that looks at fields has switched. A
+/// flux that switches changes no velocity, and a motion would lose more by a new start than by the switch.
 template <int dim>
 bool NonlinearStep<dim>::has_switched_by_fields() const
 {
-  return condition_switches.have_switched() ||
+  return (condition_switches.have_switched() && model.order_in_time() < 2) ||
          std::any_of(model.interfaces.begin(), model.interfaces.end(),
                      [](const auto &interface) { return interface->tie().has_switched(); });
 }

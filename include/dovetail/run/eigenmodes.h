@@ -9,6 +9,7 @@
 #include <dovetail/run/nonlinear_step.h>
 #include <dovetail/solve/eigenpairs.h>
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -73,6 +74,7 @@ private:
   BlockMatrix stiffness, mass;
   std::vector<std::pair<unsigned int, unsigned int>>
       free; ///< block and own entry of each own entry of a column
+  std::map<unsigned int, std::vector<unsigned int>> constrained; ///< own rows of other unknowns, by block
   EigenProblem problem;
   double shift_of_inverse = 0;
   std::string why_not_counted;

@@ -93,7 +93,6 @@ private:
   DegreeCoarsening::Sums &sums;
   const Epetra_Map &rows;
   std::vector<bool> is_done;
-  std::vector<int> owns; ///< scratch
 };
 
 bool is_itself(const DegreeCoarsening::Sums &sums, const int row, const int global_row)

@@ -15,7 +15,7 @@ namespace dovetail {
 
 LineTable::LineTable(const unsigned int degree) : n(degree + 1)
 {
-  AssertThrow(n >= 3 && n <= 5, dealii::ExcMessage("The loops are compiled for degrees from 2 to 4."));
+  AssertThrow(n >= 2 && n <= 5, dealii::ExcMessage("The loops are compiled for degrees from 1 to 4."));
   const dealii::QGauss<1> points(n);
   const dealii::FE_Q<1> element(degree);
   const auto node = dealii::FETools::lexicographic_to_hierarchic_numbering<1>(degree);
@@ -118,7 +118,9 @@ DOVETAIL_WIDEST_VECTORS void evaluate_any(const unsigned int dim, const unsigned
                                           const double *const line_slopes, const double *const coefficients,
                                           double *const values, double *const gradients)
 {
-  if (n == 3)
+  if (n == 2)
+    evaluate<2>(dim, n_components, line_values, line_slopes, coefficients, values, gradients);
+  else if (n == 3)
     evaluate<3>(dim, n_components, line_values, line_slopes, coefficients, values, gradients);
   else if (n == 4)
     evaluate<4>(dim, n_components, line_values, line_slopes, coefficients, values, gradients);
@@ -132,7 +134,9 @@ DOVETAIL_WIDEST_VECTORS void integrate_any(const unsigned int dim, const unsigne
                                            double *const values, double *const gradients,
                                            double *const coefficients)
 {
-  if (n == 3)
+  if (n == 2)
+    integrate<2>(dim, n_components, line_values, line_slopes, has_values, values, gradients, coefficients);
+  else if (n == 3)
     integrate<3>(dim, n_components, line_values, line_slopes, has_values, values, gradients, coefficients);
   else if (n == 4)
     integrate<4>(dim, n_components, line_values, line_slopes, has_values, values, gradients, coefficients);

@@ -66,7 +66,7 @@ void check(const unsigned int degree)
 
 int main()
 {
-  for (const unsigned int degree : {2, 3, 4}) {
+  for (const unsigned int degree : {1, 2, 3, 4}) {
     check<2>(degree);
     check<3>(degree);
   }

@@ -47,7 +47,7 @@ struct alignas(64) Lanes
 /// are one at one of the points and zero at the others.
 struct LineTable
 {
-  explicit LineTable(unsigned int degree); ///< from 2 to 4; at Gauss points, in the order of the line
+  explicit LineTable(unsigned int degree); ///< from 1 to 4; at Gauss points, in the order of the line
   unsigned int n;
   std::vector<double> values, slopes;                       ///< [point][polynomial]
   std::vector<double> transposed_values, transposed_slopes; ///< [polynomial][point]

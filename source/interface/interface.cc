@@ -409,9 +409,12 @@ void Interface<dim>::pair(const MPI_Comm &communicator)
   check_coverage(communicator);
 }
 
+/// Only terms at points ask for them.
 template <int dim>
 void Interface<dim>::find_leading()
 {
+  if (method->parts().point_terms == nullptr)
+    return;
   const unsigned int anywhere = dealii::numbers::invalid_unsigned_int;
   every_unknown = find_leading_unknowns(*this, {{anywhere, anywhere}});
   leading_by_faces.clear();

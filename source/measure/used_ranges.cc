@@ -45,10 +45,6 @@ std::string tables_left(const FormulaWithTables &entry, const unsigned int scala
   return "";
 }
 
-} // namespace
-
-namespace {
-
 /// Of a condition whose film coefficient is no constant; else nullptr.
 template <int dim>
 const ExchangeCoefficient<dim> *varying_coefficient(const Condition<dim> &condition)

@@ -220,10 +220,7 @@ Vector Simulation<dim>::begin()
   Vector x = step.system().owned_vector();
   set_initial_values(model, steps.size(), x);
   step.start(x);
-  Vector before = x;
-  if (!step.has_rates()) // of a static scene it is a guess
-    before = 0;
-  results.start({step.system(), before, 0, true, step.velocity()});
+  results.start({step.system(), x, 0, true, step.velocity()});
   return x;
 }
 

@@ -360,8 +360,7 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   size = steps.controls_errors() ? size_by_error : std::min(steps.size(), 2 * size);
   log.step_ends();
   results.forget_solution();
-  if (step.has_rates() || results.has_energy() ||
-      ((steps.n_steps > 1 || steps.follows_path()) && results.has_probes()))
+  if (step.has_rates() || ((steps.n_steps > 1 || steps.follows_path()) && results.has_probes()))
     results.record_step({step.system(), x, t, true, step.velocity()}, step.tolerance());
   if (steps.n_steps > 1)
     results.record_ranges({step.system(), x, t, true});

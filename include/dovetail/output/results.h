@@ -78,7 +78,6 @@ public:
   void forget_solution() { forces.reset(); } ///< there is another one, or soon another system
   void find_new_meshes();                    ///< after the old ones have been forgotten
 
-  bool has_energy() const { return energy_balance.has_value(); } ///< the scene asks for it
   /// The state before the first step, of which the energy is measured.
   void start(const Solution<dim> &solution);
   /// Probes and balance of a good step, for probes.csv, and its largest imbalance for the report.

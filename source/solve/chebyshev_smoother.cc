@@ -3,15 +3,14 @@
 
 #include "chebyshev_smoother.h"
 
+#include "incomplete_factorisation.h"
+
 #include <dovetail/solve/group_solver.h>
 
 #include <deal.II/base/index_set.h>
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_control.h>
-#include <deal.II/lac/sparse_ilu.h>
-#include <deal.II/lac/sparse_matrix.h>
 #include <deal.II/lac/trilinos_vector.h>
-#include <deal.II/lac/vector.h>
 
 #include <Epetra_Map.h>
 #include <Epetra_MpiComm.h>
@@ -25,7 +24,7 @@ namespace {
 
 using SingleVector = dealii::TrilinosWrappers::MPI::Vector;
 
-MPI_Comm communicator_of(const LevelOperator &A)
+MPI_Comm communicator_of(const LevelProducts &A)
 {
   return dynamic_cast<const Epetra_MpiComm &>(A.rows().Comm()).Comm();
 }
@@ -33,7 +32,7 @@ MPI_Comm communicator_of(const LevelOperator &A)
 /// As deal.II's CG sees A and M.
 struct Product
 {
-  const LevelOperator &A;
+  const LevelProducts &A;
   void vmult(SingleVector &y, const SingleVector &x) const
   {
     Epetra_Vector product(View, y.trilinos_vector(), 0);
@@ -50,81 +49,9 @@ struct Inverse
   }
 };
 
-class IncompleteFactorisation : public Approximation
-{
-public:
-  IncompleteFactorisation(const Epetra_CrsMatrix &A, double shift);
-  void vmult(double *z, const double *r) const override;
-
-private:
-  void make_pattern(const Epetra_CrsMatrix &A);
-
-  dealii::SparsityPattern pattern; ///< the factors refer to it
-  dealii::SparseILU<float> LU;
-  double unit = 0; ///< of the entries: the largest one, which single precision may not hold
-};
-
-/// Calls @p action(row, column, entry) for the entries of @p A in own rows and columns.
-template <typename Action>
-void for_own_entries(const Epetra_CrsMatrix &A, const Action &action)
-{
-  const bool all_are_own = A.Importer() == nullptr;
-  for (int row = 0; row < A.NumMyRows(); ++row) {
-    int n = 0, *columns = nullptr;
-    double *values = nullptr;
-    A.ExtractMyRowView(row, n, values, columns);
-    for (int k = 0; k < n; ++k) {
-      const int column = all_are_own ? columns[k] : A.LRID(A.GCID(columns[k]));
-      if (column >= 0)
-        action(row, column, values[k]);
-    }
-  }
-}
-
-void IncompleteFactorisation::make_pattern(const Epetra_CrsMatrix &A)
-{
-  const unsigned int n = A.NumMyRows();
-  std::vector<unsigned int> length(n);
-  for (unsigned int row = 0; row < n; ++row)
-    length[row] = A.NumMyEntries(row) + 1;
-  pattern.reinit(n, n, length);
-  for_own_entries(A, [&](const int row, const int column, double) { pattern.add(row, column); });
-  pattern.compress();
-}
-
-IncompleteFactorisation::IncompleteFactorisation(const Epetra_CrsMatrix &A, const double shift)
-{
-  make_pattern(A);
-  for_own_entries(A, [&](int, int, const double entry) { unit = std::max(unit, std::abs(entry)); });
-  unit = unit > 0 ? unit : 1;
-  dealii::SparseMatrix<float> own(pattern);
-  for_own_entries(A, [&](const int row, const int column, const double entry) {
-    own.set(row, column, static_cast<float>((row == column ? 1 + shift : 1) * entry / unit));
-  });
-  for (unsigned int row = 0; row < own.m(); ++row)
-    if (own.diag_element(row) == 0) // an empty row of a coarse level
-      own.diag_element(row) = 1;
-  LU.initialize(own, dealii::SparseILU<float>::AdditionalData());
-}
-
-void IncompleteFactorisation::vmult(double *z, const double *r) const
-{
-  dealii::Vector<float> right_hand_side(LU.m()), solution(LU.m());
-  double size = 0;
-  for (unsigned int row = 0; row < LU.m(); ++row)
-    size = std::max(size, std::abs(r[row]));
-  if (size > 0) {
-    for (unsigned int row = 0; row < LU.m(); ++row)
-      right_hand_side[row] = static_cast<float>(r[row] / size);
-    LU.vmult(solution, right_hand_side);
-  }
-  for (unsigned int row = 0; row < LU.m(); ++row)
-    z[row] = size / unit * solution[row];
-}
-
 /// The largest eigenvalue of M^-1 A, from below, or 0 if it is not definite. By a few conjugate gradients
 /// from a vector that is rough and the same on any number of ranks.
-double estimate_largest_eigenvalue(const LevelOperator &A, const Approximation &M)
+double estimate_largest_eigenvalue(const LevelProducts &A, const Approximation &M)
 {
   const unsigned int n_iterations = 10;
   const int n_own = A.rows().NumMyElements();
@@ -153,7 +80,7 @@ double estimate_largest_eigenvalue(const LevelOperator &A, const Approximation &
 
 } // namespace
 
-Diagonal::Diagonal(const LevelOperator &A) : inverse(A.rows().NumMyElements())
+Diagonal::Diagonal(const LevelProducts &A) : inverse(A.rows().NumMyElements())
 {
   Epetra_Vector diagonal(A.rows());
   A.diagonal(diagonal);
@@ -167,49 +94,41 @@ void Diagonal::vmult(double *z, const double *r) const
     z[row] = inverse[row] * r[row];
 }
 
-std::unique_ptr<Approximation> make_incomplete_factorisation(const Epetra_CrsMatrix &A, const double shift)
-{
-  return std::make_unique<IncompleteFactorisation>(A, shift);
-}
-
-std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_diagonal(const LevelOperator &A, const Range range)
+std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_diagonal(const LevelProducts &A, const Range range,
+                                                                    const double known_eigenvalue)
 {
   std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
-  result->take_diagonal();
+  result->take_diagonal(known_eigenvalue);
   return result;
 }
 
-std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_diagonal(const Epetra_CrsMatrix &A,
-                                                                    const Range range)
-{
-  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(std::make_unique<MatrixLevel>(A), range));
-  result->take_diagonal();
-  return result;
-}
-
-void ChebyshevSmoother::take_diagonal()
+void ChebyshevSmoother::take_diagonal(const double known_eigenvalue)
 {
   M = std::make_unique<Diagonal>(A);
-  has_diagonal = true;
-  estimate_spectrum();
+  if (known_eigenvalue > 0)
+    largest_eigenvalue = margin * known_eigenvalue;
+  else
+    estimate_spectrum();
   AssertThrow(largest_eigenvalue > 0, dealii::ExcMessage("The matrix is not positive definite."));
 }
 
-std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_factorisation(const Epetra_CrsMatrix &A,
+std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_factorisation(const LevelEntries &A,
                                                                          const Range range)
 {
   const double largest_accepted = 10; // a pivot close to zero, or below it, gives a larger eigenvalue
-  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(std::make_unique<MatrixLevel>(A), range));
-  const Agreement ranks{communicator_of(*result->level), {}};
+  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
+  const Agreement ranks{communicator_of(A), {}};
   for (const double shift : {0.05, 0.3, 1.}) {
-    const bool is_made = ranks.succeeds(
-        "smoother", [&]() { result->M = make_incomplete_factorisation(A, shift); }); // no memory
+    const bool is_made = ranks.succeeds("smoother", [&]() { // no memory
+      result->M.reset();
+      result->M = std::make_unique<IncompleteFactorisation>(A.single_precision(), shift);
+    });
     if (is_made)
       result->estimate_spectrum();
     if (is_made && result->largest_eigenvalue > 0 && result->largest_eigenvalue < largest_accepted)
       return result;
   }
-  result->take_diagonal();
+  result->take_diagonal(0);
   return result;
 }
 
@@ -219,9 +138,9 @@ void ChebyshevSmoother::estimate_spectrum()
   largest_eigenvalue = margin * estimate_largest_eigenvalue(A, *M);
 }
 
-double ChebyshevSmoother::largest_eigenvalue_with_diagonal() const
+double largest_eigenvalue_with_diagonal(const LevelProducts &A)
 {
-  return has_diagonal ? largest_eigenvalue / margin : estimate_largest_eigenvalue(A, Diagonal(A));
+  return estimate_largest_eigenvalue(A, Diagonal(A));
 }
 
 void ChebyshevSmoother::smooth(double *x, const double *b, const bool starts_from_zero) const

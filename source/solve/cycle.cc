@@ -7,10 +7,17 @@
 
 namespace dovetail {
 
-void Cycle::add_level(std::unique_ptr<ChebyshevSmoother> smoother, std::unique_ptr<Epetra_CrsMatrix> P,
-                      std::unique_ptr<Epetra_CrsMatrix> coarse)
+void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_CrsMatrix> P,
+                      std::unique_ptr<Epetra_CrsMatrix> coarse, const double known_eigenvalue)
 {
-  levels.push_back({std::move(smoother), std::move(P), std::move(coarse)});
+  Level level;
+  level.P = std::make_unique<CompactMatrix>(*P);
+  P.reset();
+  level.A = last.owned ? std::make_unique<LevelEntries>(CompactMatrix(*last.A))
+                       : std::make_unique<LevelEntries>(*last.A);
+  last = Finest(std::move(coarse));
+  level.smoother = make_smoother(*level.A, known_eigenvalue);
+  levels.push_back(std::move(level));
 }
 
 void Cycle::cycle(const unsigned int number, Epetra_Vector &x, const Epetra_Vector &b) const
@@ -20,15 +27,13 @@ void Cycle::cycle(const unsigned int number, Epetra_Vector &x, const Epetra_Vect
     return;
   }
   const Level &level = levels[number];
-  const Epetra_CrsMatrix &matrix = number == 0 ? A : *levels[number - 1].coarse;
   level.smoother->smooth(x.Values(), b.Values(), true);
-  Epetra_Vector residual(b.Map(), false), coarse_b(level.P->OperatorDomainMap(), false),
-      coarse_x(level.P->OperatorDomainMap(), false);
-  matrix.Multiply(false, x, residual);
+  Epetra_Vector residual(b.Map(), false), coarse_b(level.P->domain(), false), coarse_x(level.P->domain(), false);
+  level.A->vmult(residual, x);
   residual.Update(1., b, -1.);
-  level.P->Multiply(true, residual, coarse_b);
+  level.P->multiply_transposed(coarse_b, residual);
   cycle(number + 1, coarse_x, coarse_b);
-  level.P->Multiply(false, coarse_x, residual);
+  level.P->multiply(residual, coarse_x);
   x.Update(1., residual, 1.);
   level.smoother->smooth(x.Values(), b.Values(), false);
 }

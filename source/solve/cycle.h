@@ -6,6 +6,7 @@
 #pragma once
 
 #include "chebyshev_smoother.h"
+#include "compact_matrix.h"
 #include "factors.h"
 
 #include <Epetra_CrsMatrix.h>
@@ -14,17 +15,36 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
 
 /// About the inverse of a symmetric positive definite matrix, by a V-cycle with a ChebyshevSmoother on each
-/// level and the factors of the coarsest matrix. Who derives from it adds the levels.
+/// level and the factors of the coarsest matrix. Who derives from it adds the levels. The levels hold their
+/// matrices in single precision once the coarser matrix has been made of them.
 class Cycle
 {
 public:
-  /// Makes the smoother of the matrix of a level.
-  using MakeSmoother = std::function<std::unique_ptr<ChebyshevSmoother>(const Epetra_CrsMatrix &)>;
+  /// Makes the smoother of the matrix of a level, which is referred to.
+  /// @param known_eigenvalue the largest one of diag(A)^-1 A, from below; 0: not known
+  using MakeSmoother =
+      std::function<std::unique_ptr<ChebyshevSmoother>(const LevelEntries &A, double known_eigenvalue)>;
+
+  /// The finest matrix: which somebody else holds, or which nobody else needs.
+  class Finest
+  {
+  public:
+    Finest(const Epetra_CrsMatrix &A) : A(&A) {} // NOLINT: either is a matrix
+    Finest(std::unique_ptr<Epetra_CrsMatrix> A) : owned(std::move(A)), A(owned.get()) {} // NOLINT
+
+    const Epetra_CrsMatrix &matrix() const { return *A; }
+
+  private:
+    friend class Cycle;
+    std::unique_ptr<Epetra_CrsMatrix> owned; ///< nullptr, or A
+    const Epetra_CrsMatrix *A;
+  };
 
   virtual ~Cycle() = default;
   void vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const;
@@ -33,29 +53,29 @@ protected:
   static constexpr int largest_coarse = 2000;   ///< rows of a matrix that is not coarsened
   static constexpr double largest_growth = 0.9; ///< rows of a level beside those of the finer one
 
-  /// @param A the finest matrix, which is referred to
-  explicit Cycle(const Epetra_CrsMatrix &A) : A(A) {}
+  explicit Cycle(Finest finest) : last(std::move(finest)) {}
 
   /// Of the last level so far.
-  const Epetra_CrsMatrix &coarsest() const { return levels.empty() ? A : *levels.back().coarse; }
+  const Epetra_CrsMatrix &coarsest() const { return *last.A; }
   unsigned int n_levels() const { return levels.size(); }
 
   /// Below the last one: with @p P from its unknowns, and its matrix P^T A P.
-  void add_level(std::unique_ptr<ChebyshevSmoother> smoother, std::unique_ptr<Epetra_CrsMatrix> P,
-                 std::unique_ptr<Epetra_CrsMatrix> coarse);
+  void add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_CrsMatrix> P,
+                 std::unique_ptr<Epetra_CrsMatrix> coarse, double known_eigenvalue = 0);
   void factorise_coarsest() { factors = std::make_unique<Factors>(coarsest()); }
 
 private:
   struct Level
   {
+    std::unique_ptr<LevelEntries> A;
+    std::unique_ptr<CompactMatrix> P; ///< from the next level
     std::unique_ptr<ChebyshevSmoother> smoother;
-    std::unique_ptr<Epetra_CrsMatrix> P, coarse; ///< from and of the next level
   };
 
   void cycle(unsigned int level, Epetra_Vector &x, const Epetra_Vector &b) const;
 
-  const Epetra_CrsMatrix &A;
   std::vector<Level> levels; ///< all but the coarsest
+  Finest last;               ///< the coarsest one
   std::unique_ptr<Factors> factors;
 };
 

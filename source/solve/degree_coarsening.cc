@@ -44,26 +44,25 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, Sums &&sums, const Ma
   make_prolongation(std::move(sums));
   if (prolongation->NumGlobalCols() == 0) // all vertices are prescribed
     return;
-  {
+  const auto coarse_modes = [&]() {
     const Modes modes = make_modes();
-    coarse_modes = std::make_unique<Epetra_MultiVector>(prolongation->DomainMap(), modes->NumVectors());
+    Epetra_MultiVector result(prolongation->DomainMap(), modes->NumVectors());
     for (unsigned int i = 0; i < coarse_rows.size(); ++i)
       for (int mode = 0; mode < modes->NumVectors(); ++mode)
-        (*coarse_modes)[mode][i] = (*modes)[mode][coarse_rows[i]];
-  }
+        result[mode][i] = (*modes)[mode][coarse_rows[i]];
+    return result;
+  }();
   std::vector<GroupFacts::Place> coarse_places;
   if (const std::vector<GroupFacts::Place> places = facts.known_places(); !places.empty())
     for (const int row : coarse_rows)
       coarse_places.push_back(places[row]);
-  coarse_matrix = A.restricted(*prolongation);
-  coarse = make_coarse(*coarse_matrix, *coarse_modes, coarse_places);
+  coarse = make_coarse(A.restricted(*prolongation), coarse_modes, coarse_places);
 }
 
-std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(const Epetra_CrsMatrix &A_1,
-                                                           const Epetra_MultiVector &modes,
+std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1, const Epetra_MultiVector &modes,
                                                            const std::vector<GroupFacts::Place> &places)
 {
-  return make_cycle(A_1, modes, places, Semicoarsen::if_cheap, [](const auto &level) {
+  return make_cycle(std::move(A_1), modes, places, Semicoarsen::if_cheap, [](const auto &level, double) {
     return ChebyshevSmoother::with_factorisation(level, {4, 40}); // costs little beside the rows of A
   });
 }

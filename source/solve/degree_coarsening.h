@@ -41,10 +41,9 @@ public:
 
   /// Levels for A_1.
   using MakeCoarse =
-      std::function<std::unique_ptr<Cycle>(const Epetra_CrsMatrix &A_1, const Epetra_MultiVector &modes,
+      std::function<std::unique_ptr<Cycle>(Cycle::Finest A_1, const Epetra_MultiVector &modes,
                                            const std::vector<GroupFacts::Place> &places)>;
-  static std::unique_ptr<Cycle> make_usual_coarse(const Epetra_CrsMatrix &A_1,
-                                                  const Epetra_MultiVector &modes,
+  static std::unique_ptr<Cycle> make_usual_coarse(Cycle::Finest A_1, const Epetra_MultiVector &modes,
                                                   const std::vector<GroupFacts::Place> &places);
 
   using Modes = std::shared_ptr<const Epetra_MultiVector>;
@@ -71,8 +70,7 @@ private:
 
   const LevelOperator &A;
   std::vector<int> coarse_rows; ///< own rows of A that are unknowns of A_1
-  std::unique_ptr<Epetra_CrsMatrix> prolongation, coarse_matrix;
-  std::unique_ptr<Epetra_MultiVector> coarse_modes;
+  std::unique_ptr<Epetra_CrsMatrix> prolongation;
   std::unique_ptr<Cycle> coarse;
   std::unique_ptr<Smoother> smoother;
 };

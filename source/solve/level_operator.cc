@@ -36,6 +36,22 @@ Epetra_CrsMatrix product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P)
 
 } // namespace
 
+void LevelEntries::vmult(Epetra_Vector &y, const Epetra_Vector &x) const
+{
+  if (compact)
+    compact->multiply(y, x);
+  else
+    A->Multiply(false, x, y);
+}
+
+void LevelEntries::diagonal(Epetra_Vector &values) const
+{
+  if (compact)
+    compact->diagonal(values);
+  else
+    A->ExtractDiagonalCopy(values);
+}
+
 /// Not by ML's Epetra_PtAP (Trilinos 13.2), which errs where P has columns of other ranks.
 std::unique_ptr<Epetra_CrsMatrix> MatrixLevel::restricted(const Epetra_CrsMatrix &P) const
 {

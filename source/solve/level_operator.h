@@ -5,25 +5,52 @@
 
 #pragma once
 
+#include "compact_matrix.h"
+
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Vector.h>
 
 #include <memory>
+#include <utility>
 
 namespace dovetail {
 
-/// A symmetric positive definite operator A on the own rows of this rank.
-class LevelOperator
+/// A symmetric positive definite operator A on the own rows of this rank, as a smoother sees it.
+class LevelProducts
 {
 public:
-  virtual ~LevelOperator() = default;
+  virtual ~LevelProducts() = default;
 
   virtual const Epetra_Map &rows() const = 0;
   virtual void vmult(Epetra_Vector &y, const Epetra_Vector &x) const = 0;
   virtual void diagonal(Epetra_Vector &values) const = 0;
+};
+
+/// With what a coarser level is made of.
+class LevelOperator : public LevelProducts
+{
+public:
   virtual std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const = 0; ///< P^T A P
   /// Whether the unknown of an own row follows from others, so that it is alone in its row.
   virtual bool is_condensed(unsigned int row) const = 0;
+};
+
+/// With entries, of which an approximation can be made.
+class LevelEntries : public LevelProducts
+{
+public:
+  /// @param A by reference
+  explicit LevelEntries(const Epetra_CrsMatrix &A) : A(&A) {}
+  explicit LevelEntries(CompactMatrix A) : compact(std::make_unique<CompactMatrix>(std::move(A))) {}
+
+  const Epetra_Map &rows() const override { return compact ? compact->rows() : A->OperatorDomainMap(); }
+  void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override;
+  void diagonal(Epetra_Vector &values) const override;
+  CompactMatrix single_precision() const { return compact ? *compact : CompactMatrix(*A); }
+
+private:
+  const Epetra_CrsMatrix *A = nullptr;
+  std::unique_ptr<CompactMatrix> compact; ///< instead
 };
 
 class MatrixLevel : public LevelOperator

@@ -30,6 +30,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <utility>
 
 namespace dovetail {
 
@@ -65,7 +66,7 @@ private:
   void forget_values();
   void make(const GroupOperator &K);
   void make_levels();
-  std::unique_ptr<Cycle> make_cycle_of_degree_one(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
+  std::unique_ptr<Cycle> make_cycle_of_degree_one(Cycle::Finest A, const Epetra_MultiVector &modes,
                                                   const std::vector<GroupFacts::Place> &places) const;
   Means means_for(double n_expected) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
@@ -129,25 +130,27 @@ void Multigrid::make_levels()
   else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
     by_degree = leaders->coarsen(
         *finest, facts, [this]() { return modes; }, nullptr,
-        [this](const auto &...level) { return make_cycle_of_degree_one(level...); });
+        [this](Cycle::Finest A_1, const auto &...level) {
+          return make_cycle_of_degree_one(std::move(A_1), level...);
+        });
   else
     cycle = make_cycle_of_degree_one(*matrix, *modes, facts.known_places());
 }
 
-std::unique_ptr<Cycle> Multigrid::make_cycle_of_degree_one(const Epetra_CrsMatrix &A,
+std::unique_ptr<Cycle> Multigrid::make_cycle_of_degree_one(Cycle::Finest A,
                                                            const Epetra_MultiVector &its_modes,
                                                            const std::vector<GroupFacts::Place> &places) const
 {
-  const auto make_smoother = [this](const Epetra_CrsMatrix &level) {
+  const auto make_smoother = [this](const LevelEntries &level, const double known_eigenvalue) {
     return means != Means::usual ? ChebyshevSmoother::with_factorisation(level, {4, 40})
-           : is_mixed            ? ChebyshevSmoother::with_diagonal(level, {4, 20})
-                                 : ChebyshevSmoother::with_diagonal(level, {2, 10});
+           : is_mixed            ? ChebyshevSmoother::with_diagonal(level, {4, 20}, known_eigenvalue)
+                                 : ChebyshevSmoother::with_diagonal(level, {2, 10}, known_eigenvalue);
   };
   if (means == Means::usual && is_mixed)
-    return make_cycle(A, its_modes, places, Semicoarsen::always, make_smoother);
+    return make_cycle(std::move(A), its_modes, places, Semicoarsen::always, make_smoother);
   if (means == Means::usual)
-    return std::make_unique<SmoothedAggregation>(A, its_modes, make_smoother);
-  return make_cycle(A, its_modes, places,
+    return std::make_unique<SmoothedAggregation>(std::move(A), its_modes, make_smoother);
+  return make_cycle(std::move(A), its_modes, places,
                     means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap,
                     make_smoother);
 }

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace dovetail {
 
@@ -488,27 +489,36 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   node_of_column = std::move(seen.of_column);
 }
 
-std::unique_ptr<Cycle> make_cycle(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
+namespace {
+
+bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const int n_modes, const Semicoarsen when)
+{
+  const double least_share = 0.1, largest_cheap = 0.55;
+  const Couplings couplings(A, nodes);
+  const bool is_cheap = n_modes < largest_cheap * couplings.rows_together;
+  return couplings.share_of_far > least_share && (is_cheap || when == Semicoarsen::if_stretched);
+}
+
+} // namespace
+
+std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, const Epetra_MultiVector &modes,
                                   const std::vector<GroupFacts::Place> &places, const Semicoarsen when,
                                   const Cycle::MakeSmoother &make_smoother)
 {
-  const double least_share = 0.1, largest_cheap = 0.55;
+  const Epetra_CrsMatrix &A = finest.matrix();
   int has_places = places.size() == static_cast<unsigned int>(A.NumMyRows()), all_have = 0;
   A.Comm().MinAll(&has_places, &all_have, 1);
   if (all_have != 0) {
     LevelNodes nodes = nodes_of_rows(places);
-    const Couplings couplings(A, nodes);
-    const bool is_cheap = modes.NumVectors() < largest_cheap * couplings.rows_together;
-    if (when == Semicoarsen::always ||
-        (couplings.share_of_far > least_share && (is_cheap || when == Semicoarsen::if_stretched)))
-      return std::make_unique<Semicoarsening>(A, modes, std::move(nodes), make_smoother);
+    if (when == Semicoarsen::always || are_stretched(A, nodes, modes.NumVectors(), when))
+      return std::make_unique<Semicoarsening>(std::move(finest), modes, std::move(nodes), make_smoother);
   }
-  return std::make_unique<SmoothedAggregation>(A, modes, make_smoother);
+  return std::make_unique<SmoothedAggregation>(std::move(finest), modes, make_smoother);
 }
 
-Semicoarsening::Semicoarsening(const Epetra_CrsMatrix &A, const Epetra_MultiVector &given_modes,
-                               LevelNodes nodes, const MakeSmoother &make_smoother)
-    : Cycle(A)
+Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,
+                               const MakeSmoother &make_smoother)
+    : Cycle(std::move(A))
 {
   const Epetra_MultiVector *modes = &given_modes;
   std::unique_ptr<Epetra_MultiVector> owned_modes;
@@ -520,9 +530,8 @@ Semicoarsening::Semicoarsening(const Epetra_CrsMatrix &A, const Epetra_MultiVect
     if (coarse.T->NumGlobalCols() > largest_growth * matrix.NumGlobalRows())
       break;
     auto P = smoothed(coarse, *without_far_couplings(matrix, nodes, couplings), *modes);
-    auto smoother = make_smoother(matrix);
     auto next = MatrixLevel(matrix).restricted(*P);
-    add_level(std::move(smoother), std::move(P), std::move(next));
+    add_level(make_smoother, std::move(P), std::move(next));
     owned_modes = std::move(coarse.modes);
     modes = owned_modes.get();
     nodes = std::move(coarse.nodes);

@@ -61,8 +61,8 @@ struct Couplings
 class Semicoarsening : public Cycle
 {
 public:
-  /// @param modes near-null space of A, which is referred to.
-  Semicoarsening(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes, LevelNodes nodes,
+  /// @param modes near-null space of A
+  Semicoarsening(Finest A, const Epetra_MultiVector &modes, LevelNodes nodes,
                  const MakeSmoother &make_smoother);
 };
 
@@ -74,7 +74,7 @@ enum class Semicoarsen {
 };
 
 /// @param places of the rows of A; empty if they are not known: SmoothedAggregation
-std::unique_ptr<Cycle> make_cycle(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
+std::unique_ptr<Cycle> make_cycle(Cycle::Finest A, const Epetra_MultiVector &modes,
                                   const std::vector<GroupFacts::Place> &places, Semicoarsen when,
                                   const Cycle::MakeSmoother &make_smoother);
 

@@ -384,24 +384,24 @@ std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Ep
   return modes;
 }
 
-SmoothedAggregation::SmoothedAggregation(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
+SmoothedAggregation::SmoothedAggregation(Finest A, const Epetra_MultiVector &modes,
                                          const MakeSmoother &make_smoother)
-    : Cycle(A)
+    : Cycle(std::move(A))
 {
   const int n_modes = modes.NumVectors();
   Aggregation aggregates;
   while (coarsest().NumGlobalRows() > largest_coarse) {
     const Epetra_CrsMatrix &matrix = coarsest();
-    aggregates = n_levels() == 0 ? make_aggregation(A, modes, rows_per_node(modes))
+    aggregates = n_levels() == 0 ? make_aggregation(matrix, modes, rows_per_node(modes))
                                  : make_aggregation(matrix, *aggregates.modes, n_modes);
     const int n_coarse = aggregates.modes->GlobalLength();
     if (n_coarse == 0 || n_coarse > largest_growth * matrix.NumGlobalRows())
       break;
-    auto smoother = make_smoother(matrix);
-    const double w = 4. / 3 / smoother->largest_eigenvalue_with_diagonal();
-    auto P = smooth_tentative(matrix, *make_tentative(matrix, aggregates), n_modes, w);
+    const double eigenvalue = largest_eigenvalue_with_diagonal(LevelEntries(matrix));
+    auto P = smooth_tentative(matrix, *make_tentative(matrix, aggregates), n_modes, 4. / 3 / eigenvalue);
+    aggregates.basis = {};
     auto coarse = make_coarse_matrix(matrix, *P, n_modes);
-    add_level(std::move(smoother), std::move(P), std::move(coarse));
+    add_level(make_smoother, std::move(P), std::move(coarse), eigenvalue);
   }
   factorise_coarsest();
 }

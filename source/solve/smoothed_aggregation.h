@@ -33,9 +33,8 @@ std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Ep
 class SmoothedAggregation : public Cycle
 {
 public:
-  /// @param modes near-null space of A, which is referred to.
-  SmoothedAggregation(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
-                      const MakeSmoother &make_smoother);
+  /// @param modes near-null space of A
+  SmoothedAggregation(Finest A, const Epetra_MultiVector &modes, const MakeSmoother &make_smoother);
 };
 
 } // namespace dovetail

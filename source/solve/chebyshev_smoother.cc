@@ -11,6 +11,7 @@
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_control.h>
 #include <deal.II/lac/trilinos_vector.h>
+#include <deal.II/lac/vector_memory.h>
 
 #include <Epetra_Map.h>
 #include <Epetra_MpiComm.h>
@@ -75,6 +76,7 @@ double estimate_largest_eigenvalue(const LevelProducts &A, const Approximation &
   } catch (const std::exception &) { // divided by zero
     return 0;
   }
+  dealii::GrowingVectorMemory<SingleVector>::release_unused_memory();
   return std::isfinite(largest) ? largest : 0;
 }
 

@@ -8,24 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace dovetail {
 
 namespace {
-
-/// Local numbers in the domain map of the columns of @p A; those of other ranks follow in their order.
-std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A)
-{
-  std::vector<int> numbers(A.NumMyCols());
-  int next = A.DomainMap().NumMyElements();
-  for (unsigned int k = 0; k < numbers.size(); ++k) {
-    const int own = A.DomainMap().LID(A.GCID(k));
-    numbers[k] = own >= 0 ? own : next++;
-  }
-  return numbers;
-}
 
 /// By number of a column its value in an own row, in ascending order.
 void read_row(const Epetra_CrsMatrix &A, const int row, const std::vector<int> &numbers,
@@ -54,6 +41,17 @@ bool is_square(const Epetra_CrsMatrix &A)
 }
 
 } // namespace
+
+std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A)
+{
+  std::vector<int> numbers(A.NumMyCols());
+  int next = A.DomainMap().NumMyElements();
+  for (unsigned int k = 0; k < numbers.size(); ++k) {
+    const int own = A.DomainMap().LID(A.GCID(k));
+    numbers[k] = own >= 0 ? own : next++;
+  }
+  return numbers;
+}
 
 RowPattern::RowPattern(const Epetra_CrsMatrix &A) : number_of_rows(A.NumMyRows())
 {
@@ -104,18 +102,48 @@ std::size_t RowPattern::memory_consumption() const
   return groups.capacity() * sizeof(Stored) + columns.capacity() * sizeof(int);
 }
 
-CompactMatrix::CompactMatrix(const Epetra_CrsMatrix &A)
-    : range(A.RowMap()), own_columns(A.DomainMap()), pattern(std::make_shared<RowPattern>(A))
+ColumnExchange::ColumnExchange(const Epetra_CrsMatrix &A) : own_columns(A.DomainMap())
 {
   std::vector<int> others;
   for (int k = 0; k < A.NumMyCols(); ++k)
     if (own_columns.LID(A.GCID(k)) < 0)
       others.push_back(A.GCID(k));
-  other_columns = std::make_shared<Epetra_Map>(-1, static_cast<int>(others.size()), others.data(), 0, A.Comm());
-  if (other_columns->NumGlobalElements() > 0)
-    import = std::make_shared<Epetra_Import>(*other_columns, own_columns);
-  else
-    other_columns.reset();
+  auto map = std::make_shared<Epetra_Map>(-1, static_cast<int>(others.size()), others.data(), 0, A.Comm());
+  if (map->NumGlobalElements() == 0)
+    return;
+  other_columns = std::move(map);
+  import = std::make_shared<Epetra_Import>(*other_columns, own_columns);
+}
+
+unsigned int ColumnExchange::n_columns() const
+{
+  return own_columns.NumMyElements() + (import ? other_columns->NumMyElements() : 0);
+}
+
+const double *ColumnExchange::of_columns(const Epetra_Vector &x, std::vector<double> &buffer) const
+{
+  if (!import)
+    return x.Values();
+  Epetra_Vector others(*other_columns, false);
+  others.Import(x, *import, Insert);
+  buffer.assign(x.Values(), x.Values() + x.MyLength());
+  buffer.insert(buffer.end(), others.Values(), others.Values() + others.MyLength());
+  return buffer.data();
+}
+
+void ColumnExchange::add_up(const std::vector<double> &sums, Epetra_Vector &y) const
+{
+  std::copy_n(sums.begin(), y.MyLength(), y.Values());
+  if (import) {
+    Epetra_Vector others(*other_columns, false);
+    std::copy(sums.begin() + y.MyLength(), sums.end(), others.Values());
+    y.Export(others, *import, Add);
+  }
+}
+
+CompactMatrix::CompactMatrix(const Epetra_CrsMatrix &A)
+    : range(A.RowMap()), exchange(A), pattern(std::make_shared<RowPattern>(A))
+{
   set_values(A);
 }
 
@@ -146,15 +174,8 @@ void CompactMatrix::set_values(const Epetra_CrsMatrix &A)
 
 void CompactMatrix::multiply(Epetra_Vector &y, const Epetra_Vector &x) const
 {
-  std::vector<double> extended;
-  const double *of_columns = x.Values();
-  if (import) {
-    Epetra_Vector others(*other_columns, false);
-    others.Import(x, *import, Insert);
-    extended.assign(x.Values(), x.Values() + x.MyLength());
-    extended.insert(extended.end(), others.Values(), others.Values() + others.MyLength());
-    of_columns = extended.data();
-  }
+  std::vector<double> buffer;
+  const double *const of_columns = exchange.of_columns(x, buffer);
   double *const result = y.Values();
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
@@ -174,7 +195,7 @@ void CompactMatrix::multiply(Epetra_Vector &y, const Epetra_Vector &x) const
 
 void CompactMatrix::multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x) const
 {
-  std::vector<double> sums(y.MyLength() + (import ? other_columns->NumMyElements() : 0), 0.);
+  std::vector<double> sums(exchange.n_columns(), 0.);
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
     with_known_number(group.n_rows, [&](const auto n) {
@@ -190,12 +211,7 @@ void CompactMatrix::multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x
       }
     });
   }
-  std::copy(sums.begin(), sums.begin() + y.MyLength(), y.Values());
-  if (import) {
-    Epetra_Vector others(*other_columns, false);
-    std::copy(sums.begin() + y.MyLength(), sums.end(), others.Values());
-    y.Export(others, *import, Add);
-  }
+  exchange.add_up(sums, y);
 }
 
 void CompactMatrix::diagonal(Epetra_Vector &result) const

@@ -33,14 +33,16 @@ inline void with_known_number(const int n, const Action &action)
     action(n);
 }
 
+/// Local numbers of the columns of @p A as ColumnExchange has them.
+std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A);
+
 /// The columns of the entries of a matrix. Rows that follow each other and have the same columns, as those of
 /// the components at a node, hold these once.
 class RowPattern
 {
 public:
-  /// Of the own rows of @p A, which is filled: columns of the domain map by their local number there, and
-  /// after them those of other ranks in the order of the column map. If rows and domain are the same, every
-  /// row has its diagonal entry.
+  /// Of the own rows of @p A, which is filled. If rows and domain are the same, every row has its diagonal
+  /// entry.
   explicit RowPattern(const Epetra_CrsMatrix &A);
 
   static constexpr int most_rows = 8; ///< of a group
@@ -81,6 +83,26 @@ private:
   std::size_t number_of_entries = 0;
 };
 
+/// The values at the columns of a matrix: own ones, and after them those of other ranks in the order of the
+/// column map.
+class ColumnExchange
+{
+public:
+  explicit ColumnExchange(const Epetra_CrsMatrix &A);
+
+  const Epetra_Map &own() const { return own_columns; }
+  /// @param buffer is used if other ranks have some. Collective.
+  const double *of_columns(const Epetra_Vector &x, std::vector<double> &buffer) const;
+  unsigned int n_columns() const;
+  /// y = the sums of all ranks. Collective.
+  void add_up(const std::vector<double> &sums, Epetra_Vector &y) const;
+
+private:
+  Epetra_Map own_columns;
+  std::shared_ptr<const Epetra_Map> other_columns; ///< nullptr if no rank has any
+  std::shared_ptr<const Epetra_Import> import;     ///< of them
+};
+
 /// A matrix in single precision. The largest size of an entry is the unit of the others, as single precision
 /// may not hold it. Products are summed in double precision.
 class CompactMatrix
@@ -89,7 +111,7 @@ public:
   explicit CompactMatrix(const Epetra_CrsMatrix &A);
 
   const Epetra_Map &rows() const { return range; }
-  const Epetra_Map &domain() const { return own_columns; }
+  const Epetra_Map &domain() const { return exchange.own(); }
 
   void multiply(Epetra_Vector &y, const Epetra_Vector &x) const;            ///< y = A x; collective
   void multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x) const; ///< y = A^T x; collective
@@ -102,9 +124,8 @@ private:
 
   void set_values(const Epetra_CrsMatrix &A);
 
-  Epetra_Map range, own_columns;
-  std::shared_ptr<const Epetra_Map> other_columns; ///< of other ranks; nullptr if no rank has any
-  std::shared_ptr<const Epetra_Import> import;     ///< of them
+  Epetra_Map range;
+  ColumnExchange exchange;
   std::shared_ptr<const RowPattern> pattern;
   std::vector<float> values;
   double unit = 0;

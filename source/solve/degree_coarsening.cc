@@ -5,6 +5,7 @@
 #include "semicoarsening.h"
 
 #include <EpetraExt_MatrixMatrix.h>
+#include <Epetra_CrsGraph.h>
 #include <Epetra_Import.h>
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
@@ -41,22 +42,28 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, Sums &&sums, const Ma
                                    const MakeCoarse &make_coarse)
     : A(A), smoother(std::move(given_smoother))
 {
-  make_prolongation(std::move(sums));
-  if (prolongation->NumGlobalCols() == 0) // all vertices are prescribed
+  auto P = make_prolongation(std::move(sums));
+  if (P->NumGlobalCols() == 0) // all vertices are prescribed
     return;
+  auto A_1 = A.restricted(*P);
+  prolongation = std::make_unique<Interpolation>(*P);
+  P.reset();
   const auto coarse_modes = [&]() {
     const Modes modes = make_modes();
-    Epetra_MultiVector result(prolongation->DomainMap(), modes->NumVectors());
+    Epetra_MultiVector result(prolongation->domain(), modes->NumVectors());
     for (unsigned int i = 0; i < coarse_rows.size(); ++i)
       for (int mode = 0; mode < modes->NumVectors(); ++mode)
         result[mode][i] = (*modes)[mode][coarse_rows[i]];
     return result;
   }();
   std::vector<GroupFacts::Place> coarse_places;
-  if (const std::vector<GroupFacts::Place> places = facts.known_places(); !places.empty())
+  if (const std::vector<GroupFacts::Place> places = facts.known_places(); !places.empty()) {
+    coarse_places.reserve(coarse_rows.size());
     for (const int row : coarse_rows)
       coarse_places.push_back(places[row]);
-  coarse = make_coarse(A.restricted(*prolongation), coarse_modes, coarse_places);
+  }
+  coarse_rows = {};
+  coarse = make_coarse(std::move(A_1), coarse_modes, coarse_places);
 }
 
 std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1, const Epetra_MultiVector &modes,
@@ -166,23 +173,66 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(Sums &&given_sums) co
   return result;
 }
 
-void DegreeCoarsening::make_prolongation(Sums &&sums)
+namespace {
+
+/// A matrix whose rows are given: read(row, columns, weights). Of its graph, so that weights are held once.
+template <typename Read>
+std::unique_ptr<Epetra_CrsMatrix> matrix_of_rows(const Epetra_Map &rows, const Epetra_Map &coarse,
+                                                 const Read &read)
 {
+  std::vector<int> lengths, columns;
+  std::vector<double> weights;
+  for (int row = 0; row < rows.NumMyElements(); ++row) {
+    read(row, columns, weights);
+    lengths.push_back(columns.size());
+  }
+  Epetra_CrsGraph graph(Copy, rows, lengths.data(), true);
+  for (int row = 0; row < rows.NumMyElements(); ++row) {
+    read(row, columns, weights);
+    graph.InsertGlobalIndices(rows.GID(row), columns.size(), columns.data());
+  }
+  graph.FillComplete(coarse, rows);
+  graph.OptimizeStorage();
+  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
+  for (int row = 0; row < rows.NumMyElements(); ++row) {
+    read(row, columns, weights);
+    result->SumIntoGlobalValues(rows.GID(row), columns.size(), weights.data(), columns.data());
+  }
+  result->FillComplete(coarse, rows);
+  return result;
+}
+
+} // namespace
+
+/// P.
+std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::make_prolongation(Sums &&given_sums)
+{
+  Sums sums = std::move(given_sums);
   for (unsigned int row = 0; row < sums.size(); ++row)
     if (is_itself(sums, row, A.rows().GID(row)))
       coarse_rows.push_back(row);
-  const auto all = follow(std::move(sums));
+  const Epetra_Map coarse(-1, static_cast<int>(coarse_rows.size()), 0, A.rows().Comm());
   Epetra_IntVector number(A.rows());
   number.PutValue(is_fixed);
-  const Epetra_Map coarse(-1, static_cast<int>(coarse_rows.size()), 0, A.rows().Comm());
   for (unsigned int i = 0; i < coarse_rows.size(); ++i)
     number[coarse_rows[i]] = coarse.GID(i);
 
   // a condensed unknown is alone in its row of the matrix, and found afterwards from those it follows
+  if (A.rows().Comm().NumProc() == 1) {
+    OwnSums(sums, A.rows());
+    return matrix_of_rows(A.rows(), coarse, [&](const int row, auto &columns, auto &weights) {
+      columns.clear();
+      weights.clear();
+      for (const auto &[column, weight] : sums[row])
+        if (!A.is_condensed(row) && number[A.rows().LID(column)] != is_fixed && weight != 0) {
+          columns.push_back(number[A.rows().LID(column)]);
+          weights.push_back(weight);
+        }
+    });
+  }
+  const auto all = follow(std::move(sums));
   const Epetra_IntVector column_number = column_values(*all, number);
-  std::vector<int> lengths, columns;
-  std::vector<double> weights;
-  const auto read_row = [&](const int row) {
+  return matrix_of_rows(A.rows(), coarse, [&](const int row, auto &columns, auto &weights) {
     int n = 0, *local = nullptr;
     double *values = nullptr;
     all->ExtractMyRowView(row, n, values, local);
@@ -193,17 +243,7 @@ void DegreeCoarsening::make_prolongation(Sums &&sums)
         columns.push_back(column_number[local[k]]);
         weights.push_back(values[k]);
       }
-  };
-  for (int row = 0; row < all->NumMyRows(); ++row) {
-    read_row(row);
-    lengths.push_back(columns.size());
-  }
-  prolongation = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), lengths.data(), true);
-  for (int row = 0; row < all->NumMyRows(); ++row) {
-    read_row(row);
-    prolongation->InsertGlobalValues(A.rows().GID(row), columns.size(), weights.data(), columns.data());
-  }
-  prolongation->FillComplete(coarse, A.rows());
+  });
 }
 
 void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
@@ -217,14 +257,14 @@ void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
 /// By the functions of degree one.
 void DegreeCoarsening::correct(Epetra_Vector &x, const Epetra_Vector &b) const
 {
-  Epetra_Vector residual(A.rows(), false), correction(A.rows(), false);
+  Epetra_Vector residual(A.rows(), false), coarse_b(prolongation->domain(), false),
+      coarse_x(prolongation->domain());
   A.vmult(residual, x);
   residual.Update(1., b, -1.);
-  Epetra_Vector coarse_b(prolongation->DomainMap()), coarse_x(prolongation->DomainMap());
-  prolongation->Multiply(true, residual, coarse_b);
+  prolongation->multiply_transposed(coarse_b, residual);
   coarse->vmult(coarse_x, coarse_b);
-  prolongation->Multiply(false, coarse_x, correction);
-  x.Update(1., correction, 1.);
+  prolongation->multiply(residual, coarse_x);
+  x.Update(1., residual, 1.);
 }
 
 } // namespace dovetail

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "chebyshev_smoother.h"
+#include "interpolation.h"
 #include "level_operator.h"
 #include "smoothed_aggregation.h"
 
@@ -65,12 +66,12 @@ public:
 
 private:
   std::unique_ptr<Epetra_CrsMatrix> follow(Sums &&sums) const;
-  void make_prolongation(Sums &&sums);
+  std::unique_ptr<Epetra_CrsMatrix> make_prolongation(Sums &&sums);
   void correct(Epetra_Vector &x, const Epetra_Vector &b) const;
 
   const LevelOperator &A;
   std::vector<int> coarse_rows; ///< own rows of A that are unknowns of A_1
-  std::unique_ptr<Epetra_CrsMatrix> prolongation;
+  std::unique_ptr<Interpolation> prolongation; ///< P
   std::unique_ptr<Cycle> coarse;
   std::unique_ptr<Smoother> smoother;
 };

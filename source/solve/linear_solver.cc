@@ -155,21 +155,33 @@ std::optional<unsigned int> LinearSolver::Group::iterate(GroupVector &x, const G
   return is_done ? std::optional<unsigned int>(n_iterations) : std::nullopt;
 }
 
-/// Iterate until the true residual, not only that of the recurrence, is small, or is what rounding leaves.
+/// Iterate from zero until the true residual, not only that of the recurrence, is small, or is what rounding
+/// leaves.
 unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const GroupVector &b)
 {
   const GroupOperator &K = system.scaled();
   unsigned int n_iterations = 0;
-  GroupVector residual(b), correction(b);
-  system.scale_multipliers(residual);
-  const GroupVector given(residual);
-  const double goal = owner.present_tolerance * given.l2_norm();
-  double norm = given.l2_norm();
+  GroupVector scaled; // of b, if that differs
+  if (system.facts().has_multipliers) {
+    scaled = b;
+    system.scale_multipliers(scaled);
+  }
+  const GroupVector &given = system.facts().has_multipliers ? scaled : b;
+  const double size = given.l2_norm(), goal = owner.present_tolerance * size;
+  double norm = size;
+  GroupVector residual, correction; // from the second pass on: memory is scarce while a solver iterates
+  x = 0;
   for (unsigned int pass = 0; pass < 3 && norm > goal; ++pass) {
-    correction = 0;
-    owner.ranks.run("iteration",
-                    [&]() { n_iterations += chosen.solver->solve(K, correction, residual, goal); });
-    x += correction;
+    if (pass > 0)
+      correction = K.vector();
+    GroupVector &z = pass == 0 ? x : correction;
+    owner.ranks.run("iteration", [&]() {
+      n_iterations += chosen.solver->solve(K, z, pass == 0 ? given : residual, goal);
+    });
+    if (pass > 0)
+      x += correction;
+    else
+      residual = K.vector();
     K.vmult(residual, x);
     residual.sadd(-1., 1., given);
     const double new_norm = residual.l2_norm();
@@ -180,7 +192,7 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
     if (is_done)
       break;
   }
-  ended_at = norm <= std::max(2 * goal, rounding(system.plain(), x)) ? 0 : norm / given.l2_norm();
+  ended_at = norm <= std::max(2 * goal, rounding(system.plain(), x)) ? 0 : norm / size;
   system.scale_multipliers(x);
   return n_iterations;
 }
@@ -341,14 +353,15 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
   dx = 0;
   for (unsigned int g = demand.first_group; g < demand.end_group; ++g) {
     const GroupSystem &system = groups[g]->system;
-    Vector rest;
-    rest.reinit(right_hand_side);
-    rest = right_hand_side;
-    for (unsigned int before = demand.first_group; before < g; ++before)
-      matrix->subtract_product(system.blocks().blocks, groups[before]->system.blocks().blocks, dx, rest);
-
     GroupVector x = system.plain().vector(), b = system.plain().vector();
-    system.plain().gather(rest, b);
+    if (g == demand.first_group)
+      system.plain().gather(right_hand_side, b);
+    else {
+      Vector rest = right_hand_side;
+      for (unsigned int before = demand.first_group; before < g; ++before)
+        matrix->subtract_product(system.blocks().blocks, groups[before]->system.blocks().blocks, dx, rest);
+      system.plain().gather(rest, b);
+    }
     std::optional<unsigned int> block_group = 0;
     if (b.l2_norm() > 0)
       block_group = groups[g]->solve(x, b);

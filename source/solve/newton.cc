@@ -47,13 +47,14 @@ public:
   using Vector = NonlinearProblem::Vector;
 
   Iteration(const Newton &settings, NonlinearProblem &problem, Vector &x, const Start start)
-      : settings(settings), problem(problem), start(start), x(x), trial(x), dx(x), correction(x)
+      : settings(settings), problem(problem), start(start), x(x), dx(x)
   {
   }
   NewtonResult solve();
 
 private:
   bool solve_for_update();
+  bool correct(double factor);
   void try_update(double factor);
   void accept();
   void reduce_rest(double &norm);
@@ -77,7 +78,8 @@ private:
   NonlinearProblem &problem;
   const Start start;
   Vector &x;
-  Vector trial, dx, correction;
+  Vector dx;
+  Vector trial, correction; ///< empty until they are needed: not where the problem is linear
   Damping damping;
   NewtonResult result;
   unsigned int n_before = 0; ///< iterations, in other stages
@@ -89,6 +91,13 @@ bool Newton::Iteration::solve_for_update()
   if (linear_iterations)
     result.linear_iterations.push_back(*linear_iterations);
   return linear_iterations.has_value();
+}
+
+bool Newton::Iteration::correct(const double factor)
+{
+  if (correction.size() == 0)
+    correction.reinit(x);
+  return problem.correct(x, trial, factor, correction);
 }
 
 void Newton::Iteration::try_update(const double factor)
@@ -107,7 +116,7 @@ void Newton::Iteration::accept()
 /// size. Where that does not help the state stays.
 void Newton::Iteration::reduce_rest(double &norm)
 {
-  if (!problem.correct(x, trial, 1, correction))
+  if (!correct(1))
     return;
   trial += correction;
   if (const double reduced = problem.residual(trial); reduced < norm)
@@ -144,7 +153,7 @@ double Newton::Iteration::predict() const
 /// stays there then, and returns to x otherwise.
 bool Newton::Iteration::is_confirmed_by_next_update(const double update)
 {
-  if (std::isfinite(problem.residual_and_tangent(trial)) && problem.correct(x, trial, 1, correction) &&
+  if (std::isfinite(problem.residual_and_tangent(trial)) && correct(1) &&
       problem.norm(correction) < update)
     return true;
   problem.residual_and_tangent(x);
@@ -190,7 +199,7 @@ double Newton::Iteration::search_line(const double norm, const bool with_tangent
       may_grow = false;
       continue;
     }
-    if (!problem.correct(x, trial, damping.factor, correction))
+    if (!correct(damping.factor))
       return std::nan("");
     const double size = problem.norm(correction);
     Vector difference = correction; // from (1 - a) dx, which c is where nothing is nonlinear

@@ -7,6 +7,7 @@
 
 #include <deal.II/base/exceptions.h>
 
+#include <Epetra_CrsGraph.h>
 #include <Epetra_Export.h>
 #include <Epetra_Import.h>
 #include <Epetra_Map.h>
@@ -108,6 +109,8 @@ public:
   /// Adds @p factor times a row whose blocks begin at columns that are multiples of their length.
   void add(double factor, const SparseRow &row);
 
+  unsigned int place_of(const int first_column) const { return position[first_column]; } ///< in the entries
+
   std::vector<int> blocks; ///< first columns
   std::vector<double> entries;
 
@@ -192,22 +195,40 @@ void for_rows_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &Q, c
   }
 }
 
-/// Of the rows of A T, where a row of T has one block.
-std::vector<int> lengths_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &T,
-                                    const int block_length)
+/// The columns of A T, where a row of T has one block. In a matrix that is made of its graph values are held
+/// once; those that are inserted are copied when it is filled.
+Epetra_CrsGraph graph_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &T, const int block_length,
+                                 const Epetra_CrsMatrix &own_T)
 {
   const SparseRows rows_of_A(A), rows_of_T(T);
-  std::vector<int> lengths(A.NumMyRows(), 0), last_row(T.NumMyCols(), -1);
-  for (int row = 0; row < A.NumMyRows(); ++row) {
+  std::vector<int> blocks, last_row(T.NumMyCols(), -1), lengths(A.NumMyRows(), 0), columns;
+  const auto find_blocks = [&](const int row, const int mark) {
     const SparseRow entries = rows_of_A[row];
+    blocks.clear();
     for (int k = 0; k < entries.n; ++k)
       if (const SparseRow other = rows_of_T[entries.columns[k]];
-          entries.values[k] != 0 && other.n > 0 && last_row[other.columns[0]] != row) {
-        last_row[other.columns[0]] = row;
-        lengths[row] += block_length;
+          entries.values[k] != 0 && other.n > 0 && last_row[other.columns[0]] != mark) {
+        last_row[other.columns[0]] = mark;
+        blocks.push_back(other.columns[0]);
       }
+  };
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    find_blocks(row, row);
+    lengths[row] = blocks.size() * block_length;
   }
-  return lengths;
+  Epetra_CrsGraph graph(Copy, A.RowMap(), T.ColMap(), lengths.data(), true);
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    find_blocks(row, A.NumMyRows() + row);
+    std::sort(blocks.begin(), blocks.end());
+    columns.clear();
+    for (const int first : blocks)
+      for (int i = 0; i < block_length; ++i)
+        columns.push_back(first + i);
+    graph.InsertMyIndices(row, columns.size(), columns.data());
+  }
+  graph.FillComplete(own_T.DomainMap(), own_T.RangeMap());
+  graph.OptimizeStorage();
+  return graph;
 }
 
 /// (I - w D^-1 A) T
@@ -218,18 +239,17 @@ std::unique_ptr<Epetra_CrsMatrix> smooth_tentative(const Epetra_CrsMatrix &A, co
   const SparseRows rows_of_Q(*Q);
   Epetra_Vector diagonal(A.RowMap());
   A.ExtractDiagonalCopy(diagonal);
-  std::vector<int> lengths = lengths_of_product(A, *Q, block_length), columns;
-  auto P = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), Q->ColMap(), lengths.data(), true);
+  auto P = std::make_unique<Epetra_CrsMatrix>(Copy, graph_of_product(A, *Q, block_length, T));
   for_rows_of_product(A, *Q, block_length, [&](const int row, RowSum &sum) {
     const double factor = diagonal[row] > 0 ? -w / diagonal[row] : 0;
     for (double &entry : sum.entries)
       entry *= factor;
     sum.add(1., rows_of_Q[A.LCID(A.GRID(row))]);
-    columns.clear();
-    for (const int first : sum.blocks)
-      for (int i = 0; i < block_length; ++i)
-        columns.push_back(first + i);
-    P->InsertMyValues(row, columns.size(), sum.entries.data(), columns.data());
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    P->ExtractMyRowView(row, n, values, columns);
+    for (int k = 0; k < n; k += block_length)
+      std::copy_n(&sum.entries[sum.place_of(columns[k])], block_length, values + k);
   });
   P->FillComplete(T.DomainMap(), T.RangeMap());
   return P;

@@ -6,6 +6,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <EpetraExt_MatrixMatrix.h>
+#include <Epetra_CrsGraph.h>
 #include <Epetra_Export.h>
 #include <Epetra_MpiComm.h>
 
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <unordered_map>
 
 namespace dovetail {
 
@@ -153,41 +155,55 @@ void CellwiseTangent<dim>::make_constraint_matrix(const dealii::AffineConstraint
   follow->FillComplete(*own_rows, map);
 }
 
-/// K x for all unknowns of the cells, as if there were no constraints.
+/// y += K x for all unknowns of the cells, as if there were no constraints.
 template <int dim>
-Epetra_Vector CellwiseTangent<dim>::multiply_cells(const Epetra_Vector &all_values,
-                                                   const bool of_symmetric_part) const
+void CellwiseTangent<dim>::multiply_cells(const Epetra_Vector &all_values, Epetra_Vector &y,
+                                          const bool of_symmetric_part) const
 {
-  Epetra_Vector result(*own_rows);
   if (own_rows->Comm().NumProc() == 1) {
     for (const auto &[d, cells] : operators)
-      cells->add_product(all_values.Values(), result.Values(), of_symmetric_part);
+      cells->add_product(all_values.Values(), y.Values(), of_symmetric_part);
     for (const auto &tie : ties)
-      tie->add_product(all_values.Values(), result.Values(), of_symmetric_part);
-    return result;
+      tie->add_product(all_values.Values(), y.Values(), of_symmetric_part);
+    return;
   }
-  Epetra_Vector x(*columns), y(*columns);
-  x.Import(all_values, *import, Insert);
+  Epetra_Vector x_of_columns(*columns), y_of_columns(*columns), sum(*own_rows);
+  x_of_columns.Import(all_values, *import, Insert);
   for (const auto &[d, cells] : operators)
-    cells->add_product(x.Values(), y.Values(), of_symmetric_part);
+    cells->add_product(x_of_columns.Values(), y_of_columns.Values(), of_symmetric_part);
   for (const auto &tie : ties)
-    tie->add_product(x.Values(), y.Values(), of_symmetric_part);
-  result.Export(y, *import, Add);
-  return result;
+    tie->add_product(x_of_columns.Values(), y_of_columns.Values(), of_symmetric_part);
+  sum.Export(y_of_columns, *import, Add);
+  y.Update(1., sum, 1.);
 }
 
-/// y = C^T y
+/// y = C^T y, where the rows of unknowns that follow others become @p replacement, or zero.
 template <int dim>
-void CellwiseTangent<dim>::condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights) const
+void CellwiseTangent<dim>::condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights,
+                                    const std::vector<double> &replacement) const
 {
   if (follow->NumGlobalRows() == 0)
     return;
-  Epetra_Vector of_constrained(follow->RangeMap()), on_others(*own_rows);
+  std::vector<double> of_constrained(constrained.size());
   for (unsigned int k = 0; k < constrained.size(); ++k) {
     of_constrained[k] = y[constrained[k]];
-    y[constrained[k]] = 0;
+    y[constrained[k]] = replacement.empty() ? 0 : replacement[k];
   }
-  weights.Multiply(true, of_constrained, on_others);
+  Epetra_Vector of_followed(weights.ColMap());
+  for (int k = 0; k < weights.NumMyRows(); ++k) {
+    int n = 0, *local = nullptr;
+    double *values = nullptr;
+    weights.ExtractMyRowView(k, n, values, local);
+    for (int i = 0; i < n; ++i)
+      of_followed[local[i]] += values[i] * of_constrained[k];
+  }
+  if (own_rows->Comm().NumProc() == 1) {
+    for (int column = 0; column < of_followed.MyLength(); ++column)
+      y[own_rows->LID(weights.GCID(column))] += of_followed[column];
+    return;
+  }
+  Epetra_Vector on_others(*own_rows);
+  on_others.Export(of_followed, Epetra_Import(weights.ColMap(), *own_rows), Add);
   y.Update(1., on_others, 1.);
 }
 
@@ -195,17 +211,26 @@ template <int dim>
 void CellwiseTangent<dim>::add_product(const double factor, const Epetra_Vector &x, Epetra_Vector &y,
                                        const bool of_symmetric_part) const
 {
-  Epetra_Vector all(x);
-  if (follow->NumGlobalRows() > 0) {
-    Epetra_Vector of_constrained(follow->RangeMap());
-    follow->Multiply(false, x, of_constrained);
-    for (unsigned int k = 0; k < constrained.size(); ++k)
-      all[constrained[k]] = of_constrained[k];
+  if (factor != 1) {
+    Epetra_Vector product(*own_rows);
+    add_product(1., x, product, of_symmetric_part);
+    y.Update(factor, product, 1.);
+    return;
   }
-  Epetra_Vector product = multiply_cells(all, of_symmetric_part);
-  condense(product, *follow);
-  for (int i = 0; i < y.MyLength(); ++i)
-    y[i] += factor * product[i];
+  if (follow->NumGlobalRows() == 0) {
+    multiply_cells(x, y, of_symmetric_part);
+    return;
+  }
+  Epetra_Vector all(x), of_constrained(follow->RangeMap());
+  std::vector<double> before;
+  follow->Multiply(false, x, of_constrained);
+  for (unsigned int k = 0; k < constrained.size(); ++k) {
+    all[constrained[k]] = of_constrained[k];
+    before.push_back(y[constrained[k]]);
+    y[constrained[k]] = 0;
+  }
+  multiply_cells(all, y, of_symmetric_part);
+  condense(y, *follow, before);
 }
 
 template <int dim>
@@ -219,8 +244,9 @@ void CellwiseTangent<dim>::subtract_moves(const dealii::AffineConstraints<double
       if (constraints.is_constrained(block.begin + i))
         values[own_rows->LID(row(block.begin + i))] = constraints.get_inhomogeneity(block.begin + i);
   }
-  Epetra_Vector product = multiply_cells(values, false);
-  condense(product, *follow);
+  Epetra_Vector product(*own_rows);
+  multiply_cells(values, product, false);
+  condense(product, *follow, {});
   rows.gather(b, own.Values());
   own.Update(-1., product, 1.);
   rows.scatter(own.Values(), b);
@@ -253,7 +279,7 @@ void CellwiseTangent<dim>::find_diagonal()
     squares.ExtractMyRowView(k, n, values);
     std::transform(values, values + n, values, [](const double w) { return w * w; });
   }
-  condense(own, squares);
+  condense(own, squares, {});
   diagonal.assign(own.Values(), own.Values() + own.MyLength());
 }
 
@@ -264,16 +290,21 @@ void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
     values[i] += diagonal[i];
 }
 
-/// C P, at all unknowns of the cells of this rank.
+/// C P at the unknowns that follow others.
+template <int dim>
+Epetra_CrsMatrix CellwiseTangent<dim>::of_constrained(const Epetra_CrsMatrix &P) const
+{
+  Epetra_CrsMatrix result(Copy, follow->RowMap(), 0);
+  EpetraExt::MatrixMatrix::Multiply(*follow, false, P, false, result, false);
+  result.FillComplete(P.DomainMap(), follow->RangeMap());
+  return result;
+}
+
+/// C P at all unknowns of the cells of this rank, some of which are of others.
 template <int dim>
 std::shared_ptr<const Epetra_CrsMatrix> CellwiseTangent<dim>::complete(const Epetra_CrsMatrix &P) const
 {
-  const bool is_alone = own_rows->Comm().NumProc() == 1;
-  if (is_alone && constrained.empty())
-    return {&P, [](const Epetra_CrsMatrix *) {}};
-  Epetra_CrsMatrix of_constrained(Copy, follow->RowMap(), 0);
-  EpetraExt::MatrixMatrix::Multiply(*follow, false, P, false, of_constrained, false);
-  of_constrained.FillComplete(P.DomainMap(), follow->RangeMap());
+  const Epetra_CrsMatrix of_constrained = this->of_constrained(P);
   std::vector<int> lengths(own_rows->NumMyElements(), 0), global_columns;
   for (unsigned int i = 0; i < is_condensed.size(); ++i)
     lengths[i] = is_condensed[i] ? 0 : P.NumMyEntries(i);
@@ -295,8 +326,6 @@ std::shared_ptr<const Epetra_CrsMatrix> CellwiseTangent<dim>::complete(const Epe
   for (unsigned int k = 0; k < constrained.size(); ++k)
     copy_row(of_constrained, k, own_rows->GID(constrained[k]));
   all->FillComplete(P.DomainMap(), *own_rows);
-  if (is_alone)
-    return all;
   auto result = std::make_shared<Epetra_CrsMatrix>(Copy, *columns, 0);
   result->Import(*all, *import, Insert);
   result->FillComplete(P.DomainMap(), *own_rows);
@@ -393,14 +422,15 @@ void SumOfSmall::allocate()
     lengths[row] = columns.size();
   }
   std::fill(last_row.begin(), last_row.end(), -1);
-  sum = std::make_unique<Epetra_CrsMatrix>(Copy, all, all, lengths.data(), true);
-  const std::vector<double> zeros(lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end()),
-                                  0.);
+  Epetra_CrsGraph graph(Copy, all, all, lengths.data(), true); // values that are inserted are held twice
   for (int row = 0; row < n_rows; ++row) {
     find_columns(row);
     std::sort(columns.begin(), columns.end());
-    sum->InsertMyValues(row, columns.size(), zeros.data(), columns.data());
+    graph.InsertMyIndices(row, columns.size(), columns.data());
   }
+  graph.FillComplete(own, own);
+  graph.OptimizeStorage();
+  sum = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
   sum->FillComplete(own, own);
   first_unknown = {};
   unknowns = {};
@@ -476,15 +506,42 @@ std::vector<FurtherRow> rows_of(const Epetra_CrsMatrix &matrix, const SumOfSmall
   return rows;
 }
 
+/// The rows of @p matrix by their @p numbers, with the local columns of @p P.
+std::unordered_map<int, std::pair<std::vector<int>, std::vector<double>>>
+rows_by_columns_of(const Epetra_CrsMatrix &P, const Epetra_CrsMatrix &matrix, const std::vector<int> &numbers)
+{
+  std::unordered_map<int, std::pair<std::vector<int>, std::vector<double>>> result;
+  for (unsigned int k = 0; k < numbers.size(); ++k) {
+    int n = 0, *local = nullptr;
+    double *values = nullptr;
+    matrix.ExtractMyRowView(k, n, values, local);
+    auto &[columns, weights] = result[numbers[k]];
+    weights.assign(values, values + n);
+    for (int i = 0; i < n; ++i)
+      columns.push_back(P.LCID(matrix.GCID(local[i])));
+  }
+  return result;
+}
+
 } // namespace
 
 template <int dim>
 std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_CrsMatrix &P,
                                                                    const Epetra_CrsMatrix &summand) const
 {
-  const auto all = complete(P);
+  // one rank adds to P what follows, in place of a copy
+  const bool is_alone = own_rows->Comm().NumProc() == 1;
+  const std::shared_ptr<const Epetra_CrsMatrix> all =
+      is_alone ? std::shared_ptr<const Epetra_CrsMatrix>(&P, [](const Epetra_CrsMatrix *) {}) : complete(P);
+  std::unordered_map<int, std::pair<std::vector<int>, std::vector<double>>> following;
+  if (is_alone)
+    following = rows_by_columns_of(P, of_constrained(P), constrained);
   const auto row_of_P = [&](const int index) {
     typename CellOperator<dim>::Row result{};
+    if (is_alone && is_condensed[index]) {
+      const auto &[local, weights] = following.at(index);
+      return typename CellOperator<dim>::Row{static_cast<int>(local.size()), local.data(), weights.data()};
+    }
     int *local = nullptr;
     double *weights = nullptr;
     all->ExtractMyRowView(index, result.n, weights, local);

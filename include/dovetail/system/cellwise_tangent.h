@@ -74,8 +74,10 @@ private:
   void collect_columns();
   void make_constraint_matrix(const dealii::AffineConstraints<double> &constraints);
   void find_diagonal();
-  Epetra_Vector multiply_cells(const Epetra_Vector &all_values, bool of_symmetric_part) const;
-  void condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights) const;
+  void multiply_cells(const Epetra_Vector &all_values, Epetra_Vector &y, bool of_symmetric_part) const;
+  void condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights,
+                const std::vector<double> &replacement) const;
+  Epetra_CrsMatrix of_constrained(const Epetra_CrsMatrix &P) const;
   std::shared_ptr<const Epetra_CrsMatrix> complete(const Epetra_CrsMatrix &P) const;
 
   const Model<dim> &model;

@@ -45,12 +45,9 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, Sums &&sums, const Ma
   auto P = make_prolongation(std::move(sums));
   if (P->NumGlobalCols() == 0) // all vertices are prescribed
     return;
-  auto A_1 = A.restricted(*P);
-  prolongation = std::make_unique<Interpolation>(*P);
-  P.reset();
-  const auto coarse_modes = [&]() {
+  const Epetra_MultiVector coarse_modes = [&]() {
     const Modes modes = make_modes();
-    Epetra_MultiVector result(prolongation->domain(), modes->NumVectors());
+    Epetra_MultiVector result(P->DomainMap(), modes->NumVectors());
     for (unsigned int i = 0; i < coarse_rows.size(); ++i)
       for (int mode = 0; mode < modes->NumVectors(); ++mode)
         result[mode][i] = (*modes)[mode][coarse_rows[i]];
@@ -62,7 +59,10 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, Sums &&sums, const Ma
     for (const int row : coarse_rows)
       coarse_places.push_back(places[row]);
   }
-  coarse_rows = {};
+  coarse_rows = std::vector<int>(); // = {} would keep the memory
+  auto A_1 = A.restricted(*P);
+  prolongation = std::make_unique<Interpolation>(*P);
+  P.reset();
   coarse = make_coarse(std::move(A_1), coarse_modes, coarse_places);
 }
 
@@ -154,7 +154,7 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(Sums &&given_sums) co
     const int own = A.rows().GID(row);
     kind[row] = columns.empty() ? is_fixed : is_itself(sums, row, own) ? 0 : is_sum;
     result->InsertGlobalValues(own, columns.size(), weights.data(), columns.data());
-    sums[row] = {};
+    sums[row] = GroupFacts::Sum(); // = {} would keep the memory
   }
   result->FillComplete(A.rows(), A.rows());
 

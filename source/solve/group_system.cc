@@ -234,7 +234,7 @@ std::vector<GroupFacts::Sum> GroupSystem::linear_part() const
         const auto [dof_block, index] = matrix->get_row_indices().global_to_local(dof);
         sums.back().emplace_back(rows.row(position[dof_block], index), weight);
       }
-      unknown_sum = {}; // gives the memory back
+      unknown_sum = SolveGroup::Sum(); // gives the memory back, which = {} does not
     }
   }
   return sums;

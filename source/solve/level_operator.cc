@@ -58,6 +58,47 @@ std::unique_ptr<Epetra_CrsMatrix> MatrixLevel::restricted(const Epetra_CrsMatrix
   return transposed_product(P, product(A, P));
 }
 
+std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, const Epetra_CrsMatrix &P)
+{
+  std::vector<int> rows, columns;
+  std::vector<double> entries;
+  const auto read_row = [&](const Epetra_CrsMatrix &matrix, const int row) {
+    int n = 0, *local = nullptr;
+    double *values = nullptr;
+    matrix.ExtractMyRowView(row, n, values, local);
+    columns.clear();
+    entries.clear();
+    for (int k = 0; k < n; ++k)
+      if (values[k] != 0) {
+        columns.push_back(matrix.GCID(local[k]));
+        entries.push_back(values[k]);
+      }
+  };
+  for (int row = 0; row < S.NumMyRows(); ++row)
+    if (read_row(S, row); !columns.empty() && P.NumMyEntries(row) > 0)
+      rows.push_back(row);
+  const int n_rows = rows.size();
+  std::vector<int> global_rows;
+  for (const int row : rows)
+    global_rows.push_back(S.GRID(row));
+  const Epetra_Map map(-1, n_rows, global_rows.data(), 0, S.Comm());
+  if (map.NumGlobalElements() == 0) {
+    auto nothing = std::make_unique<Epetra_CrsMatrix>(Copy, P.DomainMap(), 0);
+    nothing->FillComplete();
+    return nothing;
+  }
+  Epetra_CrsMatrix few_of_S(Copy, map, 0), few_of_P(Copy, map, 0);
+  for (const int row : rows) {
+    read_row(S, row);
+    few_of_S.InsertGlobalValues(S.GRID(row), columns.size(), entries.data(), columns.data());
+    read_row(P, row);
+    few_of_P.InsertGlobalValues(P.GRID(row), columns.size(), entries.data(), columns.data());
+  }
+  few_of_S.FillComplete(map, map);
+  few_of_P.FillComplete(P.DomainMap(), map);
+  return transposed_product(few_of_P, product(few_of_S, few_of_P));
+}
+
 void AugmentedLevel::vmult(Epetra_Vector &y, const Epetra_Vector &x) const
 {
   MatrixLevel::vmult(y, x);

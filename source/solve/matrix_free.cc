@@ -51,7 +51,7 @@ public:
   }
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const override
   {
-    return cells.restricted(P, *MatrixLevel(*entries).restricted(P));
+    return cells.restricted(P, *restrict_few_rows(*entries, P));
   }
   bool is_condensed(const unsigned int row) const override { return cells.condensed()[row]; }
 

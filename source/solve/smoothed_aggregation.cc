@@ -166,12 +166,20 @@ std::unique_ptr<Epetra_CrsMatrix> make_tentative(const Epetra_CrsMatrix &A, cons
   std::vector<int> lengths, columns(n_modes);
   for (const int aggregate : aggregates.of_row)
     lengths.push_back(aggregate < 0 ? 0 : n_modes);
-  auto T = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), coarse_rows, lengths.data(), true);
+  Epetra_CrsGraph graph(Copy, A.RowMap(), coarse_rows, lengths.data(), true);
   for (int row = 0; row < A.NumMyRows(); ++row) {
     std::iota(columns.begin(), columns.end(), aggregates.of_row[row] * n_modes);
     if (aggregates.of_row[row] >= 0)
-      T->InsertMyValues(row, n_modes, &aggregates.basis[static_cast<std::size_t>(row) * n_modes],
-                        columns.data());
+      graph.InsertMyIndices(row, n_modes, columns.data());
+  }
+  graph.FillComplete(coarse_rows, A.OperatorDomainMap());
+  graph.OptimizeStorage();
+  auto T = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n = 0;
+    double *values = nullptr;
+    T->ExtractMyRowView(row, n, values);
+    std::copy_n(&aggregates.basis[static_cast<std::size_t>(row) * n_modes], n, values);
   }
   T->FillComplete(coarse_rows, A.OperatorDomainMap());
   return T;
@@ -337,27 +345,44 @@ void BlockSums::for_blocks(const Visit &visit) const
 }
 
 /// With the blocks below the diagonal, too. Rows and columns are those of P that this rank needs.
-std::unique_ptr<Epetra_CrsMatrix> make_matrix(const BlockSums &sums, const Epetra_Map &rows, const int length)
+std::unique_ptr<Epetra_CrsMatrix> make_matrix(const BlockSums &sums, const Epetra_Map &rows,
+                                              const Epetra_Map &own, const int length)
 {
-  std::vector<int> lengths(rows.NumMyElements(), 0), columns(length);
+  std::vector<int> lengths(rows.NumMyElements(), 0), indices(length);
   sums.for_blocks([&](const int row, const int column, const double *) {
     for (int i = 0; i < length; ++i) {
       lengths[row + i] += length;
       lengths[column + i] += row == column ? 0 : length;
     }
   });
-  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, rows, rows, lengths.data(), true);
-  std::vector<double> transposed(length);
-  sums.for_blocks([&](const int row, const int column, const double *entries) {
-    std::iota(columns.begin(), columns.end(), column);
+  Epetra_CrsGraph graph(Copy, rows, rows, lengths.data(), true);
+  const auto insert = [&](const int row, const int column) {
+    std::iota(indices.begin(), indices.end(), column);
     for (int i = 0; i < length; ++i)
-      result->InsertMyValues(row + i, length, entries + i * length, columns.data());
-    std::iota(columns.begin(), columns.end(), row);
-    for (int j = 0; row != column && j < length; ++j) {
-      for (int i = 0; i < length; ++i)
-        transposed[i] = entries[i * length + j];
-      result->InsertMyValues(column + j, length, transposed.data(), columns.data());
+      graph.InsertMyIndices(row + i, length, indices.data());
+  };
+  sums.for_blocks([&](const int row, const int column, const double *) {
+    insert(row, column);
+    if (row != column)
+      insert(column, row);
+  });
+  graph.FillComplete(own, own);
+  graph.OptimizeStorage();
+  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
+  const auto set = [&](const int row, const int column, const auto &entry) {
+    for (int i = 0; i < length; ++i) {
+      int n = 0, *columns = nullptr;
+      double *values = nullptr;
+      result->ExtractMyRowView(row + i, n, values, columns);
+      double *const block = values + (std::lower_bound(columns, columns + n, column) - columns);
+      for (int j = 0; j < length; ++j)
+        block[j] = entry(i, j);
     }
+  };
+  sums.for_blocks([&](const int row, const int column, const double *entries) {
+    set(row, column, [&](const int i, const int j) { return entries[i * length + j]; });
+    if (row != column)
+      set(column, row, [&](const int i, const int j) { return entries[j * length + i]; });
   });
   return result;
 }
@@ -375,7 +400,7 @@ std::unique_ptr<Epetra_CrsMatrix> make_coarse_matrix(const Epetra_CrsMatrix &A, 
     for_rows_of_product(A, *Q, block_length, [&](const int row, const RowSum &sum) {
       sums.add(rows_of_Q[A.LCID(A.GRID(row))], sum);
     });
-    result = make_matrix(sums, all, block_length);
+    result = make_matrix(sums, all, own, block_length);
   }
   result->FillComplete(own, own);
   if (Q->Importer() != nullptr) { // sums of several ranks
@@ -419,7 +444,7 @@ SmoothedAggregation::SmoothedAggregation(Finest A, const Epetra_MultiVector &mod
       break;
     const double eigenvalue = largest_eigenvalue_with_diagonal(LevelEntries(matrix));
     auto P = smooth_tentative(matrix, *make_tentative(matrix, aggregates), n_modes, 4. / 3 / eigenvalue);
-    aggregates.basis = {};
+    aggregates.basis = std::vector<double>(); // = {} would keep the memory
     auto coarse = make_coarse_matrix(matrix, *P, n_modes);
     add_level(make_smoother, std::move(P), std::move(coarse), eigenvalue);
   }

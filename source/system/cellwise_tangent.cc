@@ -432,9 +432,9 @@ void SumOfSmall::allocate()
   graph.OptimizeStorage();
   sum = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
   sum->FillComplete(own, own);
-  first_unknown = {};
-  unknowns = {};
-  further = {};
+  first_unknown = std::vector<std::size_t>(); // = {} would keep the memory
+  unknowns = std::vector<int>();
+  further.clear();
 }
 
 /// To the entries of a row, which are in order, those at columns that are in order, too.

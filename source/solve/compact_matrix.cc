@@ -64,9 +64,10 @@ RowPattern::RowPattern(const Epetra_CrsMatrix &A) : number_of_rows(A.NumMyRows()
     int first_row = 0;
     for (int row = 0; row < number_of_rows; ++row) {
       read_row(A, row, numbers, needs_diagonal, entries);
-      const bool is_same = row > 0 && row - first_row < most_rows &&
-                           std::equal(entries.begin(), entries.end(), last.begin(), last.end(),
-                                      [](const auto &entry, const int column) { return entry.first == column; });
+      const bool is_same =
+          row > 0 && row - first_row < most_rows &&
+          std::equal(entries.begin(), entries.end(), last.begin(), last.end(),
+                     [](const auto &entry, const int column) { return entry.first == column; });
       if (!is_same) {
         first_row = row;
         last.clear();

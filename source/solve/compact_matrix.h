@@ -61,9 +61,12 @@ public:
     const Stored &stored = groups[g];
     const int end_row = g + 1 < groups.size() ? groups[g + 1].first_row : number_of_rows;
     const std::size_t end = g + 1 < groups.size() ? groups[g + 1].first_column : columns.size();
-    return {stored.first_row, end_row - stored.first_row,
-            &columns[stored.first_column], stored.n_lower,
-            stored.n_own, static_cast<int>(end - stored.first_column),
+    return {stored.first_row,
+            end_row - stored.first_row,
+            &columns[stored.first_column],
+            stored.n_lower,
+            stored.n_own,
+            static_cast<int>(end - stored.first_column),
             stored.first_entry};
   }
 

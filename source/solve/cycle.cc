@@ -3,6 +3,8 @@
 
 #include "cycle.h"
 
+#include "free_memory.h"
+
 #include <utility>
 
 namespace dovetail {
@@ -13,9 +15,11 @@ void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_
   Level level;
   level.P = std::make_unique<CompactMatrix>(*P);
   P.reset();
+  give_back_freed_memory();
   level.A = last.owned ? std::make_unique<LevelEntries>(CompactMatrix(*last.A))
                        : std::make_unique<LevelEntries>(*last.A);
   last = Finest(std::move(coarse));
+  give_back_freed_memory();
   level.smoother = make_smoother(*level.A, known_eigenvalue);
   levels.push_back(std::move(level));
 }
@@ -28,7 +32,8 @@ void Cycle::cycle(const unsigned int number, Epetra_Vector &x, const Epetra_Vect
   }
   const Level &level = levels[number];
   level.smoother->smooth(x.Values(), b.Values(), true);
-  Epetra_Vector residual(b.Map(), false), coarse_b(level.P->domain(), false), coarse_x(level.P->domain(), false);
+  Epetra_Vector residual(b.Map(), false), coarse_b(level.P->domain(), false),
+      coarse_x(level.P->domain(), false);
   level.A->vmult(residual, x);
   residual.Update(1., b, -1.);
   level.P->multiply_transposed(coarse_b, residual);

@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include "degree_coarsening.h"
+#include "free_memory.h"
 #include "semicoarsening.h"
 
 #include <EpetraExt_MatrixMatrix.h>
@@ -42,6 +43,7 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, Sums &&sums, const Ma
                                    const MakeCoarse &make_coarse)
     : A(A), smoother(std::move(given_smoother))
 {
+  give_back_freed_memory();
   auto P = make_prolongation(std::move(sums));
   if (P->NumGlobalCols() == 0) // all vertices are prescribed
     return;
@@ -60,9 +62,11 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, Sums &&sums, const Ma
       coarse_places.push_back(places[row]);
   }
   coarse_rows = std::vector<int>(); // = {} would keep the memory
+  give_back_freed_memory();
   auto A_1 = A.restricted(*P);
   prolongation = std::make_unique<Interpolation>(*P);
   P.reset();
+  give_back_freed_memory();
   coarse = make_coarse(std::move(A_1), coarse_modes, coarse_places);
 }
 

@@ -41,9 +41,8 @@ public:
   using Sums = std::vector<std::vector<std::pair<int, double>>>;
 
   /// Levels for A_1.
-  using MakeCoarse =
-      std::function<std::unique_ptr<Cycle>(Cycle::Finest A_1, const Epetra_MultiVector &modes,
-                                           const std::vector<GroupFacts::Place> &places)>;
+  using MakeCoarse = std::function<std::unique_ptr<Cycle>(Cycle::Finest A_1, const Epetra_MultiVector &modes,
+                                                          const std::vector<GroupFacts::Place> &places)>;
   static std::unique_ptr<Cycle> make_usual_coarse(Cycle::Finest A_1, const Epetra_MultiVector &modes,
                                                   const std::vector<GroupFacts::Place> &places);
 
@@ -70,7 +69,7 @@ private:
   void correct(Epetra_Vector &x, const Epetra_Vector &b) const;
 
   const LevelOperator &A;
-  std::vector<int> coarse_rows; ///< own rows of A that are unknowns of A_1
+  std::vector<int> coarse_rows;                ///< own rows of A that are unknowns of A_1
   std::unique_ptr<Interpolation> prolongation; ///< P
   std::unique_ptr<Cycle> coarse;
   std::unique_ptr<Smoother> smoother;

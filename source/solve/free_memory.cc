@@ -4,9 +4,14 @@
 #include "free_memory.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <string>
+
+#ifdef __GLIBC__ // which the headers above define
+#include <malloc.h>
+#endif
 
 namespace dovetail {
 
@@ -56,6 +61,13 @@ double free_memory()
     if (const double left = left_in_group("/sys/fs/cgroup" + group); left < unknown) // not if NaN
       least = std::min(least, left / bytes_per_MiB);
   return least;
+}
+
+void give_back_freed_memory()
+{
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 } // namespace dovetail

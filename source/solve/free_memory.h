@@ -10,4 +10,8 @@ namespace dovetail {
 /// nothing is known.
 double free_memory();
 
+/// Gives to the machine what the process has freed between blocks that are in use: MPI libraries forbid the
+/// allocator to place large blocks by themselves, so that it would not. Before much is allocated.
+void give_back_freed_memory();
+
 } // namespace dovetail

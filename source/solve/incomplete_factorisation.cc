@@ -67,7 +67,8 @@ void IncompleteFactorisation::eliminate(const RowPattern::Group &group,
 /// Sums in double precision.
 void IncompleteFactorisation::vmult(double *const z, const double *const r) const
 {
-  const auto subtract = [&](const RowPattern::Group &group, const int begin, const int end, double *const sum) {
+  const auto subtract = [&](const RowPattern::Group &group, const int begin, const int end,
+                            double *const sum) {
     with_known_number(group.n_rows, [&](const auto n) {
       const float *entry = &values[group.first_entry + static_cast<std::size_t>(begin) * n];
       for (int k = begin; k < end; ++k, entry += n) {

@@ -21,10 +21,11 @@ Interpolation::Interpolation(const Epetra_CrsMatrix &P) : exchange(P)
       for (int k = 0; k < n; ++k)
         row_entries.push_back({numbers[columns[k]], static_cast<float>(weights[k])});
       const int shift = row - first_row;
-      const bool is_alike = row > 0 && std::equal(row_entries.begin(), row_entries.end(), first.begin(), first.end(),
-                                                  [shift](const Entry &a, const Entry &b) {
-                                                    return a.column == b.column + shift && a.weight == b.weight;
-                                                  });
+      const bool is_alike =
+          row > 0 && std::equal(row_entries.begin(), row_entries.end(), first.begin(), first.end(),
+                                [shift](const Entry &a, const Entry &b) {
+                                  return a.column == b.column + shift && a.weight == b.weight;
+                                });
       if (is_alike)
         continue;
       first_row = row;

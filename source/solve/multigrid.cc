@@ -31,6 +31,7 @@
 #include <limits>
 #include <memory>
 #include <utility>
+#include <vector>
 
 namespace dovetail {
 
@@ -134,7 +135,9 @@ void Multigrid::make_levels()
           return make_cycle_of_degree_one(std::move(A_1), level...);
         });
   else
-    cycle = make_cycle_of_degree_one(*matrix, *modes, facts.known_places());
+    cycle = make_cycle_of_degree_one(*matrix, *modes,
+                                     means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>()
+                                                                        : facts.known_places());
 }
 
 std::unique_ptr<Cycle> Multigrid::make_cycle_of_degree_one(Cycle::Finest A,

@@ -153,8 +153,7 @@ double Newton::Iteration::predict() const
 /// stays there then, and returns to x otherwise.
 bool Newton::Iteration::is_confirmed_by_next_update(const double update)
 {
-  if (std::isfinite(problem.residual_and_tangent(trial)) && correct(1) &&
-      problem.norm(correction) < update)
+  if (std::isfinite(problem.residual_and_tangent(trial)) && correct(1) && problem.norm(correction) < update)
     return true;
   problem.residual_and_tangent(x);
   problem.residual(trial);

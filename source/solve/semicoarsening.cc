@@ -491,7 +491,8 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
 
 namespace {
 
-bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const int n_modes, const Semicoarsen when)
+bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const int n_modes,
+                   const Semicoarsen when)
 {
   const double least_share = 0.1, largest_cheap = 0.55;
   const Couplings couplings(A, nodes);

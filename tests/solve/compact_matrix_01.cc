@@ -99,9 +99,9 @@ void compare_products(const std::string &name, const Compact &compact, const Epe
   double bytes = compact.memory_consumption(), all_bytes = 0;
   A.Comm().SumAll(&bytes, &all_bytes, 1);
   if (A.Comm().MyPID() == 0)
-    std::cout << name << ": product " << (difference < 1e-6 ? "ok" : std::to_string(difference)) << ", transposed "
-              << (of_transposed < 1e-6 ? "ok" : std::to_string(of_transposed)) << ", bytes per entry "
-              << std::round(10 * all_bytes / A.NumGlobalNonzeros()) / 10 << std::endl;
+    std::cout << name << ": product " << (difference < 1e-6 ? "ok" : std::to_string(difference))
+              << ", transposed " << (of_transposed < 1e-6 ? "ok" : std::to_string(of_transposed))
+              << ", bytes per entry " << std::round(10 * all_bytes / A.NumGlobalNonzeros()) / 10 << std::endl;
 }
 
 } // namespace
@@ -109,8 +109,7 @@ void compare_products(const std::string &name, const Compact &compact, const Epe
 int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const Epetra_Map rows = make_map(n_nodes, n_components),
-                   coarse = make_map(n_nodes / 3 + 1, n_components);
+  const Epetra_Map rows = make_map(n_nodes, n_components), coarse = make_map(n_nodes / 3 + 1, n_components);
   const Epetra_CrsMatrix A = make_matrix(rows, true), P = make_prolongation(rows, coarse);
   const CompactMatrix compact(A);
   compare_products("matrix", compact, A);
@@ -124,7 +123,8 @@ int main(int argc, char **argv)
   Epetra_Vector b(rows), solution(rows);
   own_part.Multiply(false, x, b);
   IncompleteFactorisation(compact, 0).vmult(solution.Values(), b.Values());
-  const double of_diagonal = relative_difference(diagonal, exact), of_solution = relative_difference(solution, x);
+  const double of_diagonal = relative_difference(diagonal, exact),
+               of_solution = relative_difference(solution, x);
   IncompleteFactorisation(compact, 0).vmult(b.Values(), b.Values()); // in place
   const double of_places = relative_difference(b, solution);
   if (rows.Comm().MyPID() == 0)

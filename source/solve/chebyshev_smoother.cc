@@ -117,21 +117,27 @@ void ChebyshevSmoother::take_diagonal(const double known_eigenvalue)
 std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_factorisation(const LevelEntries &A,
                                                                          const Range range)
 {
-  const double largest_accepted = 10; // a pivot close to zero, or below it, gives a larger eigenvalue
   std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
+  result->take_factorisation(A, range);
+  return result;
+}
+
+void ChebyshevSmoother::take_factorisation(const LevelEntries &matrix, const Range its_range)
+{
+  const double largest_accepted = 10; // a pivot close to zero gives a larger eigenvalue
   const Agreement ranks{communicator_of(A), {}};
+  range = its_range;
   for (const double shift : {0.05, 0.3, 1.}) {
-    const bool is_made = ranks.succeeds("smoother", [&]() { // no memory
-      result->M.reset();
-      result->M = std::make_unique<IncompleteFactorisation>(A.single_precision(), shift);
+    const bool is_made = ranks.succeeds("smoother", [&]() { // it may break down, or find no memory
+      M.reset();
+      M = std::make_unique<IncompleteFactorisation>(matrix.single_precision(), shift);
     });
     if (is_made)
-      result->estimate_spectrum();
-    if (is_made && result->largest_eigenvalue > 0 && result->largest_eigenvalue < largest_accepted)
-      return result;
+      estimate_spectrum();
+    if (is_made && largest_eigenvalue > 0 && largest_eigenvalue < largest_accepted)
+      return;
   }
-  result->take_diagonal(0);
-  return result;
+  take_diagonal(0);
 }
 
 /// The largest eigenvalue was approached from below.

@@ -46,6 +46,10 @@ public:
                                                           double known_eigenvalue = 0);
   static std::unique_ptr<ChebyshevSmoother> with_factorisation(const LevelEntries &A, Range range);
 
+  /// From now on, M is the incomplete factorisation of @p matrix, which is A or what dominates it.
+  /// Collective.
+  void take_factorisation(const LevelEntries &matrix, Range range);
+
   void smooth(double *x, const double *b, bool starts_from_zero) const override;
 
 private:
@@ -54,7 +58,7 @@ private:
   void estimate_spectrum();
 
   const LevelProducts &A;
-  const Range range;
+  Range range;
   std::unique_ptr<Approximation> M;
   static constexpr double margin = 1.2; ///< of the largest eigenvalue over its estimate
   double largest_eigenvalue = 0;        ///< of M^-1 A; 0 if M is not definite

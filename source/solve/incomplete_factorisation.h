@@ -1,41 +1,57 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// M = LU of some of the entries of a matrix.
+// The incomplete Cholesky factorisation of some of the entries of a matrix.
 
 #pragma once
 
 #include "approximation.h"
 #include "compact_matrix.h"
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
 namespace dovetail {
 
-/// M = LU, the incomplete factorisation without fill-in of the own rows and columns of A + shift diag(A), in
-/// single precision. Without a shift it may be indefinite although A is not.
+/// The incomplete factorisation without fill-in of the own rows and columns of A + s diag(A), which are
+/// symmetric,
+/// @f[ M = (D + U)^T D^{-1} (D + U), @f]
+/// in single precision and by blocks: D are the diagonal blocks of rows that share their columns, and U is
+/// what A has above them. Only D^-1 and U are stored, half of the entries of A. Without a shift s it may
+/// break down although A is positive definite.
 ///
-/// T. A. Manteuffel: An incomplete factorization technique for positive definite linear systems, 1980.
+/// J. A. Meijerink, H. A. van der Vorst: An iterative solution method for linear systems of which the
+/// coefficient matrix is a symmetric M-matrix, 1977. T. A. Manteuffel: An incomplete factorization technique
+/// for positive definite linear systems, 1980.
 class IncompleteFactorisation : public Approximation
 {
 public:
-  /// Copies of @p A share the columns of the entries.
-  IncompleteFactorisation(CompactMatrix A, double shift);
+  /// @param A shares its columns
+  /// @throws dealii::ExcMessage if a diagonal block is not positive definite
+  IncompleteFactorisation(const CompactMatrix &A, double shift);
   void vmult(double *z, const double *r) const override;
 
+  std::size_t memory_consumption() const; ///< in bytes, without the columns
+
 private:
-  void factorise();
-  void eliminate(const RowPattern::Group &group, const std::vector<unsigned int> &group_of_row,
-                 const std::vector<int> &position);
-  float *entries(const RowPattern::Group &group, const int k)
+  /// A row of blocks: D^-1, and the columns and entries of U, column by column.
+  struct BlockRow
   {
-    return &values[group.first_entry + static_cast<std::size_t>(k) * group.n_rows];
-  }
+    int first_row, n_rows;
+    const float *inverse;
+    int n_columns;
+    const int *columns;
+    const float *entries;
+  };
+  BlockRow block_row(unsigned int group) const;
+  void copy_upper(const CompactMatrix &A, double shift);
+  void factorise();
 
   std::shared_ptr<const RowPattern> pattern;
-  std::vector<float> values; ///< L without its diagonal, which is one, and U with the inverse of its diagonal
-  double unit;               ///< of A
+  std::vector<std::size_t> first; ///< entry of each group
+  std::vector<float> entries;     ///< of each group those of D^-1, then those of U, column by column
+  double unit;                    ///< of A
 };
 
 } // namespace dovetail

@@ -112,7 +112,9 @@ void MatrixFree::make(const GroupOperator &K)
   cycle.reset();
   ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
   ranks.run("multigrid", [&]() {
-    cycle = coarsen_degree(*level, facts, [this]() { return make_modes(facts, level->rows()); });
+    cycle = coarsen_degree(
+        *level, facts, [this]() { return make_modes(facts, level->rows()); },
+        DegreeCoarsening::usual_smoother(*level, facts.degree));
   });
 }
 

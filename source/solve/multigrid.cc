@@ -86,6 +86,8 @@ private:
   std::unique_ptr<Cycle> cycle;
   std::unique_ptr<MatrixLevel> finest;         ///< of by_degree
   std::unique_ptr<DegreeCoarsening> by_degree; ///< instead, for a degree above one
+  ChebyshevSmoother *of_finest = nullptr;      ///< of by_degree
+  static constexpr ChebyshevSmoother::Range factorisation_of_finest{6, 80};
 };
 
 void Multigrid::forget_values()
@@ -124,11 +126,17 @@ void Multigrid::make_levels()
 {
   cycle.reset();
   by_degree.reset();
+  of_finest = nullptr;
   finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix)
                                  : std::make_unique<AugmentedLevel>(*matrix, *added_rows);
-  if (facts.degree > 1 && facts.linear_part)
-    by_degree = coarsen_degree(*finest, facts, [this]() { return modes; });
-  else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
+  if (facts.degree > 1 && facts.linear_part) {
+    auto smoother = DegreeCoarsening::usual_smoother(*finest, facts.degree);
+    of_finest = smoother.get();
+    if (means != Means::usual)
+      of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
+    by_degree = coarsen_degree(
+        *finest, facts, [this]() { return modes; }, std::move(smoother));
+  } else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
     by_degree = leaders->coarsen(
         *finest, facts, [this]() { return modes; }, nullptr,
         [this](Cycle::Finest A_1, const auto &...level) {
@@ -162,6 +170,8 @@ std::unique_ptr<Cycle> Multigrid::make_cycle_of_degree_one(Cycle::Finest A,
 /// iterations.
 Multigrid::Means Multigrid::means_for(const double n_expected) const
 {
+  if (facts.degree > 1)
+    return n_expected > 40 ? Means::factorisation : means;
   const double slow = is_mixed ? 60 : 30, very_slow = 100; // there, factorisations hardly save an iteration
   if (n_expected > (means == Means::usual ? very_slow : slow))
     return Means::semicoarsening;
@@ -183,7 +193,7 @@ unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const Grou
 unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                        const double goal)
 {
-  if (facts.degree > 1 || facts.has_multipliers) // whose Schur complement may be what is slow
+  if (facts.has_multipliers) // whose Schur complement may be what is slow
     return iterate(K, x, b, goal, {});
 
   const unsigned int n_between_checks = 8;
@@ -213,7 +223,10 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
         if (next <= means)
           throw dealii::SolverControl::NoConvergence(0, r.l2_norm());
         means = next;
-        ranks.run("multigrid", [this]() { make_levels(); });
+        ranks.run("multigrid", [this]() {
+          of_finest != nullptr ? of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest)
+                               : make_levels();
+        });
         upkeep.made();
         return solve_with_new(K, z, r, goal);
       });

@@ -246,9 +246,9 @@ std::unique_ptr<DegreeCoarsening> SoftLeaders::coarsen(const LevelOperator &A, c
 }
 
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
-                                                 const DegreeCoarsening::MakeModes &make_modes)
+                                                 const DegreeCoarsening::MakeModes &make_modes,
+                                                 std::unique_ptr<Smoother> smoother)
 {
-  auto smoother = DegreeCoarsening::usual_smoother(A, facts.degree);
   SoftLeaders::Sums sums = facts.linear_part();
   if (const auto leaders = SoftLeaders::find(facts, A.rows(), &sums))
     return leaders->coarsen(A, facts, make_modes, std::move(smoother), DegreeCoarsening::make_usual_coarse);

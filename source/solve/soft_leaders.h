@@ -54,8 +54,9 @@ private:
   std::vector<int> leaders;               ///< own rows
 };
 
-/// DegreeCoarsening for @p facts.degree, by SoftLeaders where there are some. Collective.
+/// DegreeCoarsening of A with @p smoother, by SoftLeaders where there are some. Collective.
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
-                                                 const DegreeCoarsening::MakeModes &make_modes);
+                                                 const DegreeCoarsening::MakeModes &make_modes,
+                                                 std::unique_ptr<Smoother> smoother);
 
 } // namespace dovetail

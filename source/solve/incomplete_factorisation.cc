@@ -34,8 +34,9 @@ void invert(float *const block, const int n)
           a[i * n + j] -= factor * a[k * n + j];
       }
   }
-  for (int k = 0; k < n * n; ++k)
-    block[k] = static_cast<float>(a[k]);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j) // symmetric to the last digit
+      block[i * n + j] = block[j * n + i] = static_cast<float>(a[i * n + j]);
 }
 
 } // namespace
@@ -59,6 +60,7 @@ IncompleteFactorisation::BlockRow IncompleteFactorisation::block_row(const unsig
 void IncompleteFactorisation::copy_upper(const CompactMatrix &A, const double shift)
 {
   std::size_t n_entries = 0;
+  first.reserve(pattern->n_groups());
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
     first.push_back(n_entries);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Two tied elastic bodies in 3D (4 764 unknowns) whose cells are long in x, for tests of solvers.
+// Two tied elastic bodies in 3D whose cells are long in some directions, for tests of solvers.
 
 #pragma once
 
@@ -11,14 +11,23 @@
 
 namespace test {
 
-inline std::string slender_body(const std::string &mesh, const std::string &more = "")
+/// @param cells, @param begin and @param end of the box
+/// @param set_degree and @param in_mesh: more entries of the domain and of its mesh
+struct SlenderBody
 {
-  return set("Material", "one") + set("Degree", "1") +
-         subsection("Source", set("displacement", "0; 1e-3; 2e-3")) + box(mesh) + more;
+  std::string cells, begin, end;
+  std::string set_degree = set("Degree", "1"), in_mesh = "";
+};
+
+inline std::string slender_body(const SlenderBody &body, const std::string &more = "")
+{
+  return set("Material", "one") + body.set_degree +
+         subsection("Source", set("displacement", "0; 1e-3; 2e-3")) +
+         box(body.cells + " : " + body.begin + " : " + body.end, body.in_mesh) + more;
 }
 
-/// @param half: where they meet. @param length: of both; height and width are one
-inline std::string slender_bodies(const std::string &half, const std::string &length)
+/// Clamped at x = 0, tied at the left end of the right one.
+inline std::string slender_bodies(const SlenderBody &left, const SlenderBody &right)
 {
   const std::string clamp =
       set("Boundary conditions", "clamp") +
@@ -28,10 +37,17 @@ inline std::string slender_bodies(const std::string &half, const std::string &le
          subsection("Material one",
                     subsection("Solid", set("Type", "linear elastic") + set("Young modulus", "1") +
                                             set("Poisson ratio", "0.3"))) +
-         subsection("Domain left", slender_body("4, 8, 8 : 0, 0, 0 : " + half + ", 1, 1", clamp)) +
-         subsection("Domain right", slender_body("6, 12, 12 : " + half + ", 0, 0 : " + length + ", 1, 1")) +
+         subsection("Domain left", slender_body(left, clamp)) +
+         subsection("Domain right", slender_body(right)) +
          subsection("Interface seam",
                     set("Type", "Nitsche") + set("Source", "left : 1") + set("Destination", "right : 0"));
+}
+
+/// With 4 764 unknowns. @param half: where they meet. @param length: of both; height and width are one
+inline std::string slender_bodies(const std::string &half, const std::string &length)
+{
+  return slender_bodies({"4, 8, 8", "0, 0, 0", half + ", 1, 1"},
+                        {"6, 12, 12", half + ", 0, 0", length + ", 1, 1"});
 }
 
 } // namespace test

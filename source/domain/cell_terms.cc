@@ -60,7 +60,7 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
       fluxes(n * responses.size()), uniform_response(n), lumped(all_lumped_components(domain)),
-      lumped_response(n), source_of_component(n)
+      lumped_response(n), given(n), given_of_cell(n, 0.), source_of_component(n)
 {
   const auto &fields = domain.fields();
   for (unsigned int c = 0; c < n; ++c)
@@ -203,16 +203,33 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   if (tangent && !lumped.empty())
     tangent->add(1, lumped_tangent);
   if (!leaves_out_given)
-    add_source(t, residual);
-  if (!leaves_out_given && domain.body_force().is_given())
-    add_body_force(t, unknowns, residual, tangent);
-  if (!flux_conditions.empty() && cell->at_boundary()) {
+    add_given(cell, t, unknowns, residual, tangent);
+  if (meets_flux_condition(cell)) {
     if (leaves_out_boundary)
       left_out.assign(layout.size(), 0.);
     if (!add_boundary_terms(cell, t, unknowns, leaves_out_boundary ? left_out : residual, tangent))
       return false;
   }
   return std::isfinite(std::accumulate(residual.begin(), residual.end(), 0.));
+}
+
+template <int dim>
+const Flows *CellTerms<dim>::given_flows() const
+{
+  return has_loads || leaves_out_given || domain.body_force().depends_on_displacement() ? nullptr : &given;
+}
+
+template <int dim>
+void CellTerms<dim>::add_given(const typename Domain<dim>::cell_iterator &cell, const double t,
+                               const std::vector<double> &unknowns, std::vector<double> &residual,
+                               dealii::FullMatrix<double> *tangent)
+{
+  std::fill(given_of_cell.begin(), given_of_cell.end(), 0.);
+  add_source(t, residual);
+  if (domain.body_force().is_given())
+    add_body_force(t, unknowns, residual, tangent);
+  for (unsigned int c = 0; c < n && !meets_flux_condition(cell); ++c)
+    given.add(c, given_of_cell[c]);
 }
 
 template <int dim>
@@ -242,7 +259,7 @@ bool CellTerms<dim>::assemble_loads(const typename Domain<dim>::cell_iterator &c
   const bool has_source = has_loads || domain.body_force().is_given() ||
                           std::any_of(source_of_component.begin(), source_of_component.end(),
                                       [](const auto &source) { return source.first != nullptr; });
-  const bool has_boundary = !flux_conditions.empty() && cell->at_boundary();
+  const bool has_boundary = meets_flux_condition(cell);
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(layout.size(), 0.);
   if (has_source) {
@@ -616,7 +633,7 @@ void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
   });
   if (is_uniform && is_translated && has_uniform_tangent &&
       has_equal_derivatives(responses[0], uniform_response)) {
-    tangent = uniform_tangent;
+    std::copy_n(&uniform_tangent(0, 0), uniform_tangent.n_elements(), &tangent(0, 0)); // no new memory
     return;
   }
   add_pairs(tangent);
@@ -652,6 +669,7 @@ void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
           finite(value, domain.section.subsection("Source"), field_of_component(domain, c),
                  cell_values.quadrature_point(q), t);
         const double f = value * domain.measure(cell_values, q);
+        given_of_cell[c] += f;
         for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
           add(layout.index(c, a), -f * cell_values.shape_value(layout.shape_of_node(c, a), q), residual);
       }
@@ -673,9 +691,11 @@ void CellTerms<dim>::add_body_force(const double t, const std::vector<double> &u
     for (unsigned int c = 0; force.depends_on_displacement() && c < dim; ++c)
       u[c] = std::inner_product(phi.begin(), phi.end(), unknowns.begin() + layout.first(first + c), 0.);
     const dealii::Tensor<1, dim> b = force.value(cell_values.quadrature_point(q), t, u);
-    for (unsigned int c = 0; c < dim; ++c)
+    for (unsigned int c = 0; c < dim; ++c) {
+      given_of_cell[first + c] += b[c] * JxW;
       for (unsigned int i = 0; i < n_nodes; ++i)
         add(layout.index(first + c, i), -b[c] * phi[i] * JxW, residual);
+    }
     if (tangent == nullptr || !force.depends_on_displacement() || has_operator(first))
       continue;
     const dealii::Tensor<2, dim> derivative = force.derivative(cell_values.quadrature_point(q), t);

@@ -53,7 +53,10 @@ bool DiffusionTerm<dim>::add(const State<dim> &state, const bool with_derivative
                              Response<dim> &response) const
 {
   const unsigned int c = this->field.first_component, n = state.value.size();
-  ScalarLaw::Response local(with_derivatives ? scalars.size() : 0);
+  thread_local ScalarLaw::Response local(0); // no new memory at each point
+  local.A = {};
+  local.by_gradient = {};
+  local.by_scalar.assign(with_derivatives ? scalars.size() : 0, {});
   if (!law->evaluate(scalar_state(state), with_derivatives, local))
     return false;
   response.flux[c] += restrict_to<dim>(local.A);

@@ -42,18 +42,29 @@ void add_influxes(const Domain<dim> &domain, const std::vector<double> &residual
     }
 }
 
-/// Sources, those of the laws too, given influxes and what is stored, cell by cell.
+void add_flow(const Flows &from, const unsigned int component, Flows &to, const unsigned int component_there)
+{
+  to.in[component_there] += from.in[component];
+  to.out[component_there] += from.out[component];
+}
+
+/// Sources, those of the laws too, given influxes and what is stored, cell by cell. @p given: of the sources
+/// in cells that meet no condition with a flux; nullptr: not known, but to be found.
 template <int dim>
 void add_cells(const Domain<dim> &domain, const Vector &solution, const double t, const Rates &rates,
-               std::vector<FlowsOfField> &flows)
+               const Flows *given, std::vector<FlowsOfField> &flows)
 {
   const bool has_flux =
       std::any_of(domain.conditions().begin(), domain.conditions().end(),
                   [](const auto &condition) { return condition->adds_flux() || condition->is_weak(); });
-  bool has_source = !domain.source().expressions.empty() || domain.body_force().is_given();
+  bool has_source =
+      given == nullptr && (!domain.source().expressions.empty() || domain.body_force().is_given());
   for (unsigned int f = 0; f < flows.size(); ++f)
     has_source = has_source || domain.material.has_load(f);
   const bool has_storage = rates.has_first() && domain.material.order_in_time() > 0;
+  for (unsigned int f = 0; f < flows.size() && given != nullptr; ++f)
+    for (unsigned int c = 0; c < domain.fields()[f].n_components; ++c)
+      add_flow(*given, domain.fields()[f].first_component + c, flows[f].through, c);
   if (!has_flux && !has_source && !has_storage)
     return;
   CellTerms<dim> terms(domain);
@@ -64,17 +75,12 @@ void add_cells(const Domain<dim> &domain, const Vector &solution, const double t
     if (cell->is_locally_owned() && (has_source || has_storage || cell->at_boundary())) {
       domain.cell_dofs(cell, dofs);
       solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      if (terms.assemble_loads(cell, t, unknowns, residual))
+      if ((has_source || (has_flux && cell->at_boundary())) &&
+          terms.assemble_loads(cell, t, unknowns, residual))
         add_influxes(domain, residual, -1., &FlowsOfField::through, flows);
       if (terms.assemble_storage(cell, t, unknowns, residual))
         add_influxes(domain, residual, 1., &FlowsOfField::stored, flows);
     }
-}
-
-void add_flow(const Flows &from, const unsigned int component, Flows &to, const unsigned int component_there)
-{
-  to.in[component_there] += from.in[component];
-  to.out[component_there] += from.out[component];
 }
 
 /// Of all fields of a domain, on all ranks.
@@ -97,7 +103,8 @@ std::vector<FlowsOfField> find_flows(const Model<dim> &model, const Domain<dim> 
       flows.back().through.add(at_node.component, at_node.force);
   }
   if (of_cells == nullptr)
-    add_cells(domain, solution, reactions.forces().t, reactions.forces().rates, flows);
+    add_cells(domain, solution, reactions.forces().t, reactions.forces().rates,
+              reactions.forces().given_flows(number), flows);
   for (const auto &interface : model.interfaces)
     for (const auto &[f, component, influx] : reactions.transmissions(*interface))
       for (const unsigned int side : {source, destination})

@@ -125,7 +125,13 @@ void BlockMatrix::find_blocks(const dealii::DynamicSparsityPattern &pattern, con
     for (const Index index : owned[r]) {
       const Index row = indices.block_start(r) + index;
       const unsigned int n = pattern.row_length(row);
-      for (unsigned int k = 0; k < n; ++k) // an iterator of the pattern takes longer
+      if (n == 0)
+        continue;
+      const unsigned int first = find(pattern.column_number(row, 0)).first;
+      has_column[first] = true;
+      if (find(pattern.column_number(row, n - 1)).first == first) // columns are sorted
+        continue;
+      for (unsigned int k = 1; k < n; ++k) // an iterator of the pattern takes longer
         has_column[find(pattern.column_number(row, k)).first] = true;
     }
     for (unsigned int c = 0; c < owned.size(); ++c)

@@ -384,6 +384,7 @@ template <int dim>
 void BlockSystem<dim>::make_cell_terms()
 {
   cell_terms.clear();
+  time_of_given.reset();
   for (const auto &domain : model.domains) {
     cell_terms.push_back(std::make_unique<CellTerms<dim>>(*domain));
     cell_terms.back()->set_rates(&step_rates);
@@ -956,8 +957,13 @@ template <int dim>
 bool BlockSystem<dim>::assemble_all(const bool with_tangent)
 {
   bool is_defined = true;
-  for (unsigned int d = 0; d < model.domains.size(); ++d)
+  time_of_given.reset();
+  for (unsigned int d = 0; d < model.domains.size(); ++d) {
+    cell_terms[d]->forget_given();
     is_defined = assemble_domain(d, ghosted_scratch, with_tangent) && is_defined;
+  }
+  if (is_defined)
+    time_of_given = time;
   if (!model.interfaces.empty()) {
     dealii::Timer timer;
     for (const auto &interface : model.interfaces) {
@@ -1009,8 +1015,10 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
   std::vector<double> unknowns(n_local), residual(n_local);
   local_matrix.reinit(n_local, n_local);
   positions.resize(model.domains.size());
-  if (with_tangent && has_tangent && form == Form::direct && cell_terms[d]->has_entries() && !positions[d])
+  if (with_tangent && form == Form::direct && cell_terms[d]->has_entries() && !positions[d])
     positions[d] = std::make_unique<KeptPositions<dim>>(domain, matrix);
+  if (with_tangent && has_tangent && positions[d])
+    positions[d]->keep();
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
@@ -1155,7 +1163,11 @@ NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x)
     throw_on_all_ranks(fault, model.communicator);
     products->evaluate(x, owned_rates);
   }
-  return NodalForces<dim>(model, lines, constraints, ghosted(x), time, step_rates, products);
+  std::vector<std::optional<Flows>> given(model.domains.size());
+  for (unsigned int d = 0; d < given.size(); ++d)
+    if (const Flows *flows = cell_terms[d]->given_flows(); flows != nullptr && time == time_of_given)
+      given[d] = *flows;
+  return NodalForces<dim>(model, lines, constraints, ghosted(x), time, step_rates, products, given);
 }
 
 template <int dim>

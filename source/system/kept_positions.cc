@@ -11,7 +11,8 @@ namespace dovetail {
 
 template <int dim>
 KeptPositions<dim>::KeptPositions(const Domain<dim> &domain, const BlockMatrix &matrix)
-    : matrix(matrix), n_local(domain.dofs_per_cell())
+    : matrix(matrix), n_local(domain.dofs_per_cell()), n_cells(domain.mesh().n_active_cells()),
+      columns(n_local)
 {
   const CellLayout<dim> &layout = domain.layout();
   for (const Field &field : domain.fields())
@@ -31,7 +32,16 @@ KeptPositions<dim>::KeptPositions(const Domain<dim> &domain, const BlockMatrix &
       has_one_part = has_one_part && matrix.part_of(b) == matrix.part_of(blocks[0].number);
     }
   part = matrix.part_of(blocks[0].number);
-  const std::size_t n_cells = domain.mesh().n_active_cells();
+  all_rows.resize(n_local);
+  positions.resize(nodes.size() * nodes.size());
+}
+
+template <int dim>
+void KeptPositions<dim>::keep()
+{
+  if (keeps)
+    return;
+  keeps = true;
   way.assign(n_cells, Way::unknown);
   all_rows.resize(n_cells * n_local);
   positions.resize(n_cells * nodes.size() * nodes.size());
@@ -70,7 +80,7 @@ template <int dim>
 bool KeptPositions<dim>::find(const std::vector<Index> &dofs, int *row_of_dof, std::uint16_t *kept)
 {
   const Rows entries = rows();
-  std::vector<int> column_of_dof(n_local);
+  std::vector<int> &column_of_dof = columns;
   if (!has_one_part || !entries.exist || !find_rows(dofs, row_of_dof, column_of_dof.data()))
     return false;
   for (const auto &node : nodes)
@@ -167,7 +177,7 @@ template <int dim>
 void KeptPositions<dim>::prefetch(const unsigned int cell_index) const
 {
   constexpr std::size_t largest = 64 * 1024; // bytes that are still there after the cell
-  if (way[cell_index] != Way::kept || sizeof(double) * n_local * n_local > largest)
+  if (!keeps || way[cell_index] != Way::kept || sizeof(double) * n_local * n_local > largest)
     return;
   const int *const row_of_dof = &all_rows[std::size_t(cell_index) * n_local];
   const std::uint16_t *kept = &positions[std::size_t(cell_index) * nodes.size() * nodes.size()];
@@ -191,11 +201,16 @@ bool KeptPositions<dim>::add(const unsigned int cell_index, const std::vector<In
   thread_local Prescribed prescribed;
   thread_local std::vector<double> rest;
   prescribed.find(dofs, constraints);
-  int *const row_of_dof = &all_rows[std::size_t(cell_index) * n_local];
-  std::uint16_t *kept = &positions[std::size_t(cell_index) * nodes.size() * nodes.size()];
-  Way &known = way[cell_index];
+  if (!keeps && prescribed.is_general)
+    return false;
+  const std::size_t place = keeps ? cell_index : 0;
+  int *const row_of_dof = &all_rows[place * n_local];
+  std::uint16_t *kept = &positions[place * nodes.size() * nodes.size()];
+  Way known = keeps ? way[cell_index] : Way::unknown;
   if (known == Way::unknown)
     known = find(dofs, row_of_dof, kept) ? Way::kept : Way::general;
+  if (keeps)
+    way[cell_index] = known;
   if (known == Way::general || prescribed.is_general)
     return false;
 

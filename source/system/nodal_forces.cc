@@ -36,8 +36,10 @@ std::vector<bool> vertices_at_boundary(const Domain<dim> &domain)
 template <int dim>
 NodalForces<dim>::NodalForces(const Model<dim> &model, const std::shared_ptr<const ConstraintLines> &lines,
                               const dealii::AffineConstraints<double> &constraints, const Vector &solution,
-                              const double t, const Rates &rates, AffineResidual<dim> *products)
-    : t(t), rates(rates), model(model), lines(lines), constraints(constraints)
+                              const double t, const Rates &rates, AffineResidual<dim> *products,
+                              std::vector<std::optional<Flows>> given_flows)
+    : t(t), rates(rates), model(model), lines(lines), constraints(constraints),
+      all_given(std::move(given_flows))
 {
   Vector residual(model.numbering->split(model.numbering->owned), model.communicator);
   if (products != nullptr)

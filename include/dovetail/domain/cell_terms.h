@@ -7,6 +7,7 @@
 
 #include <dovetail/domain/cell_operator.h>
 #include <dovetail/domain/cell_points.h>
+#include <dovetail/domain/flows.h>
 #include <dovetail/domain/open_boundary.h>
 #include <dovetail/domain/point_products.h>
 
@@ -99,6 +100,12 @@ public:
                         const std::vector<double> &unknowns, std::vector<double> &residual,
                         dealii::FullMatrix<double> *tangent = nullptr);
 
+  /// What the given sources have put into all cells of assemble() since forget_given(), by component, but for
+  /// cells where assemble() has added something of conditions. nullptr: not known, as sources depend on the
+  /// state, too.
+  const Flows *given_flows() const;
+  void forget_given() { given = Flows(n); }
+
   /// Of the last assemble(), by local unknown: the sum of the absolute contributions of all points.
   const std::vector<double> &forces() const { return force_sizes; }
   /// By local unknown, of the tangent that has been given away: at least sum_j |K_ij x_j|.
@@ -119,6 +126,13 @@ private:
 
   void enter(const typename Domain<dim>::cell_iterator &cell); ///< its points
   void enter_without_tangent(const typename Domain<dim>::cell_iterator &cell, double t);
+  void add_given(const typename Domain<dim>::cell_iterator &cell, double t,
+                 const std::vector<double> &unknowns, std::vector<double> &residual,
+                 dealii::FullMatrix<double> *tangent);
+  bool meets_flux_condition(const typename Domain<dim>::cell_iterator &cell) const
+  {
+    return !flux_conditions.empty() && cell->at_boundary();
+  }
   void add_source(double t, std::vector<double> &residual);
   void add_body_force(double t, const std::vector<double> &unknowns, std::vector<double> &residual,
                       dealii::FullMatrix<double> *tangent);
@@ -204,6 +218,8 @@ private:
   std::vector<const Condition<dim> *> flux_conditions;
   bool leaves_out_given = false, leaves_out_boundary = false;
   std::vector<double> left_out; // scratch
+  Flows given;
+  std::vector<double> given_of_cell; ///< by component, of the last cell
   std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
   std::vector<double> source_at_points, size_of_value; // scratch
   std::vector<dealii::Tensor<1, dim>> size_of_gradient;

@@ -6,9 +6,9 @@
 #pragma once
 
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/domain/flows.h>
 #include <dovetail/interface/transmission.h>
 #include <dovetail/solve/block_matrix.h>
-#include <dovetail/system/flows.h>
 #include <dovetail/system/linear_sums.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>

@@ -248,7 +248,8 @@ private:
   Vector right_hand_side;
   Vector ghosted_scratch;
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
-  std::vector<std::unique_ptr<KeptPositions<dim>>> positions; ///< by domain, from the second tangent on
+  std::optional<double> time_of_given; ///< that of their given_flows(), if these are complete
+  std::vector<std::unique_ptr<KeptPositions<dim>>> positions; ///< by domain, kept from the second tangent on
   dealii::FullMatrix<double> local_matrix;
   dealii::Vector<double> local_rhs;
   /// Sums of squares over cells and ties, by block: of the forces; of those on free unknowns, and of

@@ -14,15 +14,18 @@
 namespace dovetail {
 
 /// Adds the local matrix and vector of one cell after another, as distribute_local_to_global(). The
-/// components of a field at a node follow each other in the matrix, so that one position is kept for each
-/// pair of nodes, two bytes. Cells with unknowns that follow others or are moved, of several parts, or of
-/// another rank are not added.
+/// components of a field at a node follow each other in the matrix, so that one position is looked up for
+/// each pair of nodes. From keep() on it is kept, which takes two bytes. Cells with unknowns that follow
+/// others or are moved, of several parts, or of another rank are not added.
 template <int dim>
 class KeptPositions
 {
 public:
   /// @p matrix: with these entries as long as this object lives.
   KeptPositions(const Domain<dim> &domain, const BlockMatrix &matrix);
+
+  /// From now on the cells are expected to come again.
+  void keep();
 
   /// @return false, and nothing is added, if the cell needs the general way.
   bool add(unsigned int cell_index, const std::vector<BlockMatrix::size_type> &dofs,
@@ -60,9 +63,12 @@ private:
   std::vector<BlockOfDofs> blocks;
 
   enum class Way : char { unknown, kept, general };
+  const std::size_t n_cells;
+  bool keeps = false;
   std::vector<Way> way;                 ///< by cell
-  std::vector<int> all_rows;            ///< [cell][unknown]
-  std::vector<std::uint16_t> positions; ///< in the row, [cell][node of the row][node of the column]
+  std::vector<int> all_rows;            ///< [cell][unknown]; of the last cell, unless they are kept
+  std::vector<std::uint16_t> positions; ///< in the row, [cell][node of the row][node of the column]; likewise
+  std::vector<int> columns;             ///< scratch, [unknown]
 };
 
 } // namespace dovetail

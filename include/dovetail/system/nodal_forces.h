@@ -6,8 +6,8 @@
 #pragma once
 
 #include <dovetail/domain/constraint_lines.h>
+#include <dovetail/domain/flows.h>
 #include <dovetail/interface/transmission.h>
-#include <dovetail/system/flows.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 #include <dovetail/time/rates.h>
@@ -17,6 +17,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -40,10 +41,12 @@ public:
   /// @param constraints the same for all relevant unknowns, resolved
   /// @param solution ghosted
   /// @param rates ghosted, too; kept by reference
-  /// @param products if not nullptr, evaluated at the solution: then no law is asked. Collective.
+  /// @param products if not nullptr, evaluated at the solution: then no law is asked
+  /// @param given_flows by domain, CellTerms::given_flows() of that time, where they are known. Collective.
   NodalForces(const Model<dim> &model, const std::shared_ptr<const ConstraintLines> &lines,
               const dealii::AffineConstraints<double> &constraints, const Vector &solution, double t,
-              const Rates &rates, AffineResidual<dim> *products = nullptr);
+              const Rates &rates, AffineResidual<dim> *products,
+              std::vector<std::optional<Flows>> given_flows);
 
   /// At an owned unknown that is constrained; NaN if a law is not defined somewhere.
   double operator()(const dealii::types::global_dof_index dof) const
@@ -97,6 +100,13 @@ public:
     return cell_flows.empty() ? nullptr : &cell_flows[domain];
   }
 
+  /// What given sources put into the cells of a domain that meet no condition with a flux, likewise; nullptr:
+  /// not known.
+  const Flows *given_flows(const unsigned int domain) const
+  {
+    return all_given[domain] ? &*all_given[domain] : nullptr;
+  }
+
   /// Rounding of all sums of a field of a body and of those that follow it: 1e-15 sum_ij |K_ij x_j|,
   /// where x_j is at least what it was before the step. Expensive. Collective.
   double rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
@@ -122,7 +132,8 @@ private:
   const dealii::AffineConstraints<double> &constraints;
   bool is_defined = true;
   Vector force;
-  std::vector<FlowsOfCells> cell_flows; ///< by domain
+  std::vector<FlowsOfCells> cell_flows;        ///< by domain
+  std::vector<std::optional<Flows>> all_given; ///< likewise
   std::map<const Interface<dim> *, std::vector<Transmission>> transmissions;
 };
 

@@ -15,24 +15,48 @@
 
 namespace dovetail {
 
+namespace {
+
+/// Whether all integrals of shape functions are positive. Those of hypercubes have the nodes of Gauss and
+/// Lobatto, and with 2 pi r only those of degree 1 are so beside the axis.
 template <int dim>
-std::vector<unsigned int> lumped_components(const Domain<dim> &domain)
+bool has_positive_sums(const Domain<dim> &domain, const Field &field)
 {
+  const unsigned int degree = domain.degree + field.relative_degree;
+  return field.is_continuous &&
+         (degree == 1 ||
+          (domain.mesh().all_reference_cells_are_hyper_cube() && !domain.measure.is_axisymmetric()));
+}
+
+void check_lumping(const Section &of_domain, const bool is_right, const unsigned int degree,
+                   const std::string &entry, const std::string &where)
+{
+  of_domain.check(is_right, "Degree",
+                  "is " + std::to_string(degree) + ", but " + entry + " = true in the subsection Steps is for " +
+                      where + ". Set Degree = 1, or " + entry + " = false.");
+}
+
+} // namespace
+
+template <int dim>
+std::vector<unsigned int> lumped_components(const Domain<dim> &domain, const unsigned int order_in_time)
+{
+  const bool is_mass = order_in_time > 1;
+  const std::string entry = is_mass ? "Lumped mass" : "Lumped capacity";
   std::vector<unsigned int> lumped;
-  if (domain.section.top().peek("Steps", "Lumped capacity") != "true")
+  if (domain.section.top().peek("Steps", entry) != "true")
     return lumped;
-  bool is_linear = true;
+  bool is_right = true;
   for (const Field &field : domain.fields())
     for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
-      if (domain.material.order_in_time(c) == 1) {
+      if (domain.material.order_in_time(c) == order_in_time) {
         lumped.push_back(c);
-        is_linear = is_linear && field.is_continuous && domain.degree + field.relative_degree == 1;
+        is_right = is_right && (is_mass ? has_positive_sums(domain, field)
+                                        : field.is_continuous && domain.degree + field.relative_degree == 1);
       }
-  domain.section.check(
-      is_linear, "Degree",
-      "is " + std::to_string(domain.degree) +
-          ", but Lumped capacity = true in the subsection Steps is for the degree 1 only. Set "
-          "Degree = 1, or Lumped capacity = false.");
+  check_lumping(domain.section, is_right, domain.degree, entry,
+                is_mass ? "the degree 1 only, other than on quadrilaterals and hexahedra of scenes without an axis"
+                        : "the degree 1 only");
   return lumped;
 }
 
@@ -42,11 +66,9 @@ namespace {
 template <int dim>
 std::vector<unsigned int> all_lumped_components(const Domain<dim> &domain)
 {
-  std::vector<unsigned int> lumped = lumped_components(domain);
-  if (domain.section.top().peek("Steps", "Lumped mass") == "true")
-    for (unsigned int c = 0; c < domain.n_components(); ++c)
-      if (domain.material.order_in_time(c) == 2)
-        lumped.push_back(c);
+  std::vector<unsigned int> lumped = lumped_components(domain, 1);
+  const std::vector<unsigned int> of_mass = lumped_components(domain, 2);
+  lumped.insert(lumped.end(), of_mass.begin(), of_mass.end());
   return lumped;
 }
 
@@ -759,8 +781,8 @@ void CellTerms<dim>::add_influx(const Condition<dim> &condition, const typename 
     }
 }
 
-template std::vector<unsigned int> lumped_components(const Domain<2> &);
-template std::vector<unsigned int> lumped_components(const Domain<3> &);
+template std::vector<unsigned int> lumped_components(const Domain<2> &, unsigned int);
+template std::vector<unsigned int> lumped_components(const Domain<3> &, unsigned int);
 template class CellTerms<2>;
 template class CellTerms<3>;
 

@@ -39,7 +39,8 @@ Domain<dim>::Domain(const std::string &name, const Section &section, const Mater
 {
   read_given(section);
   read_conditions(section, toggles);
-  lumped_components(*this); // must be right in every run
+  for (const unsigned int order_in_time : {1, 2})
+    lumped_components(*this, order_in_time); // must be right in every run
   if (section.documenting())
     return;
 

@@ -232,10 +232,12 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
       if (is_allowed)
         balance.worst =
             std::max(balance.worst, imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 0.);
-      if (is_exact || (is_allowed && notes == nullptr))
+      if (is_exact)
         continue;
       const double rounding = reactions.forces().rounding(*domain, field, solution);
       result["rounding"] = rounding;
+      if (imbalance.throughput > 0)
+        balance.rounding = std::max(balance.rounding, rounding / imbalance.throughput);
       if (is_allowed)
         continue;
       if (imbalance.largest <= rounding &&

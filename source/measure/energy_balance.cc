@@ -28,6 +28,29 @@ const Field *solid_field(const Domain<dim> &domain)
   return nullptr;
 }
 
+/// sum_a |v_a|^2/2 int phi_a dV over the nodes of a cell, in which @p values are.
+template <int dim>
+double lumped_square(const Domain<dim> &domain, const Field &field, const Vector &velocity,
+                     const typename Domain<dim>::cell_iterator &cell, const dealii::FEValues<dim> &values)
+{
+  const CellLayout<dim> &layout = domain.layout();
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> v(domain.dofs_per_cell());
+  domain.cell_dofs(cell, dofs);
+  velocity.extract_subvector_to(dofs.begin(), dofs.end(), v.begin());
+  double sum = 0;
+  for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
+    for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
+      double weight = 0;
+      for (const unsigned int q : values.quadrature_point_indices())
+        weight +=
+            values.shape_value(layout.shape_index(layout.first_shape(c) + a), q) * domain.measure(values, q);
+      const double v_a = v[layout.index(c, a)];
+      sum += v_a * v_a / 2 * weight;
+    }
+  return sum;
+}
+
 } // namespace
 
 template <int dim>
@@ -49,9 +72,10 @@ void EnergyBalance<dim>::add_domain(const Domain<dim> &domain, const Vector &x, 
   dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(), domain.cell_quadrature(),
                                DomainPoint<dim>::needed() | dealii::update_JxW_values);
   DomainPoint<dim> point(domain, x, t), rate(domain, velocity != nullptr ? *velocity : x, t);
-  for (const auto &cell : domain.mesh().active_cell_iterators())
+  const bool is_lumped = !lumped_components(domain, 2).empty();
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
-      values.reinit(cell);
+      values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
       point.enter(values);
       if (velocity != nullptr)
         rate.enter(values);
@@ -59,12 +83,14 @@ void EnergyBalance<dim>::add_domain(const Domain<dim> &domain, const Vector &x, 
         const double dV = domain.measure(values, q);
         point.move_to(q);
         sums.elastic += point.energy_density() * dV;
-        if (velocity == nullptr)
+        if (velocity == nullptr || is_lumped)
           continue;
         rate.move_to(q);
         for (unsigned int c = field->first_component; c < field->first_component + dim; ++c)
           sums.kinetic += density / 2 * rate.state().value[c] * rate.state().value[c] * dV;
       }
+      if (velocity != nullptr && is_lumped)
+        sums.kinetic += density * lumped_square(domain, *field, *velocity, cell, values);
     }
 }
 
@@ -101,10 +127,9 @@ typename EnergyBalance<dim>::Energies EnergyBalance<dim>::energies(const Vector 
   return {over_ranks[0], over_ranks[1], over_ranks[2], over_ranks[3] == 0};
 }
 
-/// Into the nodes of solids, before constraints.
+/// Into the nodes of solids, before constraints: of sources and conditions.
 template <int dim>
-Vector EnergyBalance<dim>::forces(const Reactions<dim> &reactions, const Vector &x,
-                                  const Vector &ghosted) const
+Vector EnergyBalance<dim>::loads(const double t, const Vector &x, const Vector &ghosted) const
 {
   Vector result = x;
   result = 0;
@@ -120,31 +145,52 @@ Vector EnergyBalance<dim>::forces(const Reactions<dim> &reactions, const Vector 
       if (cell->is_locally_owned()) {
         domain->cell_dofs(cell, dofs);
         ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-        terms.assemble_given(cell, reactions.forces().t, given);
-        terms.assemble_boundary(cell, reactions.forces().t, unknowns, boundary);
+        terms.assemble_given(cell, t, given);
+        terms.assemble_boundary(cell, t, unknowns, boundary);
         for (unsigned int c = field->first_component; c < field->first_component + dim; ++c)
           for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
             const unsigned int i = layout.index(c, a);
             result(dofs[i]) -= given[i] + boundary[i];
           }
       }
-    for (const auto &[dof, at_node] : reactions.at_nodes(*domain, *field))
-      result(dof) += at_node.force;
   }
+  result.compress(dealii::VectorOperation::add);
+  return result;
+}
+
+/// Likewise, of supports.
+template <int dim>
+Vector EnergyBalance<dim>::support(const Reactions<dim> &reactions, const Vector &x) const
+{
+  Vector result = x;
+  result = 0;
+  for (const auto &domain : model.domains)
+    if (const Field *field = solid_field(*domain))
+      for (const auto &[dof, at_node] : reactions.at_nodes(*domain, *field))
+        result(dof) += at_node.force;
   result.compress(dealii::VectorOperation::add);
   return result;
 }
 
 template <int dim>
 nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reactions, const Vector &x,
-                                                    const Vector &ghosted, const Vector *velocity)
+                                                    const Vector &ghosted, const Vector *velocity,
+                                                    const std::optional<double> new_start)
 {
-  Vector now = forces(reactions, x, ghosted), change = x;
+  const Vector of_support = support(reactions, x);
+  Vector now = loads(reactions.forces().t, x, ghosted), change = x;
+  now += of_support;
   const bool is_first = last.x.n_blocks() == 0; // a run that goes on from one without
   if (is_first)
     last.x = x;
   if (last.forces.n_blocks() == 0)
     last.forces = now;
+  if (new_start) {
+    Vector ghosted_before = ghosted;
+    ghosted_before = last.x;
+    last.forces = loads(*new_start, last.x, ghosted_before);
+    last.forces += of_support;
+  }
   change -= last.x;
   last.work += (now * change + last.forces * change) / 2;
   last.forces = std::move(now);

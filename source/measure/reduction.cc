@@ -105,7 +105,7 @@ void visit_storage(const Region<dim> &region, const Vector &solution, const doub
 {
   const Domain<dim> &domain = *region.domain;
   const auto &shape_element = domain.layout().shape_element();
-  const auto lumped = lumped_components(domain);
+  const auto lumped = lumped_components(domain, 1);
   const auto &element = domain.layout().nodal_element(lumped.empty() ? 0 : lumped[0]);
   const auto flags = DomainPoint<dim>::needed() | dealii::update_JxW_values;
   dealii::FEValues<dim> values(domain.mapping(), shape_element, domain.cell_quadrature(), flags),

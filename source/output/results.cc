@@ -287,13 +287,16 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
   const Balance balance = // its notes, of the last step, are told by measure()
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), nullptr);
   report()["steps"].back()["imbalance"] = balance.worst;
+  if (balance.rounding > 0)
+    report()["steps"].back()["rounding of imbalance"] = balance.rounding;
   nlohmann::ordered_json flows = balance.report;
   for (auto &domain_flows : flows)
     for (auto &field_flows : domain_flows)
       field_flows.erase("rounding");
   nlohmann::ordered_json numbers = probes.evaluate(ghosted, reactions);
   if (energy_balance) {
-    const auto energy = energy_balance->add_step(reactions, solution.x, ghosted, velocity_now);
+    const auto energy =
+        energy_balance->add_step(reactions, solution.x, ghosted, velocity_now, solution.new_start);
     report()["steps"].back()["energy"] = energy;
     for (const auto &[name, value] : energy.items())
       numbers["energy " + name] = value;

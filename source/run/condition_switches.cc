@@ -6,6 +6,9 @@
 #include <dovetail/domain/open_boundary.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/fe/fe_values.h>
+
+#include <algorithm>
 
 namespace dovetail {
 
@@ -32,11 +35,45 @@ typename ConditionSwitches<dim>::Places ConditionSwitches<dim>::find(const Model
   return places;
 }
 
+/// At the points at which materials remember their phases.
+template <int dim>
+void ConditionSwitches<dim>::look_at_phases(const Model<dim> &model, const double last, const double t)
+{
+  if (std::none_of(model.materials.begin(), model.materials.end(),
+                   [](const auto &material) { return material->has_phases(); }))
+    return;
+  bool has_changed = false;
+  for (const auto &domain : model.domains) {
+    if (!domain->memory || !domain->material.has_phases())
+      continue;
+    dealii::FEValues<dim> values(domain->mapping(), domain->scalar_element(), domain->cell_quadrature(),
+                                 dealii::update_quadrature_points);
+    State<dim> state(domain->n_components());
+    for (const auto &cell : domain->mesh().active_cell_iterators()) {
+      if (!cell->is_locally_owned() || has_changed)
+        continue;
+      values.reinit(cell);
+      for (const auto &X : values.get_quadrature_points()) {
+        state.X = X;
+        state.memory.accepted = domain->memory->nearest(cell, X);
+        state.t = last;
+        const unsigned int before = domain->material.phase(state);
+        state.t = t;
+        has_changed = has_changed || domain->material.phase(state) != before;
+      }
+    }
+  }
+  if (dealii::Utilities::MPI::max(has_changed ? 1 : 0, model.communicator) == 1)
+    is_new = true;
+}
+
 template <int dim>
 void ConditionSwitches<dim>::look(const Model<dim> &model, const double t)
 {
-  if (!model.has_conditions_by_fields())
+  if (!model.has_conditions_by_fields()) {
+    is_new = false;
     return;
+  }
   if (before && before->first == t) {
     now = std::exchange(before, {});
     is_new = false;

@@ -19,8 +19,6 @@ namespace dovetail {
 
 namespace {
 
-/// Beside its product with the mass nothing is left of the stiffness, in any units.
-const double mass_alone = 1e40;
 const unsigned int n_guides = 8;
 const unsigned int usual_number = 10; ///< of modes; used.prm has it in every scene
 
@@ -94,14 +92,6 @@ void Eigenmodes<dim>::check_scene(const Section &scene) const
   section.check(std::any_of(model.domains.begin(), model.domains.end(),
                             [](const auto &domain) { return domain->material.order_in_time() > 1; }),
                 "Kind", "is eigenmodes, but no material has a subsection Solid.");
-  if (section.peek("Lumped mass") == "true")
-    for (const auto &domain : model.domains)
-      for (const Field &field : domain->fields())
-        domain->section.check(
-            !has_mass(*domain, field) || domain->degree + field.relative_degree == 1, "Degree",
-            "is " + std::to_string(domain->degree) +
-                ", but Lumped mass = true in the subsection Steps is for the degree 1 only. Set "
-                "Degree = 1, or Lumped mass = false.");
   check_symmetry();
   const std::string shown = scene.peek("Output", "Fields");
   const Section output = scene.subsection("Output");

@@ -95,16 +95,25 @@ void NonlinearStep<dim>::release_system()
   present_system.reset();
 }
 
+/// A gap that a tie by constraints would close in the first step is one between interpolations.
 template <int dim>
-void NonlinearStep<dim>::start(const Vector &x)
+void NonlinearStep<dim>::start(const double t, Vector &x)
 {
+  if (scheme && model.order_in_time() > 1) {
+    Vector rate = initial_rates(model, x);
+    present_system->follow(x);
+    present_system->distribute_rate(rate, false);
+    if (present_system->has_multipliers()) {
+      present_system->begin_step(t, x);
+      problem->begin_step(t, x);
+      problem->satisfy_multipliers(x, rate);
+    }
+    scheme->start(x, rate);
+  } else if (scheme)
+    scheme->start(x);
   present_system->look_at_start(x);
   if (!scheme)
     return;
-  if (model.order_in_time() > 1)
-    scheme->start(x, initial_rates(model, x));
-  else
-    scheme->start(x);
   range_watch->start(x);
   widen(ranges, x);
   ranges_of_first = ranges;
@@ -167,14 +176,47 @@ bool NonlinearStep<dim>::starts_anew(const double begin, const double t) const
   return active_toggles(model, begin) != active_toggles(model, t) || given->jump_between(begin, t);
 }
 
-/// Whether the step that has begun is on another curve, since a toggle that looks at fields has switched. A
-/// flux that switches changes no velocity, and a motion would lose more by a new start than by the switch.
+/// Whether the step that has begun is on another curve, since a toggle that looks at fields has switched,
+/// also one that chooses the material of a point. A flux that switches changes no velocity, and a motion
+/// would lose more by a new start than by the switch.
 template <int dim>
 bool NonlinearStep<dim>::has_switched_by_fields() const
 {
-  return (condition_switches.have_switched() && model.order_in_time() < 2) ||
+  return (model.order_in_time() < 2 && condition_switches.have_switched()) ||
          std::any_of(model.interfaces.begin(), model.interfaces.end(),
                      [](const auto &interface) { return interface->tie().has_switched(); });
+}
+
+namespace {
+
+const double just_after = 1e-9; ///< the beginning of a step, relative to its size
+
+} // namespace
+
+template <int dim>
+std::optional<double> NonlinearStep<dim>::new_start() const
+{
+  if (!scheme || scheme->memory().sizes.size() != 1)
+    return {};
+  const StepTime &last = scheme->memory().last;
+  return last.begin + just_after * last.size;
+}
+
+/// Those of constrained unknowns are constant during the step: what is prescribed is known at its end only.
+template <int dim>
+void NonlinearStep<dim>::find_second_rates(const Vector &x)
+{
+  const double h = present_step.size;
+  const Vector &rate = scheme->memory().rates[0];
+  Vector of_constrained = x, along = rate;
+  present_system->constrain(of_constrained);
+  of_constrained -= x;
+  present_system->distribute_rate(along, true);
+  along -= rate;
+  of_constrained.add(h, along);
+  of_constrained *= 2 / (h * h);
+  const auto found = problem->second_rates(present_step.begin + just_after * h, x, rate, of_constrained);
+  scheme->start_second_rates(found.value_or(of_constrained)); // else the step fails by itself
 }
 
 template <int dim>
@@ -182,7 +224,7 @@ double NonlinearStep<dim>::end_before_switch(const double begin, const double en
 {
   if (!scheme)
     return end;
-  const double least = 1e-9 * (end - begin); // what is nearer counts as the beginning
+  const double least = just_after * (end - begin); // what is nearer counts as the beginning
   const auto at_begin = active_toggles(model, begin + least);
   const unsigned int n_looks = 8;
   double before = begin + least, after = end;
@@ -199,10 +241,22 @@ double NonlinearStep<dim>::end_before_switch(const double begin, const double en
   return before > begin + 2 * least ? before : end;
 }
 
+/// Where nothing but solids with inertia stores, no term sees first rates, and no tangent depends on them.
 template <int dim>
 Rates NonlinearStep<dim>::rates_to(const double t)
 {
-  return scheme ? scheme->rates(step_to(t)) : Rates();
+  if (!scheme)
+    return Rates();
+  Rates rates = scheme->rates(step_to(t));
+  const bool sees_first =
+      std::any_of(model.domains.begin(), model.domains.end(), [](const auto &domain) {
+        return std::any_of(domain->fields().begin(), domain->fields().end(), [&](const Field &field) {
+          return !field.is_multiplier && domain->material.order_in_time(field.first_component) < 2;
+        });
+      });
+  if (!sees_first)
+    rates.by_value = 0;
+  return rates;
 }
 
 template <int dim>
@@ -228,7 +282,7 @@ bool NonlinearStep<dim>::must_start_anew(const double t, const Vector &x)
   const bool looks_back = scheme && scheme->order() > 1 && scheme->memory().states.size() > 1;
   return looks_back && !step_to(t).starts_anew &&
          std::any_of(model.domains.begin(), model.domains.end(),
-                     [](const auto &domain) { return !lumped_components(*domain).empty(); }) &&
+                     [](const auto &domain) { return !lumped_components(*domain, 1).empty(); }) &&
          range_watch->leaves(t, x);
 }
 
@@ -299,14 +353,21 @@ bool NonlinearStep<dim>::is_solution(const double t, const Vector &x)
 template <int dim>
 void NonlinearStep<dim>::begin(const double t, const Vector &x)
 {
-  begin(t, x, rates_to(t));
-  if (!has_switched_by_fields())
-    return;
-  predictor.forget();
-  if (scheme && scheme->order() > 1 && scheme->memory().last.size > 0 && !step_to(t).starts_anew) {
-    start_anew(t);
-    present_system->set_rates(rates_to(t));
+  const auto asks = [&]() { return scheme && scheme->asks_for_second_rates(step_to(t)); };
+  const bool has_asked = asks();
+  begin(t, x, has_asked ? Rates() : rates_to(t));
+  bool starts = has_asked;
+  if (has_switched_by_fields()) {
+    predictor.forget();
+    if (scheme && scheme->order() > 1 && scheme->memory().last.size > 0 && !step_to(t).starts_anew) {
+      start_anew(t);
+      starts = true;
+    }
   }
+  if (asks())
+    find_second_rates(x);
+  if (starts)
+    present_system->set_rates(rates_to(t));
 }
 
 template <int dim>
@@ -330,6 +391,8 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x, const Rates &rat
   present_system->begin_step(t, x);
   problem->begin_step(t, x);
   condition_switches.look(model, t);
+  if (scheme && scheme->memory().last.size > 0)
+    condition_switches.look_at_phases(model, scheme->memory().last.end, t);
 }
 
 /// A linear scene that is solved directly does not ask where its solution may lie.

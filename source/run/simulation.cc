@@ -219,7 +219,7 @@ Vector Simulation<dim>::begin()
   step.make_system(steps.size());
   Vector x = step.system().owned_vector();
   set_initial_values(model, steps.size(), x);
-  step.start(x);
+  step.start(steps.size(), x);
   results.start({step.system(), x, 0, true, step.velocity()});
   return x;
 }

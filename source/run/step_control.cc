@@ -70,12 +70,12 @@ Steps::Steps(const Section &section)
                                             "however short the steps are; Degree = 1 only [-]");
   section.check(!is_lumped || is_transient, "Lumped capacity",
                 "needs Kind = transient: a static scene stores nothing.");
-  const bool has_lumped_mass = section.read<bool>("Lumped mass", false,
-                                                  "With Kind = eigenmodes: the mass of solids is summed at "
-                                                  "the nodes, which lowers the frequencies of a mesh; "
-                                                  "Degree = 1 only [-]");
-  section.check(!has_lumped_mass || finds_modes(), "Lumped mass",
-                "needs Kind = eigenmodes: steps in time take the mass as it is.");
+  const bool has_lumped_mass = section.read<bool>(
+      "Lumped mass", false,
+      "The mass of solids is summed at the nodes, which lowers the frequencies of a mesh: with Inertia, and "
+      "of eigenmodes; Degree = 1 only [-]");
+  section.check(!has_lumped_mass || finds_modes() || has_inertia, "Lumped mass",
+                "needs Inertia = true, or Kind = eigenmodes: else solids have no mass.");
   section.check(tolerance == 0 || is_transient, "Tolerance",
                 "needs Kind = transient: a static step has no error in time.");
   section.check(largest == 0 || controls_errors(), "Largest step",
@@ -361,7 +361,7 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   log.step_ends();
   results.forget_solution();
   if (step.has_rates() || ((steps.n_steps > 1 || steps.follows_path()) && results.has_probes()))
-    results.record_step({step.system(), x, t, true, step.velocity()}, step.tolerance());
+    results.record_step({step.system(), x, t, true, step.velocity(), step.new_start()}, step.tolerance());
   if (steps.n_steps > 1)
     results.record_ranges({step.system(), x, t, true});
   if (!steps.finds_modes() && (results.is_due(n_good) || t >= almost_end()))

@@ -344,6 +344,123 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
   return relative;
 }
 
+/// @return whether it is defined at @p x: the tangent for second rates mass_alone x.
+template <int dim>
+bool StepProblem<dim>::assemble_mass(const Vector &x)
+{
+  Rates rates;
+  rates.by_value = rates.second_by_value = mass_alone;
+  rates.rest = rates.second_rest = x;
+  rates.rest *= -mass_alone;
+  rates.second_rest *= -mass_alone;
+  rates.weights = {-mass_alone};
+  rates.past = {x};
+  system.set_rates(rates);
+  if (!system.keeps_tangent() && !system.assemble(x, true))
+    return false;
+  linear_solver.set_matrix(system.tangent());
+  has_new_tangent = false;
+  return true;
+}
+
+/// Solved again for what the solver leaves.
+template <int dim>
+Vector StepProblem<dim>::solve_mass(const Vector &x, const Vector &right_hand_side)
+{
+  const double exact = 1e-14;
+  Vector solution = system.owned_vector(), rest = right_hand_side, correction = rest;
+  for (unsigned int pass = 0; pass < 3 && rest.l2_norm() > exact * right_hand_side.l2_norm(); ++pass) {
+    bool is_solved = linear_solver.solve(correction, rest).has_value();
+    if (!is_solved && linear_solver.lacks_entries()) {
+      linear_solver.forget_matrix();
+      system.choose_entries(linear_solver.needs_entries());
+      system.make_matrix();
+      is_solved = assemble_mass(x) && linear_solver.solve(correction, rest).has_value();
+    }
+    if (!is_solved)
+      throw UserError(
+          "accelerations at the beginning of a step cannot be found: the linear solver fails with "
+          "the mass of the bodies.");
+    solution += correction;
+    system.tangent().vmult(rest, solution);
+    rest.sadd(-1, 1, right_hand_side);
+  }
+  return solution;
+}
+
+/// Given ones.
+template <int dim>
+void StepProblem<dim>::set_rates_alone(const Vector &x, const Vector &rate, const Vector &second_rate)
+{
+  Rates rates;
+  rates.rest = rate;
+  rates.second_rest = second_rate;
+  rates.weights = {0};
+  rates.past = {x};
+  system.set_rates(rates);
+}
+
+/// With the matrix c M + K, where c is as large as can be, an update is a/c of what has a mass; the forces of
+/// multipliers and pressures, and other fields, are found with it.
+template <int dim>
+std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vector &x, const Vector &rate,
+                                                     const Vector &of_constrained)
+{
+  const Phases::Scope scope(phases, "solve");
+  if (!assemble_mass(x))
+    return {};
+  const double end = t;
+  if (!system.is_outdated(now))
+    system.set_time(now);
+  set_rates_alone(x, rate, of_constrained);
+  const bool is_defined = system.assemble(x, false);
+  Vector rest = system.negative_residual();
+  system.set_time(end);
+  if (!is_defined)
+    return {};
+  for (unsigned int b = 0; b < rest.n_blocks(); ++b)
+    if (is_of_multipliers(b)) // else what bodies are apart at x would be closed at once
+      rest.block(b) = 0;
+  Vector result = solve_mass(x, rest);
+  result *= mass_alone;
+  system.distribute_rate(result, true);
+  result += of_constrained;
+  for (unsigned int b = 0; b < result.n_blocks(); ++b)
+    if (model.numbering->blocks()[b].is_constraint)
+      result.block(b) = 0;
+  return result;
+}
+
+template <int dim>
+void StepProblem<dim>::satisfy_multipliers(Vector &x, Vector &rate)
+{
+  const auto only_multipliers = [this](const Vector &all) {
+    Vector result = all;
+    for (unsigned int b = 0; b < result.n_blocks(); ++b)
+      if (!is_of_multipliers(b))
+        result.block(b) = 0;
+    return result;
+  };
+  const auto add = [this](const Vector &change, Vector &to) {
+    for (unsigned int b = 0; b < to.n_blocks(); ++b)
+      if (!model.numbering->blocks()[b].is_constraint)
+        to.block(b) += change.block(b);
+  };
+  if (!assemble_mass(x))
+    return;
+  Vector product = rate;
+  system.tangent().vmult(product, rate);
+  product *= -1;
+  const Vector jumps = only_multipliers(product);
+  set_rates_alone(x, rate, rate);
+  if (!system.assemble(x, false))
+    return;
+  add(solve_mass(x, only_multipliers(system.negative_residual())), x);
+  add(solve_mass(x, jumps), rate);
+  system.follow(x);
+  system.distribute_rate(rate, false);
+}
+
 /// Updates of different fields are compared in the ranges of their values, which a step does not shrink.
 template <int dim>
 void StepProblem<dim>::learn_scales(const Vector &x, const Vector &dx)

@@ -248,6 +248,10 @@ void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms,
       for (unsigned int i = begin(fields[f]); depends && i < end(fields[f]); ++i)
         for (unsigned int j = begin(fields[g]); j < end(fields[g]); ++j)
           couples(i, j) = true;
+      const bool is_diagonal = is_without_entries && terms.lumps_storage();
+      any_couples = any_couples || is_diagonal;
+      for (unsigned int i = begin(fields[f]); is_diagonal && i < end(fields[f]); ++i)
+        couples(i, i) = true;
     }
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
@@ -1339,12 +1343,13 @@ std::optional<UnrestrainedMode<dim>> BlockSystem<dim>::find_unrestrained_mode(co
 
 /// x_i = sum w x_j + b_i
 template <int dim>
-void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vector &x)
+void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vector &x, const bool moves,
+                             const bool what_is_prescribed)
 {
   ghosted_scratch = x;
   for (const auto &line : lines.get_lines())
-    if (model.numbering->owned.is_element(line.index)) {
-      double value = line.inhomogeneity;
+    if (model.numbering->owned.is_element(line.index) && (what_is_prescribed || !line.entries.empty())) {
+      double value = moves ? line.inhomogeneity : 0.;
       for (const auto &[other, weight] : line.entries)
         value += weight * ghosted_scratch(other);
       x(line.index) = value;
@@ -1356,6 +1361,18 @@ template <int dim>
 void BlockSystem<dim>::distribute(Vector &dx)
 {
   apply(update_constraints, dx);
+}
+
+template <int dim>
+void BlockSystem<dim>::distribute_rate(Vector &rate, const bool what_is_prescribed)
+{
+  apply(constraints, rate, false, what_is_prescribed);
+}
+
+template <int dim>
+void BlockSystem<dim>::follow(Vector &x)
+{
+  apply(constraints, x, true, false);
 }
 
 template <int dim>

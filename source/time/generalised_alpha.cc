@@ -26,9 +26,9 @@
 // order.
 //
 // Of order two and stable for any size of the steps; r = 1 is the trapezoidal rule, which keeps the energy of
-// linear bodies, and r = 0 removes in one step what is not resolved. Nothing is known of a at the beginning,
-// after a toggle has switched and after prescribed values have jumped: there it is constant during a step,
-// which costs no order. Fields without inertia (heat) see the rates of BDF2.
+// linear bodies, and r = 0 removes in one step what is not resolved. At the beginning, after a toggle has
+// switched and after prescribed values have jumped, a_n = b_n is the acceleration for which the equations
+// hold at that time. Fields without inertia (heat) see the rates of BDF2.
 //
 // Reference: Chung & Hulbert, Journal of Applied Mechanics 60 (1993), 371.
 //
@@ -75,14 +75,18 @@ public:
     if (memory().rates.empty())
       return result;
     std::tie(result.second_by_value, result.second_rest) = newmark(step);
-    if (!is_start(step)) {
-      const double c = (1 - alpha_m) / (1 - alpha_f);
-      result.second_by_value *= c;
-      result.second_rest *= c;
-      result.second_rest.add(alpha_m / (1 - alpha_f), a(step), -alpha_f / (1 - alpha_f), b());
-    }
+    const double c = (1 - alpha_m) / (1 - alpha_f);
+    result.second_by_value *= c;
+    result.second_rest *= c;
+    result.second_rest.add(alpha_m / (1 - alpha_f), a(step), -alpha_f / (1 - alpha_f), b(step));
     return result;
   }
+
+  bool asks_for_second_rates(const StepTime &step) const override
+  {
+    return !memory().rates.empty() && is_start(step);
+  }
+  void start_second_rates(const Vector &second_rates) override { at_start = second_rates; }
 
 protected:
   void find_rates(const StepTime &step, const Vector &x, Vector &rate,
@@ -96,38 +100,37 @@ protected:
     const auto [by_value, rest] = newmark(step);
     std::vector<Vector> found = {value(by_value, rest), value(seen.second_by_value, seen.second_rest)};
     rate = memory().rates[0];
-    if (is_start(step))
-      rate.add(step.size, found[0]);
-    else
-      rate.add(step.size * (1 - gamma), a(step), step.size * gamma, found[0]);
+    rate.add(step.size * (1 - gamma), a(step), step.size * gamma, found[0]);
     second_rates = std::move(found);
   }
 
 private:
   bool is_start(const StepTime &step) const { return memory().second_rates.empty() || step.starts_anew; }
-  const Vector &b() const { return memory().second_rates[1]; }
+  const Vector &b(const StepTime &step) const { return is_start(step) ? at_start : memory().second_rates[1]; }
   /// a_n for a step of this size.
   Vector a(const StepTime &step) const
   {
+    if (is_start(step))
+      return at_start;
     Vector result = memory().second_rates[0];
     const double ratio = step.size / memory().last.size;
     if (ratio != 1)
-      result.sadd(ratio, 1 - ratio, b());
+      result.sadd(ratio, 1 - ratio, b(step));
     return result;
   }
 
   /// a, linear in x.
   std::pair<double, Vector> newmark(const StepTime &step) const
   {
-    const double h = step.size, by_value = 1 / ((is_start(step) ? 0.5 : beta) * h * h);
+    const double h = step.size, by_value = 1 / (beta * h * h);
     Vector rest = memory().states[0];
     rest.sadd(-by_value, -by_value * h, memory().rates[0]);
-    if (!is_start(step))
-      rest.add(1 - 1 / (2 * beta), a(step));
+    rest.add(1 - 1 / (2 * beta), a(step));
     return {by_value, rest};
   }
 
   const double radius, alpha_m, alpha_f, gamma, beta;
+  Vector at_start; ///< second rates
 };
 
 namespace {

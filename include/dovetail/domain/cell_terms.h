@@ -23,11 +23,12 @@
 
 namespace dovetail {
 
-/// Those of the scalars whose capacity is lumped: all that store, if the scene asks for `Lumped capacity`.
-/// @throw UserError if the degree is not 1: row sums of higher shape functions are negative or zero
-/// somewhere.
+/// Those whose capacity (@p order_in_time 1) or mass (2) is lumped: all that store in this way, if the scene
+/// asks for `Lumped capacity` or `Lumped mass`.
+/// @throw UserError if row sums of shape functions are negative or zero somewhere, as those of a degree higher
+/// than 1 are on triangles and tetrahedra; capacities are lumped with the degree 1 only.
 template <int dim>
-std::vector<unsigned int> lumped_components(const Domain<dim> &domain);
+std::vector<unsigned int> lumped_components(const Domain<dim> &domain, unsigned int order_in_time);
 
 /// Residual and tangent of
 /// @f[ R(\delta) = \int_K A\cdot\nabla\delta B + S\cdot\delta B - f\cdot\delta B \,dV
@@ -59,8 +60,9 @@ public:
   /// Mark the pairs of local unknowns that it couples.
   void add_boundary_couplings(const typename Domain<dim>::cell_iterator &cell,
                               dealii::Table<2, bool> &couples) const;
+  bool lumps_storage() const { return !lumped.empty(); } ///< on the diagonal of the tangent
   /// Whether the tangent of every cell has entries, and of this one.
-  bool has_entries() const { return !pairs.empty() || !lumped.empty(); }
+  bool has_entries() const { return !pairs.empty() || lumps_storage(); }
   bool has_entries(const typename Domain<dim>::cell_iterator &cell) const
   {
     return has_entries() || has_boundary_tangent(cell);

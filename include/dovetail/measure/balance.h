@@ -18,7 +18,8 @@ namespace dovetail {
 struct Balance
 {
   nlohmann::ordered_json report;
-  double worst = 0; ///< imbalance of all fields, relative to what flows or is stored; 0 if it is rounding
+  double worst = 0;    ///< imbalance of all fields, relative to what flows or is stored; 0 if it is rounding
+  double rounding = 0; ///< likewise, what it can hide where more than largest_imbalance is missing
 };
 
 /// For each domain and field "stored", "in", "out" and "imbalance" = in - out - stored, by component: the
@@ -27,8 +28,8 @@ struct Balance
 /// cells store more of than before, in transient scenes, all of them per time. "rounding" is
 /// what rounding alone makes of them; only where the imbalance is larger than largest_imbalance times the
 /// others. @p tolerance: that of Newton's method, or what a linear solve has left. Collective.
-/// @param notes gets a sentence for each field whose balance does not hold; nullptr: neither sentences nor
-/// the rounding of what is allowed are asked for
+/// @param notes gets a sentence for each field whose balance does not hold; nullptr: no sentences are asked
+/// for
 template <int dim>
 Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
                         double tolerance, NoteList *notes);

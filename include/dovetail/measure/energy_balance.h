@@ -18,7 +18,8 @@ namespace dovetail {
 ///     \mathrm{ties} = \sum \int -\{A\} \cdot [B] + \tfrac12 \gamma |[B]|^2 dA, \quad
 ///     \mathrm{work} = \sum_n \tfrac12 (f_n + f_{n+1}) \cdot (u_{n+1} - u_n), @f]
 /// by the quadrature of the equations, and lost = initial energy + work - kinetic - elastic - ties. f are the
-/// forces that sources, conditions and supports put into the nodes; in the first step those at its end. Ties
+/// forces that sources, conditions and supports put into the nodes; in a new start f_n are those just after its
+/// beginning, but those of supports at its end. Ties
 /// that do not follow from an energy (theta other than 1, joints) have no "ties": what they take or give is
 /// in what is lost, as is what plastic flow and the time scheme take and what heating gives, with its sign
 /// (doc/theory/time.md).
@@ -31,9 +32,10 @@ public:
   /// The state before the first step, owned and @p ghosted. @p velocity: ghosted; nullptr: all bodies are at
   /// rest. Collective.
   void start(const Vector &x, const Vector &ghosted, const Vector *velocity, double t);
-  /// After a good step to @p x, owned and @p ghosted. Collective.
+  /// After a good step to @p x, owned and @p ghosted. @p new_start: just after this time it started anew, if
+  /// it did. Collective.
   nlohmann::ordered_json add_step(const Reactions<dim> &reactions, const Vector &x, const Vector &ghosted,
-                                  const Vector *velocity);
+                                  const Vector *velocity, std::optional<double> new_start);
 
   /// What a checkpoint has to hold.
   struct Memory
@@ -55,7 +57,8 @@ private:
   void add_domain(const Domain<dim> &domain, const Vector &x, const Vector *velocity, double t,
                   Energies &sums) const;
   void add_interface(const Interface<dim> &interface, const Vector &x, double t, Energies &sums) const;
-  Vector forces(const Reactions<dim> &reactions, const Vector &x, const Vector &ghosted) const;
+  Vector loads(double t, const Vector &x, const Vector &ghosted) const;
+  Vector support(const Reactions<dim> &reactions, const Vector &x) const;
 
   const Model<dim> &model;
   Memory last;

@@ -37,6 +37,7 @@ struct Solution
   double t;
   bool is_last;                     ///< no step after it has failed
   const Vector *velocity = nullptr; ///< of all unknowns, if something has inertia
+  std::optional<double> new_start = {}; ///< just after this time the step that led there started anew
 };
 
 /// The directory of a run and what stands in it. What cannot be written ends no run, since the numbers are

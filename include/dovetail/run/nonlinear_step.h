@@ -36,13 +36,16 @@ public:
   /// Before the meshes change.
   void release_system();
 
-  /// The state @p x at the time 0, from which rates go on.
-  void start(const Vector &x);
+  /// The state @p x at the time 0, from which rates go on to time @p t. Where something has inertia what
+  /// follows by constraints of ties and cells does so.
+  void start(double t, Vector &x);
   /// The step to time @p t has led to @p x. A step that fails leaves no trace in the time scheme.
   void accept_step(double t, const Vector &x);
   /// The step that was tried last is rejected: what comes next is not predicted from the steps before.
   void reject_step() { predictor.forget(); }
   bool has_rates() const { return scheme != nullptr; } ///< a term asks for them
+  /// If the last good step was a new start: just after which time.
+  std::optional<double> new_start() const;
   /// The first rates of the last good state, where some term asks for second ones; else nullptr.
   const Vector *velocity() const
   {
@@ -137,6 +140,7 @@ public:
 private:
   void set_up(double t);
   void begin(double t, const Vector &x, const Rates &rates);
+  void find_second_rates(const Vector &x);
   /// present_step, once it is the step to time @p t.
   const StepTime &step_to(double t);
   Rates rates_to(double t);

@@ -18,6 +18,9 @@
 
 namespace dovetail {
 
+/// A second rate by so much of the value: rounding leaves nothing of other terms, in any system of units.
+constexpr double mass_alone = 1e40;
+
 /// The system of all domains and interfaces at the time of a step, measured by Convergence and solved by
 /// LinearSolver. Made anew with the system.
 template <int dim>
@@ -38,6 +41,15 @@ public:
   /// if nothing else acted on them: what a constant conductivity without sources would do.
   /// @return false if x stays as it is because that cannot be found.
   bool spread_prescribed_values(Vector &x);
+
+  /// The second rates at a state @p x that moves with @p rate for which the equations of time @p now hold;
+  /// those of constrained unknowns are given. Later in the step its equations are assembled anew.
+  /// @pre begin_step(); the system's rates are set afterwards. @return nothing if a law is not defined at x.
+  std::optional<Vector> second_rates(double now, const Vector &x, const Vector &rate,
+                                     const Vector &of_constrained);
+  /// Before the first step: change the state @p x and its @p rate, by as little as the mass allows, such that
+  /// multipliers of interfaces find their equations solved. @pre likewise
+  void satisfy_multipliers(Vector &x, Vector &rate);
 
   /// Of a linear scene: about what the next solve(x, dx) will find. Taken if it leaves a smaller residual.
   void set_guess(const Vector &dx) { guess = dx; }
@@ -92,7 +104,9 @@ private:
   double forcing() const;
   std::optional<unsigned int> solve_from_guess(Vector &dx);
   double measure(bool is_defined);
-  void set_matrix();
+  bool assemble_mass(const Vector &x);
+  Vector solve_mass(const Vector &x, const Vector &right_hand_side);
+  void set_rates_alone(const Vector &x, const Vector &rate, const Vector &second_rate);
   double refine_linear_solution(const Vector &x, Vector &dx);
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);

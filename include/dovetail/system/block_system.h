@@ -152,6 +152,10 @@ public:
   bool is_dropped(dealii::types::global_dof_index multiplier) const { return dropped.count(multiplier) > 0; }
   /// Complete @p dx by the constrained unknowns.
   void distribute(Vector &dx);
+  /// Likewise a rate: what is prescribed has none. @p what_is_prescribed: else these unknowns stay as they are.
+  void distribute_rate(Vector &rate, bool what_is_prescribed);
+  /// Make those unknowns of @p x that follow others do so; what is prescribed stays as it is.
+  void follow(Vector &x);
 
   /// What holds the constrained unknowns at a solution of the current time. Collective; refers to
   /// constraints of this system.
@@ -204,7 +208,8 @@ private:
   void assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
   template <typename Visit>
   void for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const;
-  void apply(const dealii::AffineConstraints<double> &lines, Vector &x);
+  void apply(const dealii::AffineConstraints<double> &lines, Vector &x, bool moves = true,
+             bool what_is_prescribed = true);
   void add_sizes(const std::vector<dealii::types::global_dof_index> &dofs, const std::vector<double> &forces,
                  const std::vector<double> &unknowns, unsigned int longest_sum, bool with_tangent);
   void add_products(const std::vector<dealii::types::global_dof_index> &dofs,

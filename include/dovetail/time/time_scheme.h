@@ -52,6 +52,11 @@ public:
   /// two only if memory().rates is not empty.
   virtual Rates rates(const StepTime &step) const = 0;
 
+  /// Whether rates() wants to know the second rates at the beginning of a step: those for which the equations
+  /// of that time hold, start_second_rates(), before it is asked.
+  virtual bool asks_for_second_rates(const StepTime & /*step*/) const { return false; }
+  virtual void start_second_rates(const Vector & /*second_rates*/) {}
+
   void start(const Vector &x);                     ///< at the time 0 with the state @p x
   void start(const Vector &x, const Vector &rate); ///< likewise, if some term asks for second rates
   StepTime step_to(const double end, const bool starts_anew = false) const

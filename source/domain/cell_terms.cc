@@ -23,17 +23,17 @@ template <int dim>
 bool has_positive_sums(const Domain<dim> &domain, const Field &field)
 {
   const unsigned int degree = domain.degree + field.relative_degree;
-  return field.is_continuous &&
-         (degree == 1 ||
-          (domain.mesh().all_reference_cells_are_hyper_cube() && !domain.measure.is_axisymmetric()));
+  return field.is_continuous && (degree == 1 || (domain.mesh().all_reference_cells_are_hyper_cube() &&
+                                                 !domain.measure.is_axisymmetric()));
 }
 
 void check_lumping(const Section &of_domain, const bool is_right, const unsigned int degree,
                    const std::string &entry, const std::string &where)
 {
   of_domain.check(is_right, "Degree",
-                  "is " + std::to_string(degree) + ", but " + entry + " = true in the subsection Steps is for " +
-                      where + ". Set Degree = 1, or " + entry + " = false.");
+                  "is " + std::to_string(degree) + ", but " + entry +
+                      " = true in the subsection Steps is for " + where + ". Set Degree = 1, or " + entry +
+                      " = false.");
 }
 
 } // namespace
@@ -54,9 +54,10 @@ std::vector<unsigned int> lumped_components(const Domain<dim> &domain, const uns
         is_right = is_right && (is_mass ? has_positive_sums(domain, field)
                                         : field.is_continuous && domain.degree + field.relative_degree == 1);
       }
-  check_lumping(domain.section, is_right, domain.degree, entry,
-                is_mass ? "the degree 1 only, other than on quadrilaterals and hexahedra of scenes without an axis"
-                        : "the degree 1 only");
+  check_lumping(
+      domain.section, is_right, domain.degree, entry,
+      is_mass ? "the degree 1 only, other than on quadrilaterals and hexahedra of scenes without an axis"
+              : "the degree 1 only");
   return lumped;
 }
 

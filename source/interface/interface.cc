@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/interface/interface.h>
+#include <dovetail/interface/looks.h>
 #include <dovetail/interface/side_ratios.h>
 #include <dovetail/scene/field_toggle.h>
 #include <dovetail/scene/undefined.h>
@@ -376,7 +377,7 @@ void Interface<dim>::find_components()
       bool is_needed = std::find(in_toggle.begin(), in_toggle.end(), name_in_toggles(field.name)) !=
                            in_toggle.end() || // if only to look at it
                        sides[side].domain->material.chooses_by(field.first_component) ||
-                       method->looks_at(field);
+                       looks_at(*method, *sides[side].domain, g);
       for (const TiedField &tied : fields)
         is_needed = is_needed || tied.field[side] == g ||
                     sides[side].domain->material.flux_depends(tied.field[side], g);
@@ -611,7 +612,8 @@ bool Interface<dim>::couples(const unsigned int row, const unsigned int column) 
       const auto &side_field = sides[side].domain->fields();
       for (unsigned int g = 0; g < side_field.size(); ++g)
         if (contains(side_field[g].first_component, side_field[g].n_components, component))
-          return sides[side].domain->material.flux_depends(tied.field[side], g);
+          return sides[side].domain->material.flux_depends(tied.field[side], g) ||
+                 (tied.n_components == 1 && looks_at(*method, *sides[side].domain, g));
     }
   return false;
 }

@@ -9,15 +9,23 @@ using dealii::Tensor;
 
 template <int dim>
 DeformationHeat<dim>::DeformationHeat(const Field &temperature, const SolidTerm<dim> &solid,
-                                      const bool with_compression, const double share, const double offset)
-    : Term<dim>(temperature), solid(solid), with_compression(with_compression), share(share), offset(offset)
+                                      const VolumeTerm<dim> *const volume, const bool with_compression,
+                                      const double share, const double offset)
+    : Term<dim>(temperature), solid(solid), volume(volume), with_compression(with_compression), share(share),
+      offset(offset)
 {
 }
 
 template <int dim>
 std::vector<InternalVariable> DeformationHeat<dim>::internal_variables() const
 {
-  return {{"heat of deformation"}, {"time of the heat"}, {"gradient of the step", dim * dim}};
+  std::vector<InternalVariable> result = {
+      {"heat of deformation"}, {"time of the heat"}, {"gradient of the step", dim * dim}};
+  if (solid.is_around_axis())
+    result.push_back({"hoop strain of the step"});
+  if (volume != nullptr)
+    result.push_back({"change of volume of the step"});
+  return result;
 }
 
 template <int dim>
@@ -25,43 +33,37 @@ Coupling DeformationHeat<dim>::coupling(const unsigned int c, const unsigned int
 {
   Coupling result;
   result.source_by_gradient = solid.field.has_component(d);
-  result.source_by_value = c == d || (solid.is_around_axis() && d == solid.field.first_component);
+  result.source_by_value = c == d || (solid.is_around_axis() && d == solid.field.first_component) ||
+                           (with_compression && volume != nullptr && volume->field.has_component(d));
   return result;
 }
 
-/// (T + offset) dP/dT : (H - H_n)/(t - t_n).
+/// (T + offset) times what the step adds to dW/dT, per time.
 template <int dim>
 bool DeformationHeat<dim>::add_compression(const State<dim> &state, const double duration,
                                            const double *const accepted, double &heat,
                                            Response<dim> *const response) const
 {
-  const unsigned int T = this->field.first_component, n = state.value.size(),
-                     first = solid.field.first_component;
-  Response<dim> stress(n);
-  if (!solid.add(state, true, stress))
-    return false;
-  std::vector<Tensor<1, dim>> rate(n);
-  double power = 0; // dP/dT : dF/dt
-  for (unsigned int i = 0; i < dim; ++i) {
-    for (unsigned int J = 0; J < dim; ++J)
-      rate[first + i][J] =
-          (state.gradient[first + i][J] - accepted[gradient_of_step + i * dim + J]) / duration;
-    power += stress.by_value[(first + i) * n + T] * rate[first + i];
-  }
-  const double absolute = state.value[T] + offset;
-  heat += absolute * power;
-  if (response == nullptr)
-    return true;
-  dealii::FullMatrix<double> second(n * (1 + dim), n * (1 + dim));
-  if (!solid.is_linear() && solid.has_curvature())
-    solid.add_curvature(state, rate, second);
-  const unsigned int row = this->value_row(T);
-  response->source_by_value[T * n + T] -= power + absolute * second(row, row);
+  const unsigned int T = this->field.first_component, n = state.value.size();
+  Tensor<2, 3> H_n;
   for (unsigned int i = 0; i < dim; ++i)
     for (unsigned int J = 0; J < dim; ++J)
-      response->source_by_gradient[T * n + first + i][J] -=
-          absolute * (stress.by_value[(first + i) * n + T][J] / duration +
-                      second(row, this->gradient_row(first + i, J)));
+      H_n[i][J] = accepted[gradient_of_step + i * dim + J];
+  if (solid.is_around_axis())
+    H_n[2][2] = accepted[hoop_of_step()];
+  typename SolidTerm<dim>::Work work;
+  typename VolumeTerm<dim>::ExpansionWork of_volume;
+  if (!solid.expansion_work(state, H_n, work) ||
+      (volume != nullptr && !volume->expansion_work(state, accepted[volume_of_step()], of_volume)))
+    return false;
+  const double factor = (state.value[T] + offset) / duration, whole = work.value + of_volume.value;
+  heat += factor * whole;
+  if (response == nullptr)
+    return true;
+  add_derivatives(state, factor, work, *response);
+  response->source_by_value[T * n + T] -= whole / duration + factor * of_volume.by_temperature;
+  if (volume != nullptr)
+    response->source_by_value[T * n + volume->field.first_component] -= factor * of_volume.by_pressure;
   return true;
 }
 
@@ -69,26 +71,33 @@ template <int dim>
 bool DeformationHeat<dim>::add_flow(const State<dim> &state, const double duration, double &heat,
                                     Response<dim> *const response) const
 {
-  const unsigned int T = this->field.first_component, n = state.value.size(),
-                     first = solid.field.first_component;
-  typename SolidTerm<dim>::FlowWork work;
+  typename SolidTerm<dim>::Work work;
   if (!solid.flow_work(state, work))
     return false;
-  const double factor = share / duration;
-  heat += factor * work.value;
-  if (response == nullptr)
-    return true;
-  response->source_by_value[T * n + T] -= factor * work.by_temperature;
-  if (solid.is_around_axis())
-    response->source_by_value[T * n + first] -= factor * work.by_radius;
-  for (unsigned int i = 0; i < dim; ++i)
-    for (unsigned int J = 0; J < dim; ++J)
-      response->source_by_gradient[T * n + first + i][J] -= factor * work.by_gradient[i][J];
+  heat += share / duration * work.value;
+  if (response != nullptr)
+    add_derivatives(state, share / duration, work, *response);
   return true;
 }
 
 template <int dim>
-void DeformationHeat<dim>::remember(const State<dim> &state, const double heat) const
+void DeformationHeat<dim>::add_derivatives(const State<dim> &state, const double factor,
+                                           const typename SolidTerm<dim>::Work &work,
+                                           Response<dim> &response) const
+{
+  const unsigned int T = this->field.first_component, n = state.value.size(),
+                     first = solid.field.first_component;
+  response.source_by_value[T * n + T] -= factor * work.by_temperature;
+  if (solid.is_around_axis())
+    response.source_by_value[T * n + first] -= factor * work.by_radius;
+  for (unsigned int i = 0; i < dim; ++i)
+    for (unsigned int J = 0; J < dim; ++J)
+      response.source_by_gradient[T * n + first + i][J] -= factor * work.by_gradient[i][J];
+}
+
+template <int dim>
+void DeformationHeat<dim>::remember(const State<dim> &state, const double heat,
+                                    const bool is_in_equilibrium) const
 {
   double *const trial = state.memory.trial.data() + this->first_internal_variable;
   trial[heat_of_step] = heat;
@@ -96,13 +105,19 @@ void DeformationHeat<dim>::remember(const State<dim> &state, const double heat) 
   for (unsigned int i = 0; i < dim; ++i)
     for (unsigned int J = 0; J < dim; ++J)
       trial[gradient_of_step + i * dim + J] = state.gradient[solid.field.first_component + i][J];
+  if (solid.is_around_axis())
+    trial[hoop_of_step()] = solid.displacement_gradient(state)[2][2];
+  if (volume != nullptr)
+    trial[volume_of_step()] =
+        is_in_equilibrium ? volume->volume_of_pressure(state) : volume->volume_of_displacement(state);
 }
 
+/// Before the first step, or with the pressure of another phase.
 template <int dim>
 void DeformationHeat<dim>::pass(const State<dim> &state) const
 {
   const double *const accepted = state.memory.accepted.data() + this->first_internal_variable;
-  remember(state, state.t > accepted[time_of_step] ? 0 : accepted[heat_of_step]);
+  remember(state, state.t > accepted[time_of_step] ? 0 : accepted[heat_of_step], false);
 }
 
 template <int dim>
@@ -122,7 +137,7 @@ bool DeformationHeat<dim>::add(const State<dim> &state, const bool with_derivati
       (share > 0 && !add_flow(state, duration, heat, derivatives)))
     return false;
   response.source[T] -= heat;
-  remember(state, heat);
+  remember(state, heat, true);
   return true;
 }
 

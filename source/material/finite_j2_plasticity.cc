@@ -38,8 +38,9 @@
 //     end
 
 #include <dovetail/material/hardening.h>
-#include <dovetail/material/hyperelastic_law.h>
+#include <dovetail/material/invariant_law.h>
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/scene/undefined.h>
 
 #include <deal.II/base/symmetric_tensor.h>
 
@@ -83,7 +84,10 @@ Tensor<2, 3> isotropic_function(const Tensor<2, 3> &A, const Function &f)
 class FiniteJ2Plasticity : public HyperelasticLaw
 {
 public:
-  explicit FiniteJ2Plasticity(const Section &section) : moduli(section), hardening(section) {}
+  explicit FiniteJ2Plasticity(const Section &section)
+      : moduli(section), U(Volumetric::logarithmic(moduli)), hardening(section)
+  {
+  }
 
   /// F_p^-1 - I; the logarithmic plastic strain -1/2 ln F_p^-1 F_p^-T, of the undeformed axes.
   std::vector<InternalVariable> internal_variables() const override
@@ -92,6 +96,17 @@ public:
   }
 
   std::optional<double> shear_of_flow() const override { return moduli.shear; }
+  const Volumetric *volume() const override { return &U; }
+
+  bool has_expansion_work() const override { return true; }
+  /// Of W = s^3 (|dev tau_e|^2/(4 mu) + kappa/2 L^2) with s = 1 + e and L = ln det F_e = ln J - 3 ln s,
+  /// @f[ \partial_e W = 3 s^2 \Bigl( \frac{|\mathrm{dev}\,\tau_e|^2}{4\mu} + \kappa \bigl(\tfrac12 L^2 -
+  /// L\bigr)
+  ///     \Bigr), @f]
+  /// where the deviator and the flow do not depend on s, and d|dev tau_e| = (1 - c) 2 mu n : dF F^-1 with the
+  /// share c of its growth that the flow takes.
+  bool expansion_work(const Tensor<2, 3> &H, double e, const Tensor<2, 3> &H_n, const Place &place,
+                      ExpansionWork &work) const override;
 
   /// The part that unloading gives back.
   double energy(const Tensor<2, 3> &H, const double e, const Place &place) const override
@@ -163,6 +178,7 @@ private:
   };
 
   const IsotropicModuli moduli;
+  const Volumetric U;
   const IsotropicHardening hardening;
 };
 
@@ -185,7 +201,7 @@ FiniteJ2Plasticity::Elastic::Elastic(const FiniteJ2Plasticity &law, const Deform
     strain[a] = std::log1p(2 * pairs[a].first) / 2;
     sum += strain[a];
   }
-  volume_stress = law.moduli.bulk * sum;
+  volume_stress = law.moduli.bulk_of_stress() * sum;
   for (unsigned int a = 0; a < 3; ++a) {
     n[a] = 2 * law.moduli.shear * (strain[a] - sum / 3);
     norm += n[a] * n[a];
@@ -224,7 +240,7 @@ void FiniteJ2Plasticity::Elastic::return_to_yield_surface(const Memory &memory)
 
 Tensor<4, 3> FiniteJ2Plasticity::Elastic::stiffness() const
 {
-  const double kappa = law.moduli.bulk, mu = law.moduli.shear * (1 - lost);
+  const double kappa = law.moduli.bulk_of_stress(), mu = law.moduli.shear * (1 - lost);
   Tensor<4, 3> D;
   for (unsigned int a = 0; a < 3; ++a)
     for (unsigned int b = 0; b < 3; ++b) {
@@ -237,6 +253,40 @@ Tensor<4, 3> FiniteJ2Plasticity::Elastic::stiffness() const
       D[a][b][a][b] = D[a][b][b][a] = mu * logarithm / c[a] - tau[b] / (c[a] * c[b]);
     }
   return D;
+}
+
+bool FiniteJ2Plasticity::expansion_work(const Tensor<2, 3> &H, const double e, const Tensor<2, 3> &H_n,
+                                        const Place &place, ExpansionWork &work) const
+{
+  const double s = 1 + e, mu = moduli.shear, kappa = moduli.bulk_of_stress(), log_s = 3 * std::log1p(e);
+  const Deformation whole(H), before(H_n);
+  if (!(s > 0 && whole.J > 0 && before.J > 0))
+    return undefined("the change of volume J = det F is " + in_words(whole.J) + ", but must be positive");
+  const auto elastic_state =
+      [&](Tensor<2, 3> gradient) { // with the plastic deformation of the last good step
+        for (unsigned int i = 0; i < 3; ++i)
+          gradient[i][i] -= e;
+        return Elastic(*this, Deformation(gradient / s), place.memory.accepted.data());
+      };
+  Elastic elastic = elastic_state(H);
+  const double stress_before = elastic_state(H_n).norm;
+  const Tensor<2, 3> axes = whole.F / s * elastic.G * elastic.N; // their columns have the squares c
+  elastic.return_to_yield_surface(place.memory);
+  const double stress = (1 - elastic.lost) * elastic.norm;
+  Tensor<2, 3> n; // dev tau_e/|dev tau_e|
+  for (unsigned int a = 0; a < 3; ++a)
+    for (unsigned int i = 0; i < 3; ++i)
+      for (unsigned int j = 0; j < 3; ++j)
+        n[i][j] += elastic.n[a] / elastic.c[a] * axes[i][a] * axes[j][a];
+  const Tensor<2, 3> inverse = transpose(invert(whole.F));
+  const double L = std::log1p(whole.J_minus_1) - log_s, L_n = std::log1p(before.J_minus_1) - log_s;
+  const double gain =
+      (stress * stress - stress_before * stress_before) / (4 * mu) + kappa * (L - L_n) * ((L + L_n) / 2 - 1);
+  work.value = 3 * s * s * gain;
+  work.by_e = 6 * s * gain - 9 * s * kappa * (L - L_n);
+  work.by_F =
+      3 * s * s * ((1 - elastic.lost - elastic.along) * stress * (n * inverse) + kappa * (L - 1) * inverse);
+  return true;
 }
 
 namespace {

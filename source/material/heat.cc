@@ -149,30 +149,36 @@ private:
       return;
     const SolidTerm<dim> &solid = find_solid(
         terms, with_compression ? "Heat of compression" : "Share of plastic work", with_compression, share);
-    terms.push_back(std::make_unique<DeformationHeat<dim>>(own, solid, with_compression, share, offset));
+    const VolumeTerm<dim> *volume = nullptr;
+    for (const auto &term : terms)
+      if (const auto *candidate = dynamic_cast<const VolumeTerm<dim> *>(term.get()))
+        volume = candidate;
+    section.check(
+        !with_compression || volume == nullptr || volume->is_compressible() || !volume->expands(),
+        "Heat of compression",
+        "needs a volume that can be kept while the temperature changes, since Heat capacity is that "
+        "at a constant strain. Give the solid a finite Bulk modulus, or a Poisson ratio below 0.5.");
+    terms.push_back(
+        std::make_unique<DeformationHeat<dim>>(own, solid, volume, with_compression, share, offset));
   }
 
-  /// That of the material, which comes before the heat (solid.cc).
+  /// The stress of the law, the first one of the material; it comes before the heat (solid.cc).
   const SolidTerm<dim> &find_solid(const typename MaterialPart<dim>::Terms &terms, const std::string &entry,
                                    const bool with_compression, const double share) const
   {
-    std::vector<const SolidTerm<dim> *> found;
+    const SolidTerm<dim> *solid = nullptr;
     for (const auto &term : terms)
-      if (const auto *solid = dynamic_cast<const SolidTerm<dim> *>(term.get()))
-        found.push_back(solid);
-    section.check(!found.empty(), entry,
+      if (const auto *candidate = dynamic_cast<const SolidTerm<dim> *>(term.get());
+          candidate != nullptr && solid == nullptr)
+        solid = candidate;
+    section.check(solid != nullptr, entry,
                   "needs a solid, but the material has no law in its subsection Solid.");
-    section.check(found.size() == 1, entry, "does not go with Formulation = mixed. Take displacement.");
-    section.check(!with_compression || !found[0]->is_around_axis(), entry,
-                  "does not go with Geometry = axisymmetric. Compute a sector in 3D.");
-    const bool has_slope = found[0]->is_linear() || found[0]->has_curvature() ||
-                           (found[0]->can_flow() && !found[0]->has_large_strain());
-    section.check(!with_compression || has_slope, "Heat of compression",
+    section.check(!with_compression || solid->has_expansion_work(), "Heat of compression",
                   "needs the second derivatives of the stress, which this solid law does not have.");
-    section.check(share == 0 || found[0]->can_flow(), "Share of plastic work",
+    section.check(share == 0 || solid->can_flow(), "Share of plastic work",
                   "needs a law that flows (J2 plasticity, finite J2 plasticity, Norton creep), not in plane "
                   "stress; with finite J2 plasticity the Expansion coefficient is a number.");
-    return *found[0];
+    return *solid;
   }
 
   void check_deforms(const std::vector<Field> &all) const

@@ -297,11 +297,10 @@ VolumetricEnergy Volumetric::times(const double kappa, const double J_minus_1) c
   }
 }
 
-double Volumetric::energy_at(const double p, const SolidLaw::Place &place) const
+double Volumetric::change_at(const double strain) const
 {
-  const double strain = p * inverse.at(place);
-  if (strain == 0)
-    return 0;
+  if (strain == 0 || choice == 1)
+    return strain;
   const auto excess = [&](const double log_J) { return times(1., std::expm1(log_J)).U_1 - strain; };
   double log_J = strain;
   for (unsigned int i = 0; i < 10 && excess(log_J) * strain < 0; ++i)
@@ -312,7 +311,17 @@ double Volumetric::energy_at(const double p, const SolidLaw::Place &place) const
   const auto [below, above] =
       boost::math::tools::toms748_solve(excess, std::min(0., log_J), std::max(0., log_J),
                                         boost::math::tools::eps_tolerance<double>(50), n_evaluations);
-  const double change = std::expm1((below + above) / 2);
+  return std::expm1((below + above) / 2);
+}
+
+double Volumetric::energy_at(const double p, const SolidLaw::Place &place) const
+{
+  const double strain = p * inverse.at(place);
+  if (strain == 0)
+    return 0;
+  const double change = change_at(strain);
+  if (std::isnan(change))
+    return change;
   const auto power = [&](const double s) { return times(1., s * change).U_1 * change; };
   return boost::math::quadrature::gauss_kronrod<double, 15>::integrate(power, 0., 1., 10, 1e-10) /
          inverse.at(place);

@@ -34,6 +34,7 @@
 //     end
 
 #include <dovetail/material/hardening.h>
+#include <dovetail/material/invariant_law.h>
 #include <dovetail/material/solid_law.h>
 #include <dovetail/scene/catalogue.h>
 #include <dovetail/scene/undefined.h>
@@ -50,7 +51,7 @@ class J2Plasticity : public SolidLaw
 {
 public:
   explicit J2Plasticity(const Section &section)
-      : moduli(section), hardening(section),
+      : moduli(section), U(Volumetric::quadratic(moduli)), hardening(section),
         kinematic(section.read<double>("Kinematic hardening modulus", 0,
                                        "K_b, by which the back stress grows in uniaxial tension [Pa]",
                                        Patterns::Double(0))),
@@ -61,7 +62,7 @@ public:
   {
     const auto I = dealii::unit_symmetric_tensor<3>();
     elastic = moduli.lame() * outer_product(I, I) + 2 * moduli.shear * dealii::identity_tensor<3>();
-    thermal = -3 * moduli.bulk * I;
+    thermal = -3 * moduli.bulk_of_stress() * I;
   }
 
   std::vector<InternalVariable> internal_variables() const override
@@ -74,7 +75,7 @@ public:
 
   bool evaluate(const Tensor<2, 3> &H, double e, bool with_derivatives, Response &response) const override
   {
-    const double mu = moduli.shear, pressure = moduli.bulk * (trace(H) - 3 * e);
+    const double mu = moduli.shear, pressure = moduli.bulk_of_stress() * (trace(H) - 3 * e);
     const double *const h = response.memory.accepted.data();
     Tensor<2, 3> stress, xi; // the deviator, and what yields of it
     for (unsigned int i = 0; i < 3; ++i)
@@ -114,6 +115,8 @@ public:
   }
 
   bool has_large_strain() const override { return false; }
+  bool has_expansion_work() const override { return true; } // dP/de is constant
+  const Volumetric *volume() const override { return &U; }
   std::optional<double> shear_of_flow() const override { return moduli.shear; }
 
 private:
@@ -152,6 +155,7 @@ private:
   }
 
   const IsotropicModuli moduli;
+  const Volumetric U;
   const IsotropicHardening hardening;
   const double kinematic, largest;
   Tensor<4, 3> elastic;

@@ -24,7 +24,7 @@
 //       set Exponent         = 5
 //     end
 
-#include <dovetail/material/solid_law.h>
+#include <dovetail/material/invariant_law.h>
 #include <dovetail/scene/catalogue.h>
 #include <dovetail/scene/undefined.h>
 
@@ -39,7 +39,7 @@ class NortonCreep : public SolidLaw
 {
 public:
   explicit NortonCreep(const Section &section)
-      : moduli(section),
+      : moduli(section), U(Volumetric::quadratic(moduli)),
         rate(section.require<double>(
             "Reference rate", "r_0 in the rate r_0 (q/s_0)^n of uniaxial creep [1/s]", Patterns::Double(0))),
         stress(section.require<double>("Reference stress", "s_0, at which the rate is r_0 [Pa]",
@@ -71,7 +71,7 @@ public:
     now[10] = std::max(h[10], response.t);
     response.P = ratio * trial;
     for (unsigned int i = 0; i < 3; ++i)
-      response.P[i][i] += moduli.bulk * (trace(H) - 3 * e);
+      response.P[i][i] += moduli.bulk_of_stress() * (trace(H) - 3 * e);
     if (with_derivatives)
       set_derivatives(trial, ratio, 1 / (1 + flow * exponent / stress * power(q, exponent - 1)), response);
     return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
@@ -92,6 +92,8 @@ public:
   }
 
   bool has_large_strain() const override { return false; }
+  bool has_expansion_work() const override { return true; } // dP/de is constant
+  const Volumetric *volume() const override { return &U; }
   std::optional<double> shear_of_flow() const override { return moduli.shear; }
   bool depends_on_time() const override { return true; }
 
@@ -132,13 +134,14 @@ private:
       for (unsigned int j = 0; j < 3; ++j) {
         D[i][j][i][j] += mu * c;
         D[i][j][j][i] += mu * c;
-        D[i][i][j][j] += moduli.bulk - 2. / 3. * mu * c;
+        D[i][i][j][j] += moduli.bulk_of_stress() - 2. / 3. * mu * c;
       }
-      response.dP_de[i][i] = -3 * moduli.bulk;
+      response.dP_de[i][i] = -3 * moduli.bulk_of_stress();
     }
   }
 
   const IsotropicModuli moduli;
+  const Volumetric U;
   const double rate, stress, exponent;
 };
 

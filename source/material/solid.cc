@@ -142,7 +142,8 @@ private:
     section.check(
         volume != nullptr, "Formulation",
         "is mixed, but the energy of this Type has no part of its own for the change of volume. Set "
-        "Formulation = displacement, or take linear elastic or a hyperelastic law with Volumetric.");
+        "Formulation = displacement, or take linear elastic, a law of plasticity or creep, or a hyperelastic "
+        "law with Volumetric.");
     section.check(std::count_if(all.begin(), all.end(),
                                 [](const Field &field) { return field.name == "pressure"; }) == 1,
                   "Formulation", "is mixed, which has a field pressure: give the species another name.");

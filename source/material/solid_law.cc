@@ -74,6 +74,23 @@ bool SolidLaw::depends_on_time() const
                      [](const Formula &formula) { return formula.value.depends_on_time(); });
 }
 
+bool SolidLaw::expansion_work(const Tensor<2, 3> &H, const double e, const Tensor<2, 3> &H_n,
+                              const Place &place, ExpansionWork &work) const
+{
+  Response response;
+  static_cast<Place &>(response) = place;
+  if (!evaluate(H, e, true, response))
+    return false;
+  const Tensor<2, 3> change = H - H_n;
+  work = {scalar_product(response.dP_de, change), 0, response.dP_de};
+  if (!has_curvature())
+    return true;
+  const Curvature second = curvature(H, e, change, place);
+  work.by_e = second.ee;
+  work.by_F += second.Fe;
+  return true;
+}
+
 double IsotropicModuli::energy_of(const Tensor<2, 3> &stress) const
 {
   const double tr = trace(stress);

@@ -87,8 +87,7 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
     local.dP_de = 0;
   }
   if (!law->evaluate(displacement_gradient(state), thermal_strain(state), with_derivatives, local)) {
-    std::string &reason = last_undefined().reason;
-    reason = "material " + name_of_material + ", " + name_of_law + ": " + reason;
+    explain_undefined();
     return false;
   }
   for (unsigned int i = 0; i < dim; ++i) {
@@ -108,6 +107,14 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
   if (is_axisymmetric)
     add_hoop(state, with_derivatives, local, response);
   return true;
+}
+
+/// Whose law it is.
+template <int dim>
+void SolidTerm<dim>::explain_undefined() const
+{
+  std::string &reason = last_undefined().reason;
+  reason = "material " + name_of_material + ", " + name_of_law + ": " + reason;
 }
 
 /// What the strain H_33 adds: the dependence of the flux on u_r, and the source P_33/r.
@@ -224,7 +231,7 @@ Flow flow_of_large_strains(const SolidLaw::Response &response, const Tensor<2, 3
 } // namespace
 
 template <int dim>
-bool SolidTerm<dim>::flow_work(const State<dim> &state, FlowWork &work) const
+bool SolidTerm<dim>::flow_work(const State<dim> &state, Work &work) const
 {
   SolidLaw::Response local;
   static_cast<SolidLaw::Place &>(local) = place(state);
@@ -237,15 +244,38 @@ bool SolidTerm<dim>::flow_work(const State<dim> &state, FlowWork &work) const
   const Flow flow =
       law->has_large_strain() ? flow_of_large_strains(local, H, 1 + e, mu) : flow_of_small_strains(local, mu);
   work.value = flow.value;
-  work.by_temperature = expansion ? expansion->coefficient * flow.by_strain : 0;
+  set_derivatives(state, flow.by_strain, flow.by_F, work);
+  return true;
+}
+
+template <int dim>
+bool SolidTerm<dim>::expansion_work(const State<dim> &state, const Tensor<2, 3> &H_n, Work &work) const
+{
+  SolidLaw::ExpansionWork of_law;
+  if (!expansion)
+    return true;
+  if (!law->expansion_work(displacement_gradient(state), thermal_strain(state), H_n, place(state), of_law)) {
+    explain_undefined();
+    return false;
+  }
+  work.value = expansion->coefficient * of_law.value;
+  set_derivatives(state, expansion->coefficient * of_law.by_e, expansion->coefficient * of_law.by_F, work);
+  return true;
+}
+
+/// By the unknowns, from those by the thermal strain and by F.
+template <int dim>
+void SolidTerm<dim>::set_derivatives(const State<dim> &state, const double by_strain,
+                                     const Tensor<2, 3> &by_F, Work &work) const
+{
+  work.by_temperature = expansion ? expansion->coefficient * by_strain : 0;
   for (unsigned int i = 0; i < dim; ++i)
-    work.by_gradient[i] = restrict_to<dim>(flow.by_F[i]);
+    work.by_gradient[i] = restrict_to<dim>(by_F[i]);
   if (is_axisymmetric) {
     const auto [by_value, by_gradient] = hoop(state);
-    work.by_radius = by_value * flow.by_F[2][2];
-    work.by_gradient[0][0] += by_gradient * flow.by_F[2][2];
+    work.by_radius = by_value * by_F[2][2];
+    work.by_gradient[0][0] += by_gradient * by_F[2][2];
   }
-  return true;
 }
 
 template <int dim>

@@ -123,6 +123,21 @@ SolidLaw::Curvature ThermalLaw::curvature(const Tensor<2, 3> &H, const double T,
   return result;
 }
 
+/// A law without curvature has numbers as coefficients: only its strain changes with the temperature.
+bool ThermalLaw::expansion_work(const Tensor<2, 3> &H, const double T, const Tensor<2, 3> &H_n,
+                                const Place &place, ExpansionWork &work) const
+{
+  if (law->has_curvature())
+    return SolidLaw::expansion_work(H, T, H_n, place, work);
+  const Place here = at_temperature(place, T, 0);
+  if (!are_in_range(here) || !law->expansion_work(H, strain.at(here), H_n, here, work))
+    return false;
+  const double slope = strain.at(at_temperature(place, T, 1));
+  work = {slope * work.value, slope * slope * work.by_e + strain.at(at_temperature(place, T, 2)) * work.value,
+          slope * work.by_F};
+  return true;
+}
+
 double ThermalLaw::energy(const Tensor<2, 3> &H, const double T, const Place &place) const
 {
   const Place here = at_temperature(place, T, 0);

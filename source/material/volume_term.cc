@@ -6,6 +6,7 @@
 #include <dovetail/material/volume_term.h>
 #include <dovetail/scene/undefined.h>
 
+#include <array>
 #include <cmath>
 
 namespace dovetail {
@@ -90,9 +91,8 @@ Coupling VolumeTerm<dim>::coupling(const unsigned int c, const unsigned int d) c
   const unsigned int radial = solid.field.first_component;
   Coupling result;
   result.source_by_gradient = d >= radial && d < radial + dim;
-  const bool is_incompressible = U.compressibility().is_constant() && U.compressibility().at({}) == 0;
-  result.source_by_value = (d == c && !is_incompressible) || (temperature && d == *temperature) ||
-                           (is_axisymmetric && d == radial);
+  result.source_by_value =
+      (d == c && is_compressible()) || (temperature && d == *temperature) || (is_axisymmetric && d == radial);
   return result;
 }
 
@@ -143,6 +143,63 @@ bool VolumeTerm<dim>::add(const State<dim> &state, const bool with_derivatives, 
     response.source_by_gradient[p * n + first][0] += by_gradient * volume.by_F[2][2];
   }
   return true;
+}
+
+template <int dim>
+double VolumeTerm<dim>::volume_of_pressure(const State<dim> &state) const
+{
+  const SolidLaw::Place here = place(state, 0);
+  const double e = strain.at(here),
+               u = U.compressibility().at(here) * state.value[this->field.first_component];
+  if (!solid.has_large_strain())
+    return 3 * e + u;
+  const double log_s = 3 * std::log1p(e);
+  return std::expm1(log_s) + std::exp(log_s) * U.change_at(u);
+}
+
+template <int dim>
+double VolumeTerm<dim>::volume_of_displacement(const State<dim> &state) const
+{
+  const Tensor<2, 3> H = solid.full_displacement_gradient(state);
+  return solid.has_large_strain() ? Deformation(H).J_minus_1 : trace(H);
+}
+
+template <int dim>
+bool VolumeTerm<dim>::expansion_work(const State<dim> &state, const double volume_n,
+                                     ExpansionWork &work) const
+{
+  if (!temperature)
+    return true;
+  std::array<double, 3> e, m; // with their derivatives by the temperature; m = 1/kappa
+  for (const unsigned int order : {0, 1, 2}) {
+    e[order] = strain.at(place(state, order));
+    m[order] = U.compressibility().at(place(state, order));
+  }
+  const double p = state.value[this->field.first_component], change = volume_of_pressure(state) - volume_n;
+  double s = 1, J = 1, stiffness = 1, slope = 0; // of J_e U''(J_e) by J_e; stiffness: U''
+  if (solid.has_large_strain()) {
+    const double J_minus_1 = U.change_at(m[0] * p);
+    const VolumetricEnergy at = U.per_bulk_modulus(J_minus_1);
+    s = 1 + e[0];
+    J = 1 + J_minus_1;
+    stiffness = at.U_2;
+    slope = at.U_2 + J * at.U_3;
+  }
+  const double expansion = e[1] == 0 ? 0 : 3 * e[1] / (m[0] * s), softening = m[1] == 0 ? 0 : m[1] / m[0];
+  const double log_strain_2 = solid.has_large_strain() ? e[2] / s - e[1] * e[1] / (s * s) : e[2]; // (ln s)''
+  const double by_J = J * stiffness, J_by_p = m[0] / stiffness, J_by_T = m[1] * p / stiffness;
+  const double slope_of_p = -softening * p - expansion * by_J; // dp/dT at fixed J
+  const double expansion_by_T =
+      (e[1] == 0 && e[2] == 0 ? 0 : 3 * log_strain_2 / m[0]) - expansion * softening;
+  const double softening_by_T = m[1] == 0 && m[2] == 0 ? 0 : m[2] / m[0] - softening * softening;
+  const double cube = s * s * s;
+  const double volume_by_T =
+      solid.has_large_strain() ? 3 * s * s * e[1] * J + cube * J_by_T : 3 * e[1] + m[1] * p;
+  work.value = slope_of_p * change;
+  work.by_pressure = (-softening - expansion * slope * J_by_p) * change + slope_of_p * cube * J_by_p;
+  work.by_temperature = (-softening_by_T * p - expansion_by_T * by_J - expansion * slope * J_by_T) * change +
+                        slope_of_p * volume_by_T;
+  return std::isfinite(work.value) || undefined("the heat of a change of volume is not a finite number");
 }
 
 template <int dim>

@@ -248,12 +248,11 @@ Rates NonlinearStep<dim>::rates_to(const double t)
   if (!scheme)
     return Rates();
   Rates rates = scheme->rates(step_to(t));
-  const bool sees_first =
-      std::any_of(model.domains.begin(), model.domains.end(), [](const auto &domain) {
-        return std::any_of(domain->fields().begin(), domain->fields().end(), [&](const Field &field) {
-          return !field.is_multiplier && domain->material.order_in_time(field.first_component) < 2;
-        });
-      });
+  const bool sees_first = std::any_of(model.domains.begin(), model.domains.end(), [](const auto &domain) {
+    return std::any_of(domain->fields().begin(), domain->fields().end(), [&](const Field &field) {
+      return !field.is_multiplier && domain->material.order_in_time(field.first_component) < 2;
+    });
+  });
   if (!sees_first)
     rates.by_value = 0;
   return rates;

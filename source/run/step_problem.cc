@@ -41,6 +41,17 @@ StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system,
       stages(make_stages())
 {
   enter_all_stages();
+  for (const Block &block : model.numbering->blocks()) {
+    content_updates.emplace_back();
+    if (block.is_constraint || block.is_of_multipliers)
+      continue;
+    const Domain<dim> &domain = *model.domains[block.domain_index];
+    const unsigned int component = domain.fields()[block.field_index].first_component;
+    if (domain.section.top().peek("Steps", "Lumped capacity") == "true")
+      content_updates.back() = std::make_unique<ContentUpdate<dim>>(domain.material, component);
+    if (content_updates.back() && !content_updates.back()->is_needed())
+      content_updates.back() = nullptr;
+  }
 }
 
 /// A group that is affine gets a stage of its own, since one update solves it there. Others iterate beside
@@ -536,6 +547,34 @@ bool StepProblem<dim>::correct(const Vector &x, const Vector &trial, const doubl
   system.distribute(correction);
   keep_stage(correction);
   return true;
+}
+
+/// What nodes store nonlinearly is moved by way of the content (content_update.h), and what follows these
+/// nodes with them.
+template <int dim>
+void StepProblem<dim>::move(const Vector &x, const double damping, const Vector &dx, Vector &trial)
+{
+  NonlinearProblem::move(x, damping, dx, trial);
+  std::optional<Vector> further;
+  for (unsigned int b = 0; b < has_block.size() && system.has_rates(); ++b) {
+    if (!has_block[b] || !content_updates[b])
+      continue;
+    if (!further)
+      further = system.owned_vector();
+    const Block &block = model.numbering->blocks()[b];
+    const double *from = x.block(b).trilinos_vector()[0], *update = dx.block(b).trilinos_vector()[0];
+    double *change = further->block(b).trilinos_vector()[0];
+    for (unsigned int i = 0; i < block.owned.n_elements(); ++i)
+      if (!system.is_constrained(block.begin + block.owned.nth_index_in_set(i)))
+        change[i] = content_updates[b]->after(from[i], damping * update[i]) - (from[i] + damping * update[i]);
+  }
+  if (!further)
+    return;
+  Vector prescribed = system.owned_vector(); // what moves without any of them is in dx
+  system.distribute(prescribed);
+  system.distribute(*further);
+  *further -= prescribed;
+  trial += *further;
 }
 
 /// Of unknowns that are free; the others follow them or are prescribed.

@@ -102,8 +102,7 @@ bool Newton::Iteration::correct(const double factor)
 
 void Newton::Iteration::try_update(const double factor)
 {
-  trial = x;
-  trial.add(factor, dx);
+  problem.move(x, factor, dx, trial);
 }
 
 void Newton::Iteration::accept()

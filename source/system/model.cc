@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/interface/looks.h>
 #include <dovetail/interface/make_cover.h>
 #include <dovetail/pairing/facing_boundaries.h>
 #include <dovetail/system/joined_fields.h>
@@ -342,6 +343,26 @@ std::set<const Domain<dim> *> Model<dim>::held_domains(const std::string &field,
   return held;
 }
 
+namespace {
+
+/// Pairs of a tied scalar and another field on which its tie depends.
+template <int dim>
+std::set<std::pair<std::string, std::string>> looks_of_ties(const Interface<dim> &interface)
+{
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (const TiedField &tied : interface.fields)
+    for (const unsigned int of : {source, destination})
+      for (const unsigned int side : {source, destination})
+        for (unsigned int g = 0; g < interface.sides[side].domain->fields().size(); ++g)
+          if (const std::string &name = interface.sides[side].domain->fields()[g].name;
+              tied.n_components == 1 && name != tied.names[of] &&
+              looks_at(interface.tie(), *interface.sides[side].domain, g))
+            pairs.emplace(tied.names[of], name);
+  return pairs;
+}
+
+} // namespace
+
 template <int dim>
 std::vector<std::vector<std::string>> Model<dim>::field_groups() const
 {
@@ -361,6 +382,9 @@ std::vector<std::vector<std::string>> Model<dim>::field_groups() const
       for (const unsigned int side : {source, destination})
         if (tied.names[side] != tied.names[1 - side])
           depends_on[tied.names[side]].insert(tied.names[1 - side]);
+  for (const auto &interface : interfaces)
+    for (const auto &[field, other] : looks_of_ties(*interface))
+      depends_on[field].insert(other);
 
   // what a field needs, directly or by way of others
   for (std::size_t round = 0; round < open.size(); ++round)
@@ -456,7 +480,9 @@ bool Model<dim>::depends(const std::string &field, const std::string &on_field) 
       for (const unsigned int side : {source, destination})
         if (tied.names[side] == field && tied.names[1 - side] == on_field && field != on_field)
           return true;
-  return false;
+  return std::any_of(interfaces.begin(), interfaces.end(), [&](const auto &interface) {
+    return looks_of_ties(*interface).count({field, on_field}) > 0;
+  });
 }
 
 template <int dim>

@@ -20,8 +20,12 @@
 //       set Conductance = 2000 + 3*T      # W/(m^2 K)
 //     end
 //
-// The conductance may also depend on how the solids press each other, and on the gap between them: both are
-// found before the step and again after it has converged, until the conductance stays as it is.
+// The conductance may also depend on how the solids press each other and on the gap between them: with the
+// deformed normals n and the shares w_s of the sides that have a displacement,
+//
+//     p = - sum_s w_s n_s . P_s N_s,     g = - sum_s n_s . u_s
+//
+// at the state at hand. Their derivatives are in the tangent.
 
 #include <dovetail/material/embedding.h>
 #include <dovetail/scene/undefined.h>
@@ -37,9 +41,6 @@
 namespace dovetail {
 
 namespace {
-
-const NoteName of_contact("contact",
-                          "a conductance does not settle with the pressure or the gap of its solids");
 
 template <int dim>
 class ContactResistance : public Nitsche<dim>
@@ -63,11 +64,10 @@ public:
   void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
   bool is_symmetric() const override
   {
-    return Nitsche<dim>::is_symmetric() && !depends_on(of_mean) &&
+    return Nitsche<dim>::is_symmetric() && !conductance.depends_on_scalars() &&
            (!law || law->is_symmetric(stiffness.n_components() == 1));
   }
   bool is_linear() const override { return !conductance.depends_on_scalars() && !law; }
-  NoteList notes() const override;
   bool looks_at(const Field &field) const override { return sees_solids() && field.n_components > 1; }
   bool has_constant_tangent(const Interface<dim> &interface) const override
   {
@@ -116,10 +116,15 @@ private:
     return conductance.depends_on_scalars() && conductance.depends_on_scalar(scalar);
   }
   bool sees_solids() const { return depends_on(of_pressure) || depends_on(of_gap); }
-  std::vector<Scalars> find_contact(const Interface<dim> &interface, double t,
-                                    const ValuesOf &unknowns) const;
-  bool update_contact(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
-                      const MPI_Comm &communicator);
+  /// How the solids meet at a point.
+  struct Meeting
+  {
+    double pressure = 0, gap = 0;
+    using Derivatives = std::vector<typename Nitsche<dim>::Joint::Derivative>; ///< by component of a side
+    std::array<Derivatives, 2> of_pressure, of_gap;
+  };
+  bool find_meeting(const Interface<dim> &interface, unsigned int q, const std::array<State<dim>, 2> &state,
+                    Meeting &meeting) const;
   bool explain(const TiedField &field, const dealii::Point<dim> &X, double t, double h,
                std::optional<double> mean = {}) const;
   const Expression &law_of(const TiedField &field) const
@@ -160,14 +165,9 @@ private:
   Expression conductance;
   const Expression stiffness;
   const std::unique_ptr<const JointLaw> law;   ///< of solids; empty: linear
-  std::vector<Scalars> contact;                ///< of the conductance, at the points
-  double last_change = 0;                      ///< of the conductance, relative, largest
-  unsigned int n_updates = 0;                  ///< after this step has converged, that changed it
-  bool is_unsettled = false;                   ///< it still changed much after several of them, in some step
   std::vector<dealii::Tensor<1, dim>> normals; ///< of the law, at the points
   mutable std::vector<double> trial_memory;    ///< of the law, at the point evaluated last
   static constexpr double small_turn = 1e-3;   ///< of the normal in a step
-  static constexpr double small_change = 1e-8, much = 1e-3; ///< of the conductance, relative
 };
 
 template <int dim>
@@ -240,11 +240,30 @@ bool ContactResistance<dim>::find_joint(const Interface<dim> &interface, const T
     mean = (state[source].value[field.first_component[source]] +
             state[destination].value[field.first_component[destination]]) /
            2;
-    Scalars scalars = contact.empty() ? Scalars() : contact[q];
-    scalars[of_mean] = mean;
+    Scalars scalars = {{mean, 0, 0}};
+    Meeting meeting;
+    if (sees_solids()) {
+      if (!find_meeting(interface, q, state, meeting))
+        return false;
+      scalars = {{mean, meeting.pressure, meeting.gap}};
+    }
     const Expression::Scalars view(scalars.data(), scalars.size());
     joint.along_normal = joint.along_tangents = conductance.value(X, t, 0, view);
     joint.derivative_by_mean = depends_on(of_mean) ? conductance.derivative(X, t, 0, view, of_mean) : 0;
+    for (const Scalar scalar : {of_pressure, of_gap}) {
+      const double slope = depends_on(scalar) ? conductance.derivative(X, t, 0, view, scalar) : 0;
+      if (slope == 0 || !std::isfinite(slope)) // a power below 1 has none where nothing presses
+        continue;
+      for (const unsigned int side : {source, destination}) {
+        const auto &derivatives = scalar == of_pressure ? meeting.of_pressure[side] : meeting.of_gap[side];
+        auto &sum = joint.by_state[side];
+        sum.resize(derivatives.size());
+        for (unsigned int d = 0; d < derivatives.size(); ++d) {
+          sum[d].by_value += slope * derivatives[d].by_value;
+          sum[d].by_gradient += slope * derivatives[d].by_gradient;
+        }
+      }
+    }
   } else {
     joint.along_normal = stiffness.value(X, t, 0);
     joint.along_tangents = stiffness.n_components() == 1 ? joint.along_normal : stiffness.value(X, t, 1);
@@ -327,82 +346,60 @@ std::vector<dealii::Tensor<1, dim>> ContactResistance<dim>::find_normals(const I
   return result;
 }
 
-/// The mean of the traces, the pressure -n . P N with the deformed normal n, the mean of the sides, and the
-/// gap n . (u_dst - u_src).
+/// With m = N F^-1 and n = m/|m|, dm_L = - m_k dF_kL (F^-1)_L and a.dn = (a - n (n.a)) . dm/|m|.
+/// @return false where a law is not defined
 template <int dim>
-std::vector<typename ContactResistance<dim>::Scalars>
-ContactResistance<dim>::find_contact(const Interface<dim> &interface, const double t,
-                                     const ValuesOf &values_of) const
+bool ContactResistance<dim>::find_meeting(const Interface<dim> &interface, const unsigned int q,
+                                          const std::array<State<dim>, 2> &state, Meeting &meeting) const
 {
-  const Pairing<dim> &pairing = interface.pairing();
-  std::vector<Scalars> result(pairing.n_points(), Scalars());
-  SidePoints<dim> points(interface, t);
   const std::array<std::optional<Field>, 2> solids{
       {solid_of(interface.sides[source]), solid_of(interface.sides[destination])}};
   const double share = solids[source] && solids[destination] ? 0.5 : 1;
-  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
-    for (unsigned int q = group.begin; q < group.end; ++q)
-      for (const unsigned int side : {source, destination}) {
-        points.reinit(side, q, unknowns);
-        for (const TiedField &field : interface.fields)
-          if (field.n_components == 1)
-            result[q][of_mean] += points.state[side].value[field.first_component[side]] / 2;
-        if (!solids[side] || !points.evaluate(side, false))
-          continue;
-        const dealii::Tensor<1, dim> N = pairing.N(side, q);
-        const unsigned int first = solids[side]->first_component;
-        dealii::Tensor<1, dim> u, traction;
-        for (unsigned int d = 0; d < dim; ++d) {
-          u[d] = points.state[side].value[first + d];
-          traction[d] = points.response[side].flux[first + d] * N;
-        }
-        const dealii::Tensor<1, dim> n = interface.sides[side].domain->material.has_large_strain()
-                                             ? deformed_normal(points.state[side], first, N)
-                                             : N;
-        result[q][of_pressure] -= share * (n * traction);
-        result[q][of_gap] -= n * u;
+  for (const unsigned int side : {source, destination}) {
+    if (!solids[side])
+      continue;
+    const Material<dim> &material = interface.sides[side].domain->material;
+    const unsigned int n_c = state[side].value.size(), first = solids[side]->first_component;
+    Response<dim> response(n_c);
+    if (!material.evaluate(state[side], true, response))
+      return false;
+    const dealii::Tensor<1, dim> N = interface.pairing().N(side, q);
+    dealii::Tensor<1, dim> u, traction, m = N;
+    dealii::Tensor<2, dim> inverse;
+    for (unsigned int d = 0; d < dim; ++d) {
+      u[d] = state[side].value[first + d];
+      traction[d] = response.flux[first + d] * N;
+    }
+    if (material.has_large_strain()) {
+      dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>();
+      for (unsigned int d = 0; d < dim; ++d)
+        F[d] += state[side].gradient[first + d];
+      if (!(determinant(F) > 0))
+        return undefined("the body has turned over at an interface");
+      inverse = invert(F);
+      m = N * inverse;
+    }
+    const dealii::Tensor<1, dim> n = m / m.norm();
+    meeting.pressure -= share * (n * traction);
+    meeting.gap -= n * u;
+    auto &of_pressure = meeting.of_pressure[side], &of_gap = meeting.of_gap[side];
+    of_pressure.resize(n_c);
+    of_gap.resize(n_c);
+    for (unsigned int d = 0; d < n_c; ++d)
+      for (unsigned int i = 0; i < dim; ++i) {
+        const unsigned int pair = (first + i) * n_c + d;
+        of_pressure[d].by_value -= share * n[i] * (response.by_value[pair] * N);
+        of_pressure[d].by_gradient -= share * n[i] * (N * response.by_gradient[pair]);
       }
-  });
-  return result;
-}
-
-/// @return whether the conductance has changed at some point of any rank by how the solids meet.
-template <int dim>
-bool ContactResistance<dim>::update_contact(const Interface<dim> &interface, const double t,
-                                            const ValuesOf &values_of, const MPI_Comm &communicator)
-{
-  if (!sees_solids())
-    return false;
-  section.check(solid_of(interface.sides[source]) || solid_of(interface.sides[destination]), "Conductance",
-                "depends on the pressure or the gap of solids, but neither side has a displacement.");
-  const auto now = find_contact(interface, t, values_of);
-  const double infinity = std::numeric_limits<double>::infinity();
-  double change = 0;
-  const bool is_first = contact.size() != now.size();
-  for (unsigned int q = 0; q < now.size() && !is_first; ++q) {
-    const dealii::Point<dim> &X = interface.pairing().X(source, q);
-    const Scalars &here = now[q], former = {{here[of_mean], contact[q][of_pressure], contact[q][of_gap]}};
-    const double h = conductance.value(X, t, 0, {here.data(), here.size()}),
-                 before = conductance.value(X, t, 0, {former.data(), former.size()});
-    if (h != before) { // both may be infinite
-      const double relative = std::abs(h - before) / std::max(std::abs(h), std::abs(before));
-      change = std::max(change, std::isnan(relative) ? infinity : relative); // the next solution tells why
+    const dealii::Tensor<1, dim> turned_traction = inverse * (traction - (n * traction) * n) / m.norm(),
+                                 turned_u = inverse * (u - (n * u) * n) / m.norm();
+    for (unsigned int k = 0; k < dim; ++k) {
+      of_gap[first + k].by_value -= n[k];
+      of_pressure[first + k].by_gradient += share * m[k] * turned_traction;
+      of_gap[first + k].by_gradient += m[k] * turned_u;
     }
   }
-  contact = now;
-  last_change = dealii::Utilities::MPI::max(is_first ? 1. : change, communicator);
-  return !(last_change <= small_change);
-}
-
-/// The last change is followed by one more solution.
-template <int dim>
-NoteList ContactResistance<dim>::notes() const
-{
-  NoteList all = Nitsche<dim>::notes();
-  if (is_unsettled)
-    all.push_back(of_contact("at the end of a step the Conductance still changes by more than 0.1 % with the "
-                             "pressure or the gap of the solids. Take smaller steps."));
-  return all;
+  return true;
 }
 
 /// Leave the reason why h is no conductance, at the mean of the scalar if it depends on that. @return false
@@ -424,8 +421,9 @@ void ContactResistance<dim>::begin_step(const Interface<dim> &interface, const d
 {
   if (law)
     normals = find_normals(interface, t, unknowns);
-  update_contact(interface, t, unknowns, communicator);
-  n_updates = 0;
+  section.check(!sees_solids() || solid_of(interface.sides[source]) || solid_of(interface.sides[destination]),
+                "Conductance",
+                "depends on the pressure or the gap of solids, but neither side has a displacement.");
   for (const TiedField &field : interface.fields) {
     const Expression &law = law_of(field);
     if (law.depends_on_scalars())
@@ -457,11 +455,7 @@ template <int dim>
 bool ContactResistance<dim>::update_penalties(const Interface<dim> &interface, const double t,
                                               const ValuesOf &unknowns, const MPI_Comm &communicator)
 {
-  const bool has_penalties = Nitsche<dim>::update_penalties(interface, t, unknowns, communicator),
-             has_contact = update_contact(interface, t, unknowns, communicator),
-             is_new = has_contact || has_penalties;
-  n_updates += has_contact ? 1 : 0;
-  is_unsettled = is_unsettled || (n_updates > 3 && last_change > much);
+  const bool is_new = Nitsche<dim>::update_penalties(interface, t, unknowns, communicator);
   if (!law)
     return is_new;
   const auto now = find_normals(interface, t, unknowns);

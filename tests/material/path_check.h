@@ -52,6 +52,34 @@ struct Path
   std::vector<double> accepted, trial;
 };
 
+/// Of all sources, against central differences.
+template <int dim>
+double error_of_source(Path<dim> &path)
+{
+  const unsigned int n = path.material.n_components();
+  const double h = 1e-6;
+  FullMatrix<double> exact(n, n * (1 + dim)), by_differences = exact;
+  for (unsigned int s = 0; s < n * (1 + dim); ++s) {
+    Response<dim> plus(n), minus(n);
+    const double S = entry(path.state, s);
+    entry(path.state, s) = S + h;
+    path.material.evaluate(path.state, false, plus);
+    entry(path.state, s) = S - h;
+    path.material.evaluate(path.state, false, minus);
+    entry(path.state, s) = S;
+    for (unsigned int c = 0; c < n; ++c)
+      by_differences(c, s) = (plus.source[c] - minus.source[c]) / (2 * h);
+  }
+  path.evaluate();
+  for (unsigned int c = 0; c < n; ++c)
+    for (unsigned int d = 0; d < n; ++d) {
+      exact(c, d * (1 + dim)) = path.response.source_by_value[c * n + d];
+      for (unsigned int J = 0; J < dim; ++J)
+        exact(c, d * (1 + dim) + 1 + J) = path.response.source_by_gradient[c * n + d][J];
+    }
+  return relative_error(exact, by_differences);
+}
+
 inline Tensor<2, 3> tensor(const std::vector<double> &numbers, const unsigned int first)
 {
   Tensor<2, 3> result;

@@ -58,6 +58,14 @@ struct Laws
         name + ", joint", source,  destination, size, is_symmetric && of_heat.find('T') == std::string::npos,
         of_heat,          of_solid};
   }
+  /// Through which heat flows by how the solids meet.
+  Laws with_contact(const std::string &of_heat) const
+  {
+    Laws result = with_joint(of_heat, "0.7; 3");
+    result.name = name + ", contact";
+    result.is_symmetric = false;
+    return result;
+  }
 };
 
 std::string solid(const std::string &type, const std::string &more = "")
@@ -267,6 +275,12 @@ int main(int argc, char **argv)
                 neo_hookean.with_joint("", "0; 1e9"), coupled.with_joint("1e5*T", "5*x"),
                 coupled.with_joint("0.1*T^2", "0.7; 3 + t")},
                1, 4);
+  const std::string by_contact = "exp(p) + 3*gap^2 + 0.1*T";
+  test_laws<2>({thermoelastic.with_contact(by_contact), coupled.with_contact(by_contact),
+                coupled.with_contact(by_contact).around_axis()},
+               1, 4);
+  test_laws<2>({coupled.with_contact(by_contact)}, 2, 1);
+  test_laws<3>({coupled.with_contact(by_contact)}, 1, 1);
   const std::string breaks =
                         set("Joint", "bilinear") + set("Strength", "0.02") + set("Fracture energy", "0.001"),
                     in_two_modes = set("Joint", "bilinear") + set("Strength", "0.01; 0.02") +

@@ -25,8 +25,8 @@ namespace dovetail {
 
 /// Those whose capacity (@p order_in_time 1) or mass (2) is lumped: all that store in this way, if the scene
 /// asks for `Lumped capacity` or `Lumped mass`.
-/// @throw UserError if row sums of shape functions are negative or zero somewhere, as those of a degree higher
-/// than 1 are on triangles and tetrahedra; capacities are lumped with the degree 1 only.
+/// @throw UserError if row sums of shape functions are negative or zero somewhere, as those of a degree
+/// higher than 1 are on triangles and tetrahedra; capacities are lumped with the degree 1 only.
 template <int dim>
 std::vector<unsigned int> lumped_components(const Domain<dim> &domain, unsigned int order_in_time);
 

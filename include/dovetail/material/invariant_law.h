@@ -88,6 +88,9 @@ public:
       : kappa(moduli.bulk), inverse(moduli.compressibility), is_separate(false), choice(1)
   {
   }
+  /// Of metals.
+  static Volumetric quadratic(const IsotropicModuli &moduli) { return {moduli, 1}; }
+  static Volumetric logarithmic(const IsotropicModuli &moduli) { return {moduli, 2}; }
   /// Zero with `Formulation = mixed`.
   VolumetricEnergy at(const Deformation &deformation) const
   {
@@ -99,8 +102,14 @@ public:
   const Coefficient &compressibility() const { return inverse; } ///< 1/kappa [1/Pa]
   /// kappa U(J) where the mean tension kappa U'(J) is @p p; NaN where it is never so large.
   double energy_at(double p, const SolidLaw::Place &place) const;
+  /// J - 1 where U'(J)/kappa is @p strain; NaN where it is never so large.
+  double change_at(double strain) const;
 
 private:
+  Volumetric(const IsotropicModuli &moduli, const unsigned int choice)
+      : kappa(moduli.bulk), inverse(1 / moduli.bulk), is_separate(false), choice(choice)
+  {
+  }
   VolumetricEnergy times(double factor, double J_minus_1) const;
 
   void read_function(const Section &section);

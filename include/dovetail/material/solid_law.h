@@ -94,6 +94,19 @@ public:
   /// mu [Pa] of a law that flows without change of volume: at small displacements by its first 9 internal
   /// variables, at large ones along the trial stress, by its last one, the equivalent strain. Else nothing.
   virtual std::optional<double> shear_of_flow() const { return {}; }
+  /// What a step adds to the derivative of the free energy by the thermal strain, at that strain: the entropy
+  /// that a body gives up while it is compressed, and its own derivatives.
+  struct ExpansionWork
+  {
+    double value = 0, by_e = 0; ///< [Pa]
+    dealii::Tensor<2, 3> by_F;
+  };
+  /// Whether expansion_work() knows the derivatives.
+  virtual bool has_expansion_work() const { return is_linear() || has_curvature(); }
+  /// P_e : (H - H_n) with the gradient H_n of the last good step; P_e is constant in laws without curvature,
+  /// unless they override this. @return false where the law is not defined. @pre has_expansion_work()
+  virtual bool expansion_work(const dealii::Tensor<2, 3> &H, double e, const dealii::Tensor<2, 3> &H_n,
+                              const Place &place, ExpansionWork &work) const;
   /// dP/dF is, and it is not negative at rest: there is an energy, or an incremental one.
   virtual bool is_symmetric() const { return true; }
 

@@ -54,17 +54,21 @@ public:
   void add_curvature(const State<dim> &state, const std::vector<dealii::Tensor<1, dim>> &w,
                      dealii::FullMatrix<double> &result) const override;
 
-  /// What the flow of this step dissipates per undeformed volume, with its derivatives: P : (eps_p -
-  /// eps_p,n), or at large strains q (a - a_n) with the equivalent of the Kirchhoff stress, q = (3/2)^1/2
-  /// |dev P F^T|.
-  struct FlowWork
+  /// Of a step, per undeformed volume, with its derivatives.
+  struct Work
   {
     double value = 0, by_temperature = 0, by_radius = 0; ///< by u_r around an axis
     dealii::Tensor<2, dim> by_gradient;
   };
   bool can_flow() const { return law->shear_of_flow().has_value(); }
+  /// What the flow of this step dissipates: P : (eps_p - eps_p,n), or at large strains q (a - a_n) with the
+  /// equivalent of the Kirchhoff stress, q = (3/2)^1/2 |dev P F^T|.
   /// @return false where the law is not defined. @pre can_flow()
-  bool flow_work(const State<dim> &state, FlowWork &work) const;
+  bool flow_work(const State<dim> &state, Work &work) const;
+  bool has_expansion_work() const { return law->has_expansion_work(); }
+  /// SolidLaw::expansion_work() per temperature [J/(m^3 K)], H_n being grad u at the last good step.
+  /// @return and @pre likewise
+  bool expansion_work(const State<dim> &state, const dealii::Tensor<2, 3> &H_n, Work &work) const;
 
   double energy_density(const State<dim> &state) const override;
   /// sigma = P F^T / J, the force per deformed area (P itself for a law of small displacements, which knows
@@ -72,6 +76,9 @@ public:
   dealii::Tensor<2, 3> cauchy_stress(const State<dim> &state) const;
   /// grad u, with the part that the law itself finds (plane stress); NaN where it is not defined.
   dealii::Tensor<2, 3> full_displacement_gradient(const State<dim> &state) const;
+
+  /// Likewise without that part.
+  dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;
 
   /// dH_33/du_r and dH_33/dH_11.
   struct Hoop
@@ -84,7 +91,9 @@ private:
   void add_hoop(const State<dim> &state, bool with_derivatives, const SolidLaw::Response &local,
                 Response<dim> &response) const;
 
-  dealii::Tensor<2, 3> displacement_gradient(const State<dim> &state) const;
+  void explain_undefined() const;
+  void set_derivatives(const State<dim> &state, double by_strain, const dealii::Tensor<2, 3> &by_F,
+                       Work &work) const;
   SolidLaw::Place place(const State<dim> &state) const;
   double thermal_strain(const State<dim> &state) const
   {

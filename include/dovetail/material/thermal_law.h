@@ -66,6 +66,9 @@ public:
   {
     return has_large_strain() ? std::nullopt : law->shear_of_flow();
   }
+  bool has_expansion_work() const override { return law->has_expansion_work(); }
+  bool expansion_work(const dealii::Tensor<2, 3> &H, double T, const dealii::Tensor<2, 3> &H_n,
+                      const Place &place, ExpansionWork &work) const override;
   bool is_symmetric() const override { return law->is_symmetric(); }
   const Volumetric *volume() const override { return law->volume(); }
   bool is_linear() const override

@@ -62,6 +62,29 @@ public:
   /// That of the volume which has the pressure p: J itself is only near it, and kappa large.
   double energy_density(const State<dim> &state) const override;
 
+  /// What the volume adds to SolidTerm::expansion_work(): with s = 1 + e, and J the volume that has the
+  /// pressure p,
+  /// @f[ \frac{\partial p}{\partial T}\Big|_J (J - J_n) = - \Bigl( \frac{(1/\kappa)'}{1/\kappa} p
+  ///     + \frac{3 e'}{s} \kappa J_e U''(J_e) \Bigr) (J - J_n), \qquad J = s^3 J_e,\quad U'(J_e) = p/\kappa.
+  ///     @f]
+  /// At small displacements J - 1 is 3 e + p/kappa, J_e U'' and s are 1.
+  struct ExpansionWork
+  {
+    double value = 0, by_pressure = 0, by_temperature = 0; ///< [J/(m^3 K)]
+  };
+  /// @param volume_n J_n - 1
+  /// @return false where it is not defined
+  bool expansion_work(const State<dim> &state, double volume_n, ExpansionWork &work) const;
+  /// J - 1: of the pressure, or of the displacement where that is not in equilibrium with it.
+  double volume_of_pressure(const State<dim> &state) const;
+  double volume_of_displacement(const State<dim> &state) const;
+  /// Whether the bulk modulus is finite.
+  bool is_compressible() const
+  {
+    return !(U.compressibility().is_constant() && U.compressibility().at({}) == 0);
+  }
+  bool expands() const { return !strain.is_zero(); } ///< with the temperature
+
 private:
   SolidLaw::Place place(const State<dim> &state, unsigned int derivative) const;
   /// g and its derivatives.

@@ -18,11 +18,10 @@ namespace dovetail {
 ///     \mathrm{ties} = \sum \int -\{A\} \cdot [B] + \tfrac12 \gamma |[B]|^2 dA, \quad
 ///     \mathrm{work} = \sum_n \tfrac12 (f_n + f_{n+1}) \cdot (u_{n+1} - u_n), @f]
 /// by the quadrature of the equations, and lost = initial energy + work - kinetic - elastic - ties. f are the
-/// forces that sources, conditions and supports put into the nodes; in a new start f_n are those just after its
-/// beginning, but those of supports at its end. Ties
-/// that do not follow from an energy (theta other than 1, joints) have no "ties": what they take or give is
-/// in what is lost, as is what plastic flow and the time scheme take and what heating gives, with its sign
-/// (doc/theory/time.md).
+/// forces that sources, conditions and supports put into the nodes; in a new start f_n are those just after
+/// its beginning, but those of supports at its end. Ties that do not follow from an energy (theta other than
+/// 1, joints) have no "ties": what they take or give is in what is lost, as is what plastic flow and the time
+/// scheme take and what heating gives, with its sign (doc/theory/time.md).
 template <int dim>
 class EnergyBalance
 {

@@ -35,8 +35,8 @@ struct Solution
   BlockSystem<dim> &system; ///< whose step has begun at the time
   const Vector &x;          ///< the last good state
   double t;
-  bool is_last;                     ///< no step after it has failed
-  const Vector *velocity = nullptr; ///< of all unknowns, if something has inertia
+  bool is_last;                         ///< no step after it has failed
+  const Vector *velocity = nullptr;     ///< of all unknowns, if something has inertia
   std::optional<double> new_start = {}; ///< just after this time the step that led there started anew
 };
 

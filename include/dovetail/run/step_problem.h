@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/material/content_update.h>
 #include <dovetail/output/log.h>
 #include <dovetail/output/phases.h>
 #include <dovetail/solve/convergence.h>
@@ -77,6 +78,7 @@ public:
   double linear_residual() const override { return residual_of_solver; }
   bool moves_constraints() const override;
   bool correct(const Vector &x, const Vector &trial, double damping, Vector &correction) override;
+  void move(const Vector &x, double damping, const Vector &dx, Vector &trial) override;
   double norm(const Vector &dx) const override;
   bool is_small(const Vector &dx, const Vector &x) const override;
   void accept_state() override { system.accept_state(); }
@@ -127,6 +129,7 @@ private:
   Log &log;
   Convergence criterion;
   std::vector<Stage> stages;
+  std::vector<std::unique_ptr<const ContentUpdate<dim>>> content_updates; ///< by block; nullptr: not needed
 
   // of a solve
   std::vector<bool> has_block; ///< the present stage, or all of them

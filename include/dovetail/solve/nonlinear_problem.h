@@ -54,6 +54,14 @@ public:
   /// last, at trial = x + damping dx. @return whether the solver succeeded.
   virtual bool correct(const Vector &x, const Vector &trial, double damping, Vector &correction) = 0;
 
+  /// The state @p trial to which the share @p damping of the update @p dx leads from @p x: their sum, or
+  /// another state that differs from it by what is of second order in dx.
+  virtual void move(const Vector &x, const double damping, const Vector &dx, Vector &trial)
+  {
+    trial = x;
+    trial.add(damping, dx);
+  }
+
   /// The size of an update, each field in units of its own, the same during a step.
   virtual double norm(const Vector &dx) const = 0;
   /// Whether the last @p dx was small enough for @p x, where it led to, to be a solution.

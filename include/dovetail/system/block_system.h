@@ -152,7 +152,8 @@ public:
   bool is_dropped(dealii::types::global_dof_index multiplier) const { return dropped.count(multiplier) > 0; }
   /// Complete @p dx by the constrained unknowns.
   void distribute(Vector &dx);
-  /// Likewise a rate: what is prescribed has none. @p what_is_prescribed: else these unknowns stay as they are.
+  /// Likewise a rate: what is prescribed has none. @p what_is_prescribed: else these unknowns stay as they
+  /// are.
   void distribute_rate(Vector &rate, bool what_is_prescribed);
   /// Make those unknowns of @p x that follow others do so; what is prescribed stays as it is.
   void follow(Vector &x);

@@ -105,9 +105,16 @@ protected:
     double along_normal = infinity;   ///< h of the component along N, and of a scalar
     double along_tangents = infinity; ///< h of the components across it
     double derivative_by_mean = 0;    ///< dh/dB of a scalar, B the mean of both sides' traces
-    const JointLaw *law = nullptr;    ///< in place of h
-    JointPlace place;                 ///< for the law
-    dealii::Tensor<1, dim> normal;    ///< that of the law, from the source to the destination
+    /// Of h of a scalar by the state of a side: dh = sum_d by_value dB_d + by_gradient . d(grad B_d).
+    struct Derivative
+    {
+      double by_value = 0;
+      dealii::Tensor<1, dim> by_gradient;
+    };
+    std::array<std::vector<Derivative>, 2> by_state; ///< by component of the side; empty: not at all
+    const JointLaw *law = nullptr;                   ///< in place of h
+    JointPlace place;                                ///< for the law
+    dealii::Tensor<1, dim> normal;                   ///< that of the law, from the source to the destination
   };
   /// Whether there is one at all; then find_joint() is asked for it at every point.
   virtual bool has_joint() const { return false; }
@@ -128,6 +135,8 @@ private:
     bool is_rigid = true; ///< a = 1, b = 0
     dealii::Tensor<2, dim> a, b;
     double b_by_mean = 0; ///< - db/dB of a scalar
+    double b_by_h = 0;    ///< - db/dh of a scalar whose h depends on the states of the sides
+    std::array<std::vector<typename Joint::Derivative>, 2> h_by_state;
     std::array<double, dim> transmitted{}, mismatch{};
   };
 

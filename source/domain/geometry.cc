@@ -11,6 +11,8 @@
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_simplex_p.h>
 
+#include <map>
+
 namespace dovetail {
 
 using namespace dealii;
@@ -46,10 +48,25 @@ void LagrangeBasis<structdim>::evaluate(const Point<structdim> &xi, std::vector<
   polynomials.evaluate(xi, values, gradients, hessians, no_third_derivatives, no_fourth_derivatives);
 }
 
+namespace {
+
+/// To make them takes a millisecond.
+template <int structdim>
+const BarycentricPolynomials<structdim> &simplex_polynomials(const unsigned int degree)
+{
+  static std::map<unsigned int, BarycentricPolynomials<structdim>> made;
+  auto found = made.find(degree);
+  if (found == made.end())
+    found = made.emplace(degree, BarycentricPolynomials<structdim>::get_fe_p_basis(degree)).first;
+  return found->second;
+}
+
+} // namespace
+
 template <int structdim>
 SimplexBasis<structdim>::SimplexBasis(const unsigned int degree)
     : points(FE_SimplexP<structdim>(degree).get_unit_support_points()),
-      polynomials(BarycentricPolynomials<structdim>::get_fe_p_basis(degree))
+      polynomials(simplex_polynomials<structdim>(degree))
 {
 }
 

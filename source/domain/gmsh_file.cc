@@ -70,37 +70,38 @@ private:
 
   // ---- numbers, of which a binary file of version 2 has only small ones
 
-  std::int64_t checked(const std::int64_t number, const std::string &what, const std::int64_t smallest,
+  std::int64_t checked(const std::int64_t number, const std::string_view what, const std::int64_t smallest,
                        const std::int64_t largest) const
   {
-    text.check(number >= smallest && number <= largest,
-               "expected " + what + ", found '" + std::to_string(number) + "'");
+    if (number < smallest || number > largest)
+      text.fail_at(std::to_string(number), what);
     return number;
   }
 
-  std::int64_t small(const std::string &what, const std::int64_t smallest, const std::int64_t largest)
+  std::int64_t small(const std::string_view what, const std::int64_t smallest, const std::int64_t largest)
   {
     return is_binary ? checked(text.bytes<std::int32_t>(what), what, smallest, largest)
                      : text.integer(what, smallest, largest);
   }
 
-  std::int64_t large(const std::string &what, const std::int64_t smallest, const std::int64_t largest)
+  std::int64_t large(const std::string_view what, const std::int64_t smallest, const std::int64_t largest)
   {
     return is_binary && is_version_4 ? checked(text.bytes<std::int64_t>(what), what, smallest, largest)
                                      : small(what, smallest, largest);
   }
 
-  std::size_t count(const std::string &what)
+  std::size_t count(const std::string_view what)
   {
     return is_binary ? text.to_count(large(what, 0, largest_mesh_number), what) : text.count(what);
   }
 
-  double number(const std::string &what)
+  double number(const std::string_view what)
   {
     if (!is_binary)
       return text.number(what);
     const double value = text.bytes<double>(what);
-    text.check(std::isfinite(value), "expected " + what + ", found a number that is not finite");
+    if (!std::isfinite(value))
+      text.fail("expected " + std::string(what) + ", found a number that is not finite");
     return value;
   }
 
@@ -183,8 +184,9 @@ private:
   void read_node(const std::int64_t node, const unsigned int n_parameters)
   {
     dealii::Point<3> position;
+    const std::string what = "a coordinate of the node " + std::to_string(node);
     for (unsigned int d = 0; d < 3; ++d)
-      position[d] = number("a coordinate of the node " + std::to_string(node));
+      position[d] = number(what);
     for (unsigned int p = 0; p < n_parameters; ++p)
       number("a parameter of the node " + std::to_string(node));
     collector.add_node(node, position);
@@ -267,8 +269,9 @@ private:
   void read_tagged_element(const std::int64_t number, const GmshType &type, const std::int64_t n_tags)
   {
     std::int64_t id = 0, entity = 0;
+    const std::string what = "a tag of the element " + std::to_string(number);
     for (std::int64_t t = 0; t < n_tags; ++t) {
-      const auto tag = small("a tag of the element " + std::to_string(number), INT32_MIN, INT32_MAX);
+      const auto tag = small(what, INT32_MIN, INT32_MAX);
       (t == 0 ? id : entity) = t < 2 ? std::abs(tag) : entity;
     }
     read_element(number, type, id == 0 ? std::vector<std::int64_t>() : std::vector<std::int64_t>{id}, entity);
@@ -294,10 +297,10 @@ private:
   {
     const auto number = small("the type of an element", 1, INT32_MAX);
     const auto found = gmsh_types.find(number);
-    text.check(found != gmsh_types.end(),
-               "elements of Gmsh's type " + std::to_string(number) +
-                   " are not read. Make a mesh of first order (or, of triangles or "
-                   "tetrahedra, of second order)");
+    if (found == gmsh_types.end())
+      text.fail("elements of Gmsh's type " + std::to_string(number) +
+                " are not read. Make a mesh of first order (or, of triangles or "
+                "tetrahedra, of second order)");
     return found->second;
   }
 

@@ -76,26 +76,33 @@ void MeshText::expect(const std::string_view wanted)
          (found.empty() ? "the end of the file" : quoted(found)));
 }
 
-std::int64_t MeshText::to_integer(const std::string_view word, const std::string &what,
+void MeshText::fail_at(const std::string_view word, const std::string_view what, const char *remark) const
+{
+  fail("expected " + std::string(what) + ", found " +
+       (word.empty() ? "the end of the file" : quoted(word) + remark));
+}
+
+std::int64_t MeshText::to_integer(const std::string_view word, const std::string_view what,
                                   const std::int64_t smallest, const std::int64_t largest) const
 {
-  check(!word.empty(), "expected " + what + ", found the end of the file");
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  check(error == std::errc() && end == word.data() + word.size() && value >= smallest && value <= largest,
-        "expected " + what + ", found " + quoted(word));
+  if (word.empty() || error != std::errc() || end != word.data() + word.size() || value < smallest ||
+      value > largest)
+    fail_at(word, what);
   return value;
 }
 
-std::int64_t MeshText::integer(const std::string &what, const std::int64_t smallest,
+std::int64_t MeshText::integer(const std::string_view what, const std::int64_t smallest,
                                const std::int64_t largest)
 {
   return to_integer(word(), what, smallest, largest);
 }
 
-double MeshText::to_number(std::string_view word, const std::string &what) const
+double MeshText::to_number(std::string_view word, const std::string_view what) const
 {
-  check(!word.empty(), "expected " + what + ", found the end of the file");
+  if (word.empty())
+    fail_at(word, what);
   std::string c_like(word.substr(word[0] == '+' ? 1 : 0)); // Fortran writes +1.0D+00
   for (char &letter : c_like)
     if (letter == 'D' || letter == 'd')
@@ -104,27 +111,29 @@ double MeshText::to_number(std::string_view word, const std::string &what) const
   const auto [end, error] = std::from_chars(c_like.data(), c_like.data() + c_like.size(), value);
   const bool is_number = end == c_like.data() + c_like.size() &&
                          (error == std::errc() || error == std::errc::result_out_of_range);
-  check(is_number, "expected " + what + ", found " + quoted(word));
+  if (!is_number)
+    fail_at(word, what);
   if (error == std::errc::result_out_of_range) // also where it is nearly zero
     value = std::strtod(c_like.c_str(), nullptr);
-  check(std::isfinite(value), "expected " + what + ", found " + quoted(word) + ", which is not finite");
+  if (!std::isfinite(value))
+    fail_at(word, what, ", which is not finite");
   return value;
 }
 
-double MeshText::number(const std::string &what)
+double MeshText::number(const std::string_view what)
 {
   return to_number(word(), what);
 }
 
-std::size_t MeshText::count(const std::string &what)
+std::size_t MeshText::count(const std::string_view what)
 {
   return to_count(integer(what, 0, largest_mesh_number), what);
 }
 
-std::size_t MeshText::to_count(const std::int64_t n, const std::string &what) const
+std::size_t MeshText::to_count(const std::int64_t n, const std::string_view what) const
 {
   check(n >= 0 && std::size_t(n) <= (content.size() - position) / 2 + 1,
-        what + " is " + std::to_string(n) + ", more than what is left of the file can hold");
+        std::string(what) + " is " + std::to_string(n) + ", more than what is left of the file can hold");
   return n;
 }
 
@@ -136,8 +145,8 @@ void MeshText::fail(const std::string &message) const
 
 void MeshCollector::add_node(const std::int64_t number, const dealii::Point<3> &position)
 {
-  text.check(index.emplace(number, file.nodes.size()).second,
-             "the node " + std::to_string(number) + " is given a second time");
+  if (!index.emplace(number, file.nodes.size()).second)
+    text.fail("the node " + std::to_string(number) + " is given a second time");
   file.nodes.push_back(position);
   file.node_numbers.push_back(number);
 }
@@ -145,7 +154,8 @@ void MeshCollector::add_node(const std::int64_t number, const dealii::Point<3> &
 unsigned int MeshCollector::node(const std::int64_t number) const
 {
   const auto found = index.find(number);
-  text.check(found != index.end(), "the node " + std::to_string(number) + " does not exist");
+  if (found == index.end())
+    text.fail("the node " + std::to_string(number) + " does not exist");
   return found->second;
 }
 
@@ -168,8 +178,9 @@ template void order_as_in_gmsh(std::vector<std::int64_t> &);
 void MeshCollector::add_element(const std::int64_t number, const unsigned int element_dim,
                                 const unsigned int id, const std::vector<unsigned int> &nodes)
 {
-  text.check(element_dim <= dim, "the element " + std::to_string(number) +
-                                     " has three dimensions, but the scene has Dimension = 2");
+  if (element_dim > dim)
+    text.fail("the element " + std::to_string(number) +
+              " has three dimensions, but the scene has Dimension = 2");
   if (element_dim + 1 < dim)
     return;
   (element_dim == dim ? file.cells : file.faces).add(number, id, nodes);

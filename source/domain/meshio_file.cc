@@ -21,50 +21,104 @@ const char *const converter = R"(import sys
 import numpy
 import meshio
 
+families = {"SPHERE": "vertex", "CIRCLE": "vertex", "POINT": "vertex", "BAR": "line", "BEAM": "line",
+            "TRUSS": "line", "EDGE": "line", "ROD": "line", "TRI": "triangle", "TRIANGLE": "triangle",
+            "TRISHELL": "triangle", "QUAD": "quad", "SHELL": "quad", "TET": "tetra", "TETRA": "tetra",
+            "HEX": "hexahedron", "HEXAHEDRON": "hexahedron", "WEDGE": "wedge", "PYRAMID": "pyramid"}
+orders = {"vertex": [1], "line": [2, 3], "triangle": [3, 6], "quad": [4, 8, 9], "tetra": [4, 10],
+          "hexahedron": [8, 20, 27], "wedge": [6, 15], "pyramid": [5, 13]}
+# of the nodes of a hexahedron between the corners: Exodus has those of the upright edges before those of the top
+order_of_hexahedron = {20: [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
+                       27: [*range(12), 16, 17, 18, 19, 12, 13, 14, 15, 23, 24, 25, 26, 21, 22, 20]}
+
 def read_exodus(file):
-    # of meshio's reader the points and cells; with the ids and names of blocks, side sets and node sets
+    # points and cells; with the ids and names of blocks, side sets and node sets. meshio's own reader knows
+    # neither names nor side sets and takes the nodes of quadratic hexahedra in another order.
     import netCDF4
-    mesh = meshio.read(file)
     with netCDF4.Dataset(file) as data:
-        values = lambda name: data.variables[name][:].data if name in data.variables else numpy.zeros(0, dtype=int)
-        text = lambda row: b"".join(letter if letter else b"" for letter in row.tolist()).decode().split("\0")[0].strip()
-        def ids_and_names(kind, id_name):
-            ids = [int(i) for i in values(id_name)]
-            rows = data.variables[kind][:].data if kind in data.variables else []
+        data.set_auto_mask(False)
+        if "num_nodes" not in data.dimensions or "num_el_blk" not in data.dimensions:
+            sys.exit("it has no nodes or no blocks of elements")
+        values = lambda name: data.variables[name][:] if name in data.variables else numpy.zeros(0, dtype=int)
+        def text(row):
+            return b"".join(letter or b"" for letter in row.tolist()).decode(errors="replace").split("\0")[0].strip()
+        def ids_and_names(kind, id_name, n):
+            n = len(data.dimensions[n]) if n in data.dimensions else 0
+            ids = [int(i) for i in values(id_name)] or [k + 1 for k in range(n)]
+            rows = data.variables[kind][:] if kind in data.variables else []
             names_of = [text(row) for row in rows] + [""] * len(ids)
             return [(i, names_of[k] or str(i)) for k, i in enumerate(ids)]
-        blocks = ids_and_names("eb_names", "eb_prop1")
-        counts = [len(data.dimensions["num_el_in_blk%d" % (k + 1)]) if "num_el_in_blk%d" % (k + 1) in data.dimensions
-                  else 0 for k in range(len(blocks))]
-        cells = [block for block, n in zip(blocks, counts) if n > 0]
+        n_dims = len(data.dimensions["num_dim"])
+        points = numpy.zeros((len(data.dimensions["num_nodes"]), 3))
+        for d in range(n_dims):
+            points[:, d] = values("coord")[d] if "coord" in data.variables else values("coord" + "xyz"[d])
+        cells, blocks, shells = [], [], []
+        for k, block in enumerate(ids_and_names("eb_names", "eb_prop1", "num_el_blk")):
+            if "connect%d" % (k + 1) not in data.variables:
+                continue # a block without elements
+            connect = data.variables["connect%d" % (k + 1)]
+            nodes, kind = numpy.asarray(connect[:], dtype=int) - 1, str(connect.elem_type).strip("\0 ")
+            family = families.get(kind.upper().rstrip("0123456789"))
+            if family == "quad" and nodes.shape[1] in (3, 6):
+                family = "triangle"
+            if family is None or nodes.shape[1] not in orders[family]:
+                sys.exit("the block '%s' has elements of type %s with %d nodes, which are not read"
+                         % (block[1], kind, nodes.shape[1]))
+            if nodes.min(initial=0) < 0 or nodes.max(initial=0) >= len(points):
+                sys.exit("the block '%s' names a node that does not exist" % block[1])
+            if family == "hexahedron" and nodes.shape[1] in order_of_hexahedron:
+                nodes = nodes[:, order_of_hexahedron[nodes.shape[1]]]
+            cells.append((family + ("" if nodes.shape[1] == orders[family][0] else str(nodes.shape[1])), nodes))
+            blocks.append(block)
+            shells += [n_dims == 3 and family in ("triangle", "quad")] * len(nodes)
         side_sets = [(i, name, values("elem_ss%d" % (k + 1)), values("side_ss%d" % (k + 1)))
-                     for k, (i, name) in enumerate(ids_and_names("ss_names", "ss_prop1"))]
+                     for k, (i, name) in enumerate(ids_and_names("ss_names", "ss_prop1", "num_side_sets"))]
         node_sets = [(i, name, values("node_ns%d" % (k + 1)))
-                     for k, (i, name) in enumerate(ids_and_names("ns_names", "ns_prop1"))]
-    return mesh, cells, side_sets, node_sets
+                     for k, (i, name) in enumerate(ids_and_names("ns_names", "ns_prop1", "num_node_sets"))]
+    return meshio.Mesh(points, cells), blocks, shells, side_sets, node_sets
 
 sides = {"triangle": [(0, 1), (1, 2), (2, 0)], "quad": [(0, 1), (1, 2), (2, 3), (3, 0)],
          "tetra": [(0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)],
-         "hexahedron": [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3), (0, 3, 2, 1), (4, 5, 6, 7)]}
+         "hexahedron": [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3), (0, 3, 2, 1), (4, 5, 6, 7)],
+         "wedge": [(0, 1, 4, 3), (1, 2, 5, 4), (0, 3, 5, 2), (0, 2, 1), (3, 4, 5)],
+         "pyramid": [(0, 1, 4), (1, 2, 4), (2, 3, 4), (0, 4, 3), (0, 3, 2, 1)]}
 shapes = {2: "line", 3: "triangle", 4: "quad"}
 
-def add_sets(mesh, blocks, side_sets, node_sets):
-    # faces of cells: those of the side sets, then those all vertices of which are in a node set
+def faces_of_side_set(name, elements, numbers, rows, shells):
+    faces = []
+    for element, number in zip(elements, numbers):
+        if not 1 <= element <= len(rows):
+            sys.exit("the side set '%s' names the element %d, but there are %d" % (name, element, len(rows)))
+        shape, row = rows[element - 1]
+        if shells[element - 1]: # sides 1 and 2 of a shell are its faces
+            number -= 2
+        if shape not in sides or number < 1 or number > len(sides[shape]):
+            sys.exit("the side set '%s' names a side of the element %d that does not exist" % (name, element))
+        faces.append(tuple(row[v] for v in sides[shape][number - 1]))
+    return faces
+
+def faces_of_node_set(name, nodes, rows, top, n_nodes):
+    # of cells, those all corners of which are in the set
+    if len(nodes) and not 1 <= min(nodes) <= max(nodes) <= n_nodes:
+        sys.exit("the node set '%s' names a node that does not exist" % name)
+    inside = numpy.zeros(n_nodes, dtype=bool)
+    inside[numpy.asarray(nodes, dtype=int) - 1] = True
+    if inside.all():
+        return []
+    return [tuple(row[v] for v in side) for shape, row in rows if dims.get(shape, 0) == top
+            for side in sides.get(shape, []) if inside[[row[v] for v in side]].all()]
+
+def add_sets(mesh, blocks, shells, side_sets, node_sets):
     rows = [(base_of(block.type), row) for block in mesh.cells for row in block.data]
-    top = max(dims.get(base_of(block.type), 0) for block in mesh.cells)
-    named = []
-    for tag, name, elements, numbers in side_sets:
-        named.append((tag, name, [tuple(rows[e - 1][1][v] for v in sides[rows[e - 1][0]][s - 1])
-                                  for e, s in zip(elements, numbers) if rows[e - 1][0] in sides]))
-    for tag, name, nodes in node_sets:
-        inside = numpy.zeros(len(mesh.points), dtype=bool)
-        inside[numpy.asarray(nodes, dtype=int) - 1] = True
-        if not inside.all():
-            named.append((tag, name, [tuple(row[v] for v in side) for shape, row in rows if dims.get(shape, 0) == top
-                                      for side in sides.get(shape, []) if inside[[row[v] for v in side]].all()]))
+    top = max([dims.get(base_of(block.type), 0) for block in mesh.cells], default=0)
+    named = [(tag, name, faces_of_side_set(name, elements, numbers, rows, shells))
+             for tag, name, elements, numbers in side_sets]
+    names_of_sides = [name for tag, name, faces in named]
+    named += [(tag, "node set " + name if name in names_of_sides else name,
+               faces_of_node_set(name, nodes, rows, top, len(mesh.points))) for tag, name, nodes in node_sets]
     taken = {tag for block, (tag, name) in zip(mesh.cells, blocks) if dims.get(base_of(block.type), 0) == top - 1}
     for tag, name, faces in named:
-        while tag in taken:
+        if tag in taken:
             tag = max(taken) + 1
         taken.add(tag)
         for n in (2, 3, 4):
@@ -72,13 +126,13 @@ def add_sets(mesh, blocks, side_sets, node_sets):
             if of_shape:
                 mesh.cells.append(meshio.CellBlock(shapes[n], numpy.array(of_shape)))
                 groups.append(numpy.full(len(of_shape), tag, dtype=int))
-        if faces:
-            names[name] = (tag, top - 1)
+        if faces and name != str(tag):
+            names[name if not name.isdigit() else "set " + name, top - 1] = tag
 
 base_of = lambda shape: shape.rstrip("0123456789")
 exodus = sys.argv[1].lower().endswith((".e", ".exo", ".ex2"))
 if exodus:
-    mesh, blocks, side_sets, node_sets = read_exodus(sys.argv[1])
+    mesh, blocks, shells, side_sets, node_sets = read_exodus(sys.argv[1])
 else:
     mesh = meshio.read(sys.argv[1])
 dims = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "tetra": 3, "hexahedron": 3, "wedge": 3, "pyramid": 3}
@@ -92,8 +146,9 @@ for key in ("gmsh:physical", "cell_tags", "medit:ref", "nastran:ref", "su2:tag",
 if exodus:
     for block, group, (tag, name) in zip(mesh.cells, groups, blocks):
         group[:] = tag
-        names[name] = (tag, dim_of(block))
-    add_sets(mesh, blocks, side_sets, node_sets)
+        if name != str(tag):
+            names[name, dim_of(block)] = tag
+    add_sets(mesh, blocks, shells, side_sets, node_sets)
 if sys.argv[1].lower().endswith(".su2"):
     # the names of markers, which meshio counts from the last one that is a number
     markers = [line.split("=", 1)[1].strip() for line in open(sys.argv[1]) if line.startswith("MARKER_TAG")]
@@ -103,14 +158,14 @@ if sys.argv[1].lower().endswith(".su2"):
         is_number = name.lstrip("-").isdigit()
         number = int(name) if is_number else number + 1
         if not is_number:
-            names[name] = (number, top - 1)
+            names[name, top - 1] = number
 for name, value in getattr(mesh, "field_data", {}).items():
     if len(value) == 2:
-        names[name] = (int(value[0]), int(value[1]))
+        names[name, int(value[1])] = int(value[0])
 for tag, its_names in (getattr(mesh, "cell_tags", None) or {}).items():
     for block, group in zip(mesh.cells, groups):
         if (group == abs(tag)).any():
-            names[" ".join(its_names)] = (abs(int(tag)), dim_of(block))
+            names[" ".join(its_names), dim_of(block)] = abs(int(tag))
 free = 1 + max([0] + [int(group.max()) for group in groups if len(group)])
 for name, members in mesh.cell_sets.items():
     if name.startswith("gmsh:"):
@@ -122,16 +177,20 @@ for name, members in mesh.cell_sets.items():
                 group[numpy.asarray(member, dtype=int)] = free
                 is_there = True
         if is_there:
-            names[name] = (free, dim)
+            names[name, dim] = free
             free += 1
 points = mesh.points
 if points.shape[1] == 2:
     points = numpy.hstack([points, numpy.zeros((len(points), 1))])
 known = [i for i, block in enumerate(mesh.cells) if dim_of(block) >= 0]
 result = meshio.Mesh(points, [(mesh.cells[i].type, mesh.cells[i].data) for i in known],
-                     cell_data={key: [groups[i] for i in known] for key in ("gmsh:physical", "gmsh:geometrical")},
-                     field_data={name: numpy.array(value) for name, value in names.items()})
+                     cell_data={key: [groups[i] for i in known] for key in ("gmsh:physical", "gmsh:geometrical")})
 meshio.write(sys.argv[2], result, file_format="gmsh22", binary=False)
+# a block and a side set may have one name, which meshio's own table of names does not hold
+lines = open(sys.argv[2]).read().split("$EndMeshFormat\n", 1)
+table = "".join('%d %d "%s"\n' % (dim, tag, name.replace('"', "'")) for (name, dim), tag in names.items())
+table = "$EndMeshFormat\n$PhysicalNames\n%d\n%s$EndPhysicalNames\n" % (len(names), table)
+open(sys.argv[2], "w").write(lines[0] + table + lines[1])
 )";
 
 std::string in_quotes(const std::string &text)

@@ -239,6 +239,14 @@ std::vector<double> ProbeError::corrected_values() const
   return result;
 }
 
+CorrectedValues ProbeErrors::corrected_values() const
+{
+  CorrectedValues result;
+  for (const ProbeError &probe : probes)
+    result[probe.name] = probe.corrected_values();
+  return result;
+}
+
 bool ProbeErrors::are_reached() const
 {
   return failure.empty() && std::all_of(probes.begin(), probes.end(),
@@ -261,6 +269,7 @@ nlohmann::ordered_json ProbeErrors::estimates() const
                           {"tolerance", probe.tolerance},
                           {"reached", probe.is_reached()},
                           {"corrected value", number_or_list(probe.corrected_values())},
+                          {"change of corrected value", probe.change},
                           {"share of interfaces", probe.interfaces}};
   return result;
 }
@@ -268,7 +277,7 @@ nlohmann::ordered_json ProbeErrors::estimates() const
 template <int dim>
 ProbeErrors estimate_probe_errors(const Model<dim> &model, BlockSystem<dim> &system,
                                   const Probes<dim> &probes, const Section &linear_solver, const Vector &x,
-                                  const double t)
+                                  const double t, const CorrectedValues &earlier)
 {
   ProbeErrors result;
   const Vector ghosted = system.ghosted(x);
@@ -285,7 +294,12 @@ ProbeErrors estimate_probe_errors(const Model<dim> &model, BlockSystem<dim> &sys
   for (const auto &probe : probes.all())
     if (probe.tolerance > 0) {
       error->values = Probes<dim>::evaluate(probe, ghosted, reactions);
-      const double estimate = length(error->errors), value = length(error->values);
+      if (const auto before = earlier.find(probe.name); before != earlier.end()) {
+        std::vector<double> change = error->corrected_values();
+        std::transform(change.begin(), change.end(), before->second.begin(), change.begin(), std::minus<>());
+        error->change = length(change);
+      }
+      const double estimate = std::max(length(error->errors), error->change), value = length(error->values);
       error->relative = estimate > 0 ? estimate / value : 0;
       ++error;
     }
@@ -294,8 +308,8 @@ ProbeErrors estimate_probe_errors(const Model<dim> &model, BlockSystem<dim> &sys
 }
 
 template ProbeErrors estimate_probe_errors(const Model<2> &, BlockSystem<2> &, const Probes<2> &,
-                                           const Section &, const Vector &, double);
+                                           const Section &, const Vector &, double, const CorrectedValues &);
 template ProbeErrors estimate_probe_errors(const Model<3> &, BlockSystem<3> &, const Probes<3> &,
-                                           const Section &, const Vector &, double);
+                                           const Section &, const Vector &, double, const CorrectedValues &);
 
 } // namespace dovetail

@@ -54,24 +54,57 @@ std::string unit_of(const typename Probes<dim>::Probe &probe)
 
 } // namespace
 
+namespace {
+
+template <int dim>
+std::vector<std::string> names_without_unit(const typename Probes<dim>::Probe &probe)
+{
+  std::vector<std::string> names;
+  const auto arrays = probe.quantity->arrays();
+  for (const auto &array : arrays)
+    for (const std::string &component :
+         names_of_components(array.n_components, probe.region.domain->measure.is_axisymmetric()))
+      names.push_back(probe.name + (arrays.size() > 1 ? " " + array.name : "") +
+                      (component.empty() ? "" : " " + component));
+  return names;
+}
+
+std::string in_brackets(const std::string &unit)
+{
+  return unit.empty() ? "" : " [" + unit + "]";
+}
+
+} // namespace
+
 template <int dim>
 std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<dim> &probes)
 {
   std::map<std::string, std::vector<std::string>> result;
   for (const auto &probe : probes.all()) {
-    const auto arrays = probe.quantity->arrays();
     const std::string unit = probes.units() ? probes.units()->of(unit_of<dim>(probe)) : "";
-    auto &names = result[probe.name];
-    for (const auto &array : arrays)
-      for (const std::string &component :
-           names_of_components(array.n_components, probe.region.domain->measure.is_axisymmetric()))
-        names.push_back(probe.name + (arrays.size() > 1 ? " " + array.name : "") +
-                        (component.empty() ? "" : " " + component) + (unit.empty() ? "" : " [" + unit + "]"));
+    for (const std::string &name : names_without_unit<dim>(probe))
+      result[probe.name].push_back(name + in_brackets(unit));
   }
+  return result;
+}
+
+template <int dim>
+std::map<std::string, std::vector<std::string>> names_of_places(const Probes<dim> &probes)
+{
+  const std::string unit = in_brackets(probes.units() ? probes.units()->of("m") : "");
+  std::map<std::string, std::vector<std::string>> result;
+  for (const auto &probe : probes.all())
+    if (probe.reduce == Reduce::minimum || probe.reduce == Reduce::maximum)
+      for (const std::string &name : names_without_unit<dim>(probe))
+        for (unsigned int d = 0; d < dim; ++d)
+          result[probe.name].push_back(
+              name + " at " + (probe.region.domain->measure.is_axisymmetric() ? "rz" : "xyz")[d] + unit);
   return result;
 }
 
 template std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<2> &);
 template std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<3> &);
+template std::map<std::string, std::vector<std::string>> names_of_places(const Probes<2> &);
+template std::map<std::string, std::vector<std::string>> names_of_places(const Probes<3> &);
 
 } // namespace dovetail

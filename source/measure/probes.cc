@@ -382,7 +382,8 @@ void Probes<dim>::locate_again()
 
 template <int dim>
 std::vector<double> Probes<dim>::evaluate(const Probe &probe, const Vector &solution,
-                                          const Reactions<dim> &reactions)
+                                          const Reactions<dim> &reactions,
+                                          std::vector<dealii::Point<dim>> *places)
 {
   const Region<dim> &region = probe.region;
   const double t = reactions.forces().t;
@@ -390,20 +391,26 @@ std::vector<double> Probes<dim>::evaluate(const Probe &probe, const Vector &solu
     return value_at(probe.places, *region.domain, *probe.quantity, solution, t);
   if (!probe.reduce)
     return reactions.resultant(*region.domain, region.boundary_ids, *probe.field);
-  return probe.field ? reduce(region, *probe.field, *probe.reduce, solution)
-                     : reduce(region, *probe.quantity, *probe.reduce, solution, t);
+  return probe.field ? reduce(region, *probe.field, *probe.reduce, solution, places)
+                     : reduce(region, *probe.quantity, *probe.reduce, solution, t, places);
 }
 
 template <int dim>
-nlohmann::ordered_json Probes<dim>::evaluate(const Vector &solution, const Reactions<dim> &reactions) const
+typename Probes<dim>::Values Probes<dim>::evaluate(const Vector &solution,
+                                                   const Reactions<dim> &reactions) const
 {
-  auto result = nlohmann::ordered_json::object();
+  const auto one_or_all = [](const auto &values) {
+    return values.size() == 1 ? nlohmann::ordered_json(values[0]) : nlohmann::ordered_json(values);
+  };
+  Values result = {nlohmann::ordered_json::object(), nlohmann::ordered_json::object()};
   for (const Probe &probe : probes) {
-    const std::vector<double> value = evaluate(probe, solution, reactions);
-    if (value.size() == 1)
-      result[probe.name] = value[0];
-    else
-      result[probe.name] = value;
+    std::vector<dealii::Point<dim>> places;
+    result.numbers[probe.name] = one_or_all(evaluate(probe, solution, reactions, &places));
+    std::vector<std::vector<double>> points;
+    for (const auto &place : places)
+      points.emplace_back(place.begin_raw(), place.end_raw());
+    if (!points.empty())
+      result.places[probe.name] = one_or_all(points);
   }
   return result;
 }

@@ -66,20 +66,26 @@ void visit_points(const Region<dim> &region, const Vector &solution, const doubl
 
 namespace {
 
-/// Of several numbers at once, each by itself.
+/// Of several numbers at once, each by itself, with the place of each.
+template <int dim>
 class Extremes
 {
 public:
-  Extremes(const unsigned int n_numbers, const Reduce how)
-      : sign(how == Reduce::minimum ? -1 : 1), largest(n_numbers, -std::numeric_limits<double>::max()),
-        n_undefined(n_numbers, 0.)
+  /// Coordinates that differ by less than @p small are the same.
+  Extremes(const unsigned int n_numbers, const Reduce how, const double small)
+      : sign(how == Reduce::minimum ? -1 : 1), small(small),
+        largest(n_numbers, -std::numeric_limits<double>::max()), n_undefined(n_numbers, 0.), found(n_numbers)
   {
   }
 
-  void add(const unsigned int i, const double number)
+  /// @p position() is asked for what may be the largest one only.
+  template <typename Position>
+  void add(const unsigned int i, const double number, const Position &position)
   {
-    largest[i] = std::max(largest[i], sign * number); // which keeps what it has if this is NaN
     n_undefined[i] += std::isnan(number);
+    if (!(sign * number < largest[i] - rounding(largest[i])))
+      keep({sign * number, position()}, found[i]);
+    largest[i] = std::max(largest[i], sign * number); // which keeps what it has if this is NaN
   }
 
   std::vector<double> over_ranks(const MPI_Comm &communicator) const
@@ -92,10 +98,59 @@ public:
     return result;
   }
 
+  std::vector<dealii::Point<dim>> places_over_ranks(const MPI_Comm &communicator) const
+  {
+    std::vector<Extreme> all(found.size());
+    for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, found))
+      for (unsigned int i = 0; i < all.size(); ++i)
+        keep(of_rank[i], all[i]);
+    std::vector<dealii::Point<dim>> places;
+    for (const Extreme &extreme : all)
+      places.push_back(extreme.X);
+    return places;
+  }
+
 private:
+  struct Extreme
+  {
+    double value = -std::numeric_limits<double>::max();
+    dealii::Point<dim> X;
+
+    template <typename Archive>
+    void serialize(Archive &archive, const unsigned int)
+    {
+      archive &value &X;
+    }
+  };
+
+  static double rounding(const double value) { return 1e-10 * std::abs(value); }
+
+  bool comes_before(const dealii::Point<dim> &X, const dealii::Point<dim> &Y) const
+  {
+    for (unsigned int d = 0; d < dim; ++d)
+      if (std::abs(X[d] - Y[d]) > small)
+        return X[d] < Y[d];
+    return false;
+  }
+
+  void keep(const Extreme &next, Extreme &best) const
+  {
+    const bool is_tie = std::abs(next.value - best.value) <= rounding(best.value);
+    if (is_tie ? comes_before(next.X, best.X) : next.value > best.value)
+      best = next;
+  }
+
   const double sign; ///< the smallest is minus the largest of minus the numbers
+  const double small;
   std::vector<double> largest, n_undefined;
+  std::vector<Extreme> found;
 };
+
+template <int dim>
+double small_length(const Region<dim> &region)
+{
+  return 1e-9 * region.domain->typical_length();
+}
 
 /// What is stored in the cells of a region, where the terms of capacities see it (cell_terms.h): at the
 /// points of Domain::cell_quadrature(), or at the nodes if they are lumped.
@@ -156,7 +211,7 @@ std::vector<double> integrate(const Region<dim> &region, const unsigned int n_nu
   return sums;
 }
 
-/// Visit the unknowns of a field at the nodes of a region, component and value.
+/// Visit the unknowns of a field at the nodes of a region: component, value and what gives the position.
 template <int dim, typename Visit>
 void for_each_unknown(const Region<dim> &region, const Field &field, const Vector &solution,
                       const Visit &visit)
@@ -173,7 +228,9 @@ void for_each_unknown(const Region<dim> &region, const Field &field, const Vecto
       domain.layout().nodal_values(field.first_component + c, unknowns, component_values);
       for (unsigned int a = 0; a < component_values.size(); ++a)
         if (belongs(a))
-          visit(c, component_values[a]);
+          visit(c, component_values[a], [&]() {
+            return domain.mapping().transform_unit_to_real_cell(cell, element.unit_support_point(a));
+          });
     }
   };
   if (region.boundary_ids.empty()) {
@@ -198,7 +255,7 @@ const std::vector<std::string> &names_of_reduce()
 
 template <int dim>
 std::vector<double> reduce(const Region<dim> &region, const Field &field, const Reduce how,
-                           const Vector &solution)
+                           const Vector &solution, std::vector<dealii::Point<dim>> *places)
 {
   if (how == Reduce::mean || how == Reduce::integral)
     return integrate(region, field.n_components, how, solution, 0,
@@ -206,15 +263,20 @@ std::vector<double> reduce(const Region<dim> &region, const Field &field, const 
                        const auto first = point.state().value.begin() + field.first_component;
                        numbers.insert(numbers.end(), first, first + field.n_components);
                      });
-  Extremes extremes(field.n_components, how);
+  Extremes<dim> extremes(field.n_components, how, small_length(region));
   for_each_unknown(region, field, solution,
-                   [&](const unsigned int c, const double value) { extremes.add(c, value); });
-  return extremes.over_ranks(solution.block(0).get_mpi_communicator());
+                   [&](const unsigned int c, const double value, const auto &position) {
+                     extremes.add(c, value, position);
+                   });
+  const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
+  if (places != nullptr)
+    *places = extremes.places_over_ranks(communicator);
+  return extremes.over_ranks(communicator);
 }
 
 template <int dim>
 std::vector<double> reduce(const Region<dim> &region, const Quantity<dim> &quantity, const Reduce how,
-                           const Vector &solution, const double t)
+                           const Vector &solution, const double t, std::vector<dealii::Point<dim>> *places)
 {
   const unsigned int n_numbers = quantity.n_numbers();
   if (how == Reduce::mean || how == Reduce::integral)
@@ -222,24 +284,31 @@ std::vector<double> reduce(const Region<dim> &region, const Quantity<dim> &quant
         region, n_numbers, how, solution, t,
         [&](DomainPoint<dim> &point, std::vector<double> &numbers) { quantity.evaluate(point, numbers); },
         quantity.is_stored());
-  Extremes extremes(n_numbers, how);
+  Extremes<dim> extremes(n_numbers, how, small_length(region));
   std::vector<double> numbers;
   visit_points<dim>(region, solution, t, [&](DomainPoint<dim> &point, const double) {
     numbers.clear();
     quantity.evaluate(point, numbers);
     for (unsigned int i = 0; i < n_numbers; ++i)
-      extremes.add(i, numbers[i]);
+      extremes.add(i, numbers[i], [&]() { return point.state().X; });
   });
-  return extremes.over_ranks(solution.block(0).get_mpi_communicator());
+  const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
+  if (places != nullptr)
+    *places = extremes.places_over_ranks(communicator);
+  return extremes.over_ranks(communicator);
 }
 
 template void visit_points(const Region<2> &, const Vector &, double,
                            const std::function<void(DomainPoint<2> &, double)> &);
 template void visit_points(const Region<3> &, const Vector &, double,
                            const std::function<void(DomainPoint<3> &, double)> &);
-template std::vector<double> reduce(const Region<2> &, const Field &, Reduce, const Vector &);
-template std::vector<double> reduce(const Region<3> &, const Field &, Reduce, const Vector &);
-template std::vector<double> reduce(const Region<2> &, const Quantity<2> &, Reduce, const Vector &, double);
-template std::vector<double> reduce(const Region<3> &, const Quantity<3> &, Reduce, const Vector &, double);
+template std::vector<double> reduce(const Region<2> &, const Field &, Reduce, const Vector &,
+                                    std::vector<dealii::Point<2>> *);
+template std::vector<double> reduce(const Region<3> &, const Field &, Reduce, const Vector &,
+                                    std::vector<dealii::Point<3>> *);
+template std::vector<double> reduce(const Region<2> &, const Quantity<2> &, Reduce, const Vector &, double,
+                                    std::vector<dealii::Point<2>> *);
+template std::vector<double> reduce(const Region<3> &, const Quantity<3> &, Reduce, const Vector &, double,
+                                    std::vector<dealii::Point<3>> *);
 
 } // namespace dovetail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/measure/bulges.h>
 #include <dovetail/measure/meeting_bodies.h>
 #include <dovetail/pairing/face_points.h>
 #include <dovetail/pairing/facing_boundaries.h>
@@ -21,6 +22,7 @@ const NoteName of_untied_bodies("untied bodies", "bodies touch each other where 
 const double search_radius_of_touch = 0.2; ///< of the face size
 const double largest_angle_of_touch = dealii::numbers::PI / 12;
 const double least_touching_area = 0.5; ///< of a face of the usual size
+const double uncertainty_of_bulge = 0.15;
 
 /// The extent of the faces of a boundary id over all ranks.
 template <int dim>
@@ -134,37 +136,113 @@ SideFaces<dim> faces_near(const Extent<dim> &other, const Domain<dim> &body,
                         [&](const auto &cell, const auto id) { return id == own_id && is_near(cell); });
 }
 
-/// Of the first body, not further from the second one than facets are, nor behind the thinnest cell: the far
-/// sides of two thin bodies look at each other through both. Collective.
+/// Where the faces of one side face another one, and how far the smooth surfaces are from both.
+template <int dim>
+class TouchingFaces
+{
+public:
+  /// Collective.
+  TouchingFaces(const std::array<const Domain<dim> *, 2> &bodies,
+                const std::array<dealii::types::boundary_id, 2> &ids, const SideFaces<dim> &own,
+                SideFaces<dim> other, const double thinnest_cell, const MPI_Comm &communicator)
+      : cells{{own.shape.cell(), other.shape.cell()}}, thinnest_cell(thinnest_cell)
+  {
+    if (bodies[0]->mapping_degree() == 1)
+      own_bulges = Bulges<dim>(*bodies[0], ids[0], own).of_face;
+    std::map<unsigned int, typename Bulges<dim>::OfFace> others;
+    if (bodies[1]->mapping_degree() == 1)
+      others = Bulges<dim>(*bodies[1], ids[1], other).of_face;
+    other_bulges = dealii::Utilities::MPI::all_gather(communicator, others);
+    const FaceLocator<dim> locator(std::move(other), search_radius_of_touch, 0., communicator);
+    points = segments(own, locator, 1, 1);
+    for (unsigned int q = 0; q < points.size(); ++q)
+      if (is_facing(q) && points.matches[q].angle <= largest_angle_of_touch)
+        largest_angle = std::max(largest_angle, points.matches[q].angle);
+    largest_angle = dealii::Utilities::MPI::max(largest_angle, communicator);
+  }
+
+  /// Of this rank.
+  double area() const
+  {
+    double sum = 0;
+    for (unsigned int q = 0; q < points.size(); ++q)
+      if (is_facing(q) && (facets_touch(q) || surfaces_touch(q)))
+        sum += points.JxW[q];
+    return sum;
+  }
+
+private:
+  /// Not behind the thinnest cell: the far sides of two thin bodies look at each other through both.
+  bool is_facing(const unsigned int q) const
+  {
+    const auto &match = points.matches[q];
+    return match.found && (match.X - points.queries[q].X) * points.queries[q].N > -thinnest_cell;
+  }
+
+  double face_size(const unsigned int q) const
+  {
+    return std::min(points.matches[q].face_size, points.queries[q].face_size);
+  }
+
+  const typename Bulges<dim>::OfFace *bulges_of(const unsigned int q, const unsigned int side) const
+  {
+    const auto &bulges = side == 0 ? own_bulges : other_bulges[points.matches[q].rank];
+    const auto found = bulges.find(side == 0 ? points.face[q] : points.matches[q].face);
+    return found == bulges.end() ? nullptr : &found->second;
+  }
+
+  /// Coarse facets must do so exactly: what bounds the distance of others would bridge a true gap.
+  bool facets_touch(const unsigned int q) const
+  {
+    const bool are_coarse = bulges_of(q, 0) != nullptr || bulges_of(q, 1) != nullptr;
+    return points.matches[q].angle <= largest_angle_of_touch &&
+           points.matches[q].distance <= distance_of_facets(face_size(q), are_coarse ? 0. : largest_angle);
+  }
+
+  /// One side of a hexagon and one of an octagon in the same circle are up to an eighth of their length
+  /// apart, and turned by up to half of what both turn.
+  bool surfaces_touch(const unsigned int q) const
+  {
+    const auto &match = points.matches[q];
+    dealii::Tensor<1, dim> gap = match.X - points.queries[q].X;
+    double turn = 0, height = 0;
+    for (const unsigned int side : {0, 1})
+      if (const auto *bulges = bulges_of(q, side)) {
+        double half_turn = 0;
+        for (const Bulge<dim> &bulge : *bulges) {
+          half_turn = std::max(half_turn, bulge.half_turn);
+          height = std::max(height, bulge.height.norm());
+        }
+        turn += half_turn;
+        gap += side == 0 ? -height_at(points.unit_points[q], cells[0], *bulges)
+                         : height_at(match.unit_point, cells[1], *bulges);
+      }
+    const dealii::Tensor<1, dim> N = points.queries[q].N - match.N;
+    return height > 0 && match.angle <= largest_angle_of_touch + turn &&
+           std::abs(gap * N) <=
+               N.norm() * (distance_of_facets(face_size(q), 0.) + uncertainty_of_bulge * height);
+  }
+
+  const std::array<dealii::ReferenceCell, 2> cells;
+  const double thinnest_cell;
+  std::map<unsigned int, typename Bulges<dim>::OfFace> own_bulges;
+  std::vector<std::map<unsigned int, typename Bulges<dim>::OfFace>> other_bulges; ///< of each rank
+  FacePoints<dim> points;
+  double largest_angle = 0; ///< of what faces each other
+};
+
+/// Of the first body. Collective.
 template <int dim>
 double touching_area(const std::array<const Domain<dim> *, 2> &bodies,
                      const std::array<dealii::types::boundary_id, 2> &ids,
                      const std::array<const Extent<dim> *, 2> &extents, const MPI_Comm &communicator)
 {
   const double thinnest_cell = std::min(extents[0]->thinnest_cell, extents[1]->thinnest_cell);
-  const double reach = std::max(extents[0]->largest_face, extents[1]->largest_face);
+  const double reach = search_radius_of_touch * std::max(extents[0]->largest_face, extents[1]->largest_face);
   const auto own = faces_near(*extents[1], *bodies[0], ids[0], reach);
-  const FaceLocator<dim> locator(faces_near(*extents[0], *bodies[1], ids[1], reach), search_radius_of_touch,
-                                 0., communicator);
-  const FacePoints<dim> points = segments(own, locator, 1, 1);
-  double area = 0, largest_angle = 0;
-  const auto is_facing = [&](const unsigned int q) {
-    const auto &match = points.matches[q];
-    const auto &query = points.queries[q];
-    return match.found && match.angle <= largest_angle_of_touch &&
-           (match.X - query.X) * query.N > -thinnest_cell;
-  };
-  for (unsigned int q = 0; q < points.size(); ++q)
-    if (is_facing(q))
-      largest_angle = std::max(largest_angle, points.matches[q].angle);
-  largest_angle = dealii::Utilities::MPI::max(largest_angle, communicator);
-  for (unsigned int q = 0; q < points.size(); ++q)
-    if (const auto &match = points.matches[q];
-        is_facing(q) &&
-        match.distance <=
-            distance_of_facets(std::min(match.face_size, points.queries[q].face_size), largest_angle))
-      area += points.JxW[q];
-  return dealii::Utilities::MPI::sum(area, communicator);
+  const TouchingFaces<dim> faces(bodies, ids, own, faces_near(*extents[0], *bodies[1], ids[1], reach),
+                                 thinnest_cell, communicator);
+  return dealii::Utilities::MPI::sum(faces.area(), communicator);
 }
 
 /// The note on two bodies with the boundaries that touch, if there are any.

@@ -155,19 +155,74 @@ void UsedRanges<dim>::add_coefficients(const Vector &solution, const double t)
     }
 }
 
+/// Zero of one that has not been asked.
+template <int dim>
+typename UsedRanges<dim>::LeastCoefficient
+UsedRanges<dim>::least_of_all_ranks(const Condition<dim> &condition) const
+{
+  const auto own = coefficients.find(&condition);
+  LeastCoefficient worst;
+  if (own == coefficients.end())
+    return worst;
+  for (const auto &of_rank : dealii::Utilities::MPI::all_gather(model.communicator, own->second))
+    if (of_rank.smallest < worst.smallest)
+      worst = of_rank;
+  return worst;
+}
+
+template <int dim>
+nlohmann::ordered_json UsedRanges<dim>::save() const
+{
+  nlohmann::ordered_json saved = {{"tables", nlohmann::ordered_json::array()},
+                                  {"coefficients", nlohmann::ordered_json::object()}};
+  for (const auto &domain : model.domains) {
+    for (const Field &field : domain->fields())
+      if (const auto found = ranges.find({domain.get(), field.name}); found != ranges.end())
+        for (const Range &range : found->second)
+          saved["tables"].push_back({{"domain", domain->name},
+                                     {"field", field.name},
+                                     {"path", range.entry->path},
+                                     {"entry", range.entry->entry},
+                                     {"scalar", range.scalar},
+                                     {"range", {range.smallest, range.largest}}});
+    for (const auto &condition : domain->conditions())
+      if (const LeastCoefficient least = least_of_all_ranks(*condition); least.smallest < 0)
+        saved["coefficients"][condition->section.path()] = {
+            {"smallest", least.smallest},
+            {"t", least.t},
+            {"place", std::vector<double>(least.X.begin_raw(), least.X.end_raw())}};
+  }
+  return saved;
+}
+
+template <int dim>
+void UsedRanges<dim>::restore(const nlohmann::ordered_json &saved)
+{
+  for (const auto &domain : model.domains) {
+    for (const auto &table : saved["tables"])
+      for (const FormulaWithTables &entry : text.formulas_with_tables())
+        if (domain->name == table["domain"] && entry.path == table["path"] && entry.entry == table["entry"])
+          ranges[{domain.get(), table["field"]}].push_back(
+              {&entry, table["scalar"], table["range"][0], table["range"][1]});
+    for (const auto &condition : domain->conditions())
+      if (const auto found = saved["coefficients"].find(condition->section.path());
+          found != saved["coefficients"].end()) {
+        LeastCoefficient &least = coefficients[condition.get()];
+        least.smallest = (*found)["smallest"];
+        least.t = (*found)["t"];
+        for (unsigned int d = 0; d < dim; ++d)
+          least.X[d] = (*found)["place"][d];
+      }
+  }
+}
+
 template <int dim>
 NoteList UsedRanges<dim>::explain() const
 {
   NoteList notes = explain_tables();
   for (const auto &domain : model.domains)
     for (const auto &condition : domain->conditions()) {
-      const auto own = coefficients.find(condition.get());
-      if (own == coefficients.end())
-        continue;
-      LeastCoefficient worst;
-      for (const auto &of_rank : dealii::Utilities::MPI::all_gather(model.communicator, own->second))
-        if (of_rank.smallest < worst.smallest)
-          worst = of_rank;
+      const LeastCoefficient worst = least_of_all_ranks(*condition);
       if (worst.smallest < 0)
         notes.push_back(
             of_negative_coefficient("Coefficient is " + in_words(worst.smallest) + " at " +

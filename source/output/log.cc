@@ -58,10 +58,13 @@ nlohmann::ordered_json absolute(const nlohmann::ordered_json &value)
   return result;
 }
 
-/// Of a probe; the error is an estimate, if there is one.
+/// Of a probe, and where it is; the error is an estimate, if there is one.
 std::string value_and_error(const nlohmann::ordered_json &report, const std::string &probe)
 {
-  const std::string value = to_text(report["probes"][probe]);
+  std::string value = to_text(report["probes"][probe]);
+  if (const auto places = report.find("places of extremes");
+      places != report.end() && places->contains(probe) && (*places)[probe][0].is_number())
+    value += " at " + to_text((*places)[probe]);
   const auto errors = report.find("probe errors");
   if (errors == report.end() || !errors->contains(probe))
     return value;

@@ -124,6 +124,8 @@ void Results<dim>::go_on(const Plan &plan, const SavedState &from)
   notes.recall(saved["names of notes"], saved["notes"]);
   mark_good_step();
   step_table.restore(saved["probes"]);
+  if (saved.contains("used ranges")) // checkpoints of earlier versions have none
+    used_ranges.restore(saved["used ranges"]);
   report().write();
   write_used();
   try_to_write([&]() { paraview.go_on_from(saved["pictures"]); });
@@ -154,7 +156,8 @@ void Results<dim>::write_checkpoint(SavedState &state)
       {"notes", so_far(notes.texts())},
       {"names of notes", so_far(notes.names())},
       {"probes", step_table.save()},
-      {"pictures", paraview.times_of_steps()}};
+      {"pictures", paraview.times_of_steps()},
+      {"used ranges", used_ranges.save()}};
   if (energy_balance) {
     const auto &memory = energy_balance->memory();
     state.numbers["results"]["energy"] = {memory.initial, memory.work};
@@ -293,15 +296,23 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
   for (auto &domain_flows : flows)
     for (auto &field_flows : domain_flows)
       field_flows.erase("rounding");
-  nlohmann::ordered_json numbers = probes.evaluate(ghosted, reactions);
+  auto [numbers, places] = probes.evaluate(ghosted, reactions);
+  ColumnNames columns = names_of_numbers(probes);
+  for (const auto &[probe, names] : names_of_places(probes)) {
+    numbers[probe + " at"] = places[probe];
+    columns[probe + " at"] = names;
+  }
   if (energy_balance) {
     const auto energy =
         energy_balance->add_step(reactions, solution.x, ghosted, velocity_now, solution.new_start);
     report()["steps"].back()["energy"] = energy;
-    for (const auto &[name, value] : energy.items())
+    for (const auto &[name, value] : energy.items()) {
       numbers["energy " + name] = value;
+      columns["energy " + name] = {"energy " + name +
+                                   (probes.units() ? " [" + probes.units()->of("J") + "]" : "")};
+    }
   }
-  step_table.add(solution.t, numbers, flows, names_of_numbers(probes),
+  step_table.add(solution.t, numbers, flows, columns,
                  model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz",
                  probes.units() ? probes.units()->of("s") : "");
   if (step_table.is_due())
@@ -331,7 +342,10 @@ void Results<dim>::measure(const Solution<dim> &solution, const double tolerance
   report()["balance"] =
       measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), &sentences).report;
   find_velocity(solution);
-  report()["probes"] = probes.evaluate(ghosted, reactions);
+  auto [numbers, places] = probes.evaluate(ghosted, reactions);
+  report()["probes"] = numbers;
+  if (!places.empty())
+    report()["places of extremes"] = places;
   if (solution.is_last) // else the ties are those of the step that failed
     notes.add(sentences);
 }

@@ -130,12 +130,13 @@ std::optional<ErrorEstimate> AdaptiveCycles<dim>::estimate_probes(const unsigned
 {
   ProbeErrors estimate = [&]() {
     const Phases::Scope scope(phases, "estimate");
-    return estimate_probe_errors(model, step.system(), probes, linear_solver, x, t);
+    return estimate_probe_errors(model, step.system(), probes, linear_solver, x, t, corrected_before);
   }();
   if (!estimate.failure.empty()) {
     notes.add(of_tolerance("the error of the probes is not estimated: " + estimate.failure));
     return {};
   }
+  corrected_before = estimate.corrected_values();
   Report &report = results.report();
   report["probe errors"] = estimate.errors();
   report["probe estimates"] = estimate.estimates();

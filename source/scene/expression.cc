@@ -207,7 +207,8 @@ void Expression::Implementation::note_used_variables(const mu::Parser &parser)
 unsigned int Expression::Implementation::add_to_tape(const std::string &formula, const mu::Parser &parser)
 {
   const auto number = tape.add(formula);
-  const bool has_table = std::regex_search(formula, std::regex("(^|[^A-Za-z0-9_])table\\s*\\("));
+  static const std::regex table("(^|[^A-Za-z0-9_])table\\s*\\(");
+  const bool has_table = std::regex_search(formula, table);
   if (!number && has_table)
     fail(formula,
          "a table needs an argument and pairs of numbers, the first of which grow from pair to pair, as in "

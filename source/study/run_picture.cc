@@ -142,7 +142,16 @@ Panel draw_seconds(const ordered_json &seconds)
       "$seconds using 0:2:xtic(1) with boxes lc rgb '" + colour_of_curve(2) + "' notitle"};
 }
 
-/// Of a probe: those with its name, followed by that of a component, but not by the rest of another probe's.
+/// The place of a minimum or maximum: "worst at x".
+bool is_of_place(const std::string &column)
+{
+  const auto end = column.size();
+  return end > 5 && column.compare(end - 5, 4, " at ") == 0 &&
+         std::string("xyzr").find(column[end - 1]) != std::string::npos;
+}
+
+/// Of a probe: those with its name, followed by that of a component, but not by the rest of another probe's,
+/// nor places.
 std::vector<const Column *> columns_of(const std::string &probe, const ordered_json &probes,
                                        const std::vector<Column> &columns)
 {
@@ -154,7 +163,7 @@ std::vector<const Column *> columns_of(const std::string &probe, const ordered_j
     bool is_of_other = false;
     for (const auto &[other, value] : probes.items())
       is_of_other = is_of_other || (other.size() > probe.size() && begins(column.name, other));
-    if (begins(column.name, probe) && !is_of_other)
+    if (begins(column.name, probe) && !is_of_other && (column.name == probe || !is_of_place(column.name)))
       result.push_back(&column);
   }
   return result;
@@ -235,6 +244,10 @@ void draw_run(const std::string &directory, std::ostream &out)
       else
         left_out.push_back(probe + (is_history ? " (no more room)" : " (no history)"));
     }
+  if (const std::string energy = "energy"; !report["probes"].contains(energy) && columns.size() > 1 &&
+                                           columns[0].values.size() > 1 && panels.size() < most_panels &&
+                                           !columns_of(energy, report["probes"], columns).empty())
+    panels.push_back(draw_probe(energy, panels.size(), report["probes"], columns));
   const std::string problem =
       draw_by_gnuplot(directory, "run", "How a run went", write_panels(panels), "try again.");
   if (!problem.empty())

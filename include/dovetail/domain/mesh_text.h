@@ -34,32 +34,35 @@ public:
   /// The next word, which must be this. @throw MeshError
   void expect(std::string_view wanted);
   /// The next word, which must be a whole number of this range. @p what names it in the message.
-  std::int64_t integer(const std::string &what, std::int64_t smallest, std::int64_t largest);
+  std::int64_t integer(std::string_view what, std::int64_t smallest, std::int64_t largest);
   /// The next word, which must be a finite number.
-  double number(const std::string &what);
+  double number(std::string_view what);
   /// How many things follow: each needs at least two characters, so a text cannot announce more than it
   /// holds.
-  std::size_t count(const std::string &what);
+  std::size_t count(std::string_view what);
 
   /// From now on there are bytes between the words: messages name the byte, not the line.
   void begin_bytes() { has_bytes = true; }
   /// The next bytes as a number of this type.
   template <typename Number>
-  Number bytes(const std::string &what)
+  Number bytes(std::string_view what)
   {
-    check(content.size() - position >= sizeof(Number), "expected " + what + ", found the end of the file");
+    if (content.size() - position < sizeof(Number))
+      fail_at({}, what);
     Number number;
     std::memcpy(&number, content.data() + position, sizeof(Number));
     position += sizeof(Number);
     return number;
   }
   /// How many things follow, as of the section's head.
-  std::size_t to_count(std::int64_t n, const std::string &what) const;
+  std::size_t to_count(std::int64_t n, std::string_view what) const;
 
-  std::int64_t to_integer(std::string_view word, const std::string &what, std::int64_t smallest,
+  std::int64_t to_integer(std::string_view word, std::string_view what, std::int64_t smallest,
                           std::int64_t largest) const;
-  double to_number(std::string_view word, const std::string &what) const;
+  double to_number(std::string_view word, std::string_view what) const;
 
+  /// @throw MeshError "line N: expected WHAT, found WORD"
+  [[noreturn]] void fail_at(std::string_view word, std::string_view what, const char *remark = "") const;
   /// @throw MeshError "line N: MESSAGE"
   [[noreturn]] void fail(const std::string &message) const;
   void check(const bool condition, const std::string &message) const

@@ -15,6 +15,9 @@
 
 namespace dovetail {
 
+/// Of probes with a Tolerance, on the mesh before; none on the first mesh.
+using CorrectedValues = std::map<std::string, std::vector<double>>;
+
 /// What is known of the error of one probe.
 struct ProbeError
 {
@@ -22,7 +25,8 @@ struct ProbeError
   double tolerance;                         ///< relative
   std::vector<double> values;               ///< of the probe, J(B_h)
   std::vector<double> errors;               ///< J(B) - J(B_h), estimated, of each number
-  double relative = 0;                      ///< |errors| / |values|; zero if both are
+  double change = 0;                        ///< of the corrected values since the mesh before, in size
+  double relative = 0;                      ///< max(|errors|, change) / |values|; zero if all are
   std::map<std::string, double> interfaces; ///< share of each in the sum of the sizes of all contributions
   std::vector<double> corrected_values() const; ///< values + errors
   bool is_reached() const { return relative <= tolerance; }
@@ -37,6 +41,7 @@ struct ProbeErrors
   std::string failure; ///< why there is no estimate; empty if there is
 
   bool are_reached() const;
+  CorrectedValues corrected_values() const;
   nlohmann::ordered_json errors() const;    ///< by name of the probe, in the shape of its value
   nlohmann::ordered_json estimates() const; ///< what the report tells of each
 };
@@ -49,10 +54,13 @@ struct ProbeErrors
 /// contributions of the nodes of V, -R_i (z - I_h z)_i and (J' - K^T z)_i d_i, are shared by the cells around
 /// them (Richter & Wick 2015).
 ///
+/// Degree p + 1 may err as much as degree p where the solution is singular, and B_h may be right by chance.
+/// The corrected value shows it: its change since the mesh before, @p earlier, is an error, too.
+///
 /// @p system has begun the step to time @p t. @p linear_solver: the section of the scene. Collective.
 template <int dim>
 ProbeErrors estimate_probe_errors(const Model<dim> &model, BlockSystem<dim> &system,
                                   const Probes<dim> &probes, const Section &linear_solver, const Vector &x,
-                                  double t);
+                                  double t, const CorrectedValues &earlier);
 
 } // namespace dovetail

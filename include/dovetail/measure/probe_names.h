@@ -18,4 +18,8 @@ namespace dovetail {
 template <int dim>
 std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<dim> &probes);
 
+/// Likewise of the places of minima and maxima: "worst at x [mm]".
+template <int dim>
+std::map<std::string, std::vector<std::string>> names_of_places(const Probes<dim> &probes);
+
 } // namespace dovetail

@@ -61,8 +61,14 @@ public:
   /// About minima and maxima of fluxes at such points. Collective; @p solution is ghosted.
   NoteList notes_on_extremes(const Vector &solution, double t) const;
 
-  /// A number, or an array of components. Collective; @p solution is ghosted.
-  nlohmann::ordered_json evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
+  struct Values
+  {
+    nlohmann::ordered_json numbers; ///< of each probe a number, or an array of components
+    nlohmann::ordered_json
+        places; ///< of each minimum and maximum likewise, in the place of a number its point
+  };
+  /// Collective; @p solution is ghosted.
+  Values evaluate(const Vector &solution, const Reactions<dim> &reactions) const;
 
   const std::optional<Units> &units() const { return given_units; } ///< of the scene
 
@@ -84,7 +90,8 @@ public:
   const std::vector<Probe> &all() const { return probes; }
   bool has_tolerance() const; ///< some probe
   static std::vector<double> evaluate(const Probe &probe, const Vector &solution,
-                                      const Reactions<dim> &reactions);
+                                      const Reactions<dim> &reactions,
+                                      std::vector<dealii::Point<dim>> *places = nullptr);
 
 private:
   static Probe read(const std::string &name, const Section &section, const Model<dim> &model);

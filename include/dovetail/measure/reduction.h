@@ -33,14 +33,17 @@ void visit_points(const Region<dim> &region, const Vector &solution, double t,
 
 /// Of each component of a field by itself. Minimum and maximum are those of the nodes; the mean is the
 /// integral over the volume or area of the undeformed region. Integrals are exact but for rounding, on curved
-/// faces in 3D nearly so. Collective; @p solution is ghosted.
+/// faces in 3D nearly so. Collective; @p solution is ghosted. @p places: of minima and maxima the point; of
+/// several with the same number, up to rounding, the one with the smallest x, then y, then z.
 template <int dim>
-std::vector<double> reduce(const Region<dim> &region, const Field &field, Reduce how, const Vector &solution);
+std::vector<double> reduce(const Region<dim> &region, const Field &field, Reduce how, const Vector &solution,
+                           std::vector<dealii::Point<dim>> *places = nullptr);
 
 /// Of each number of a quantity by itself; all four from the same Gauss points of each cell or face, so that
 /// the mean lies between the minimum and the maximum. NaN if the quantity is NaN at one of them. Collective.
 template <int dim>
 std::vector<double> reduce(const Region<dim> &region, const Quantity<dim> &quantity, Reduce how,
-                           const Vector &solution, double t);
+                           const Vector &solution, double t,
+                           std::vector<dealii::Point<dim>> *places = nullptr);
 
 } // namespace dovetail

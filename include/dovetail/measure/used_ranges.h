@@ -9,6 +9,8 @@
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/system/model.h>
 
+#include <nlohmann/json.hpp>
+
 #include <map>
 #include <string>
 #include <utility>
@@ -33,6 +35,10 @@ public:
   /// somewhere.
   NoteList explain() const;
 
+  /// What has been added so far, for a run that goes on. Collective.
+  nlohmann::ordered_json save() const;
+  void restore(const nlohmann::ordered_json &saved);
+
 private:
   /// Of the values of a field in the part of a body for which an entry holds.
   struct Range
@@ -56,6 +62,7 @@ private:
   void add_tables(const Vector &solution);
   void add_coefficients(const Vector &solution, double t);
   NoteList explain_tables() const;
+  LeastCoefficient least_of_all_ranks(const Condition<dim> &condition) const;
 
   const Model<dim> &model;
   const SceneText &text;

@@ -53,7 +53,8 @@ private:
   Log &log;
   unsigned int n_cycles;
   unsigned long largest_number_of_unknowns;
-  double share; ///< of the estimated error squared, in the cells that are refined
+  CorrectedValues corrected_before; ///< on the mesh before
+  double share;                     ///< of the estimated error squared, in the cells that are refined
   std::exception_ptr problem_of_cycle;
 };
 

@@ -11,6 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 namespace dovetail {
 
 /// The energy of all solids of a scene after each step, with the displacement u and the velocity v,

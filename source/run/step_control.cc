@@ -73,7 +73,7 @@ Steps::Steps(const Section &section)
   const bool has_lumped_mass = section.read<bool>(
       "Lumped mass", false,
       "The mass of solids is summed at the nodes, which lowers the frequencies of a mesh: with Inertia, and "
-      "of eigenmodes; Degree = 1 only [-]");
+      "of eigenmodes; Degree = 1, or quadrilaterals and hexahedra in scenes without an axis [-]");
   section.check(!has_lumped_mass || finds_modes() || has_inertia, "Lumped mass",
                 "needs Inertia = true, or Kind = eigenmodes: else solids have no mass.");
   section.check(tolerance == 0 || is_transient, "Tolerance",

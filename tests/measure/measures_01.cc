@@ -126,6 +126,6 @@ end
         {seam["resultant source"]["temperature"][0], seam["resultant destination"]["temperature"][0]});
 
   const Probes<2> probes(given.scene, given.model);
-  const auto values = probes.evaluate(given.solution, *given.reactions);
+  const auto values = probes.evaluate(given.solution, *given.reactions).numbers;
   print("probes", {values["corner"], values["middle"], values["shared corner"]}); // 2, (h^2 + (2h)^2)/2, 1/4
 }

@@ -77,7 +77,7 @@ int main(int argc, char **argv)
       probes);
 
   const Probes<3> all(given.scene, given.model);
-  const auto values = all.evaluate(given.solution, *given.reactions);
+  const auto values = all.evaluate(given.solution, *given.reactions).numbers;
   for (const auto &[name, value] : values.items())
     print(name,
           value.is_array() ? value.get<std::vector<double>>() : std::vector<double>{value.get<double>()});

@@ -64,7 +64,7 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, Sums &&sums, const Ma
   coarse_rows = std::vector<int>(); // = {} would keep the memory
   give_back_freed_memory();
   auto A_1 = A.restricted(*P);
-  prolongation = std::make_unique<Interpolation>(*P);
+  prolongation = std::make_unique<Prolongation>(*P);
   P.reset();
   give_back_freed_memory();
   coarse = make_coarse(std::move(A_1), coarse_modes, coarse_places);

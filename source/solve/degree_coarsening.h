@@ -6,7 +6,7 @@
 #pragma once
 
 #include "chebyshev_smoother.h"
-#include "interpolation.h"
+#include "prolongation.h"
 #include "level_operator.h"
 #include "smoothed_aggregation.h"
 
@@ -70,7 +70,7 @@ private:
 
   const LevelOperator &A;
   std::vector<int> coarse_rows;                ///< own rows of A that are unknowns of A_1
-  std::unique_ptr<Interpolation> prolongation; ///< P
+  std::unique_ptr<Prolongation> prolongation; ///< P
   std::unique_ptr<Cycle> coarse;
   std::unique_ptr<Smoother> smoother;
 };

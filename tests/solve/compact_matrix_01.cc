@@ -8,7 +8,7 @@
 //
 // ranks: 1, 2, 3
 
-#include "../../source/solve/interpolation.h"
+#include "../../source/solve/prolongation.h"
 #include "../system/scene_model.h"
 
 #include <deal.II/base/mpi.h>
@@ -109,7 +109,7 @@ int main(int argc, char **argv)
   const Epetra_CrsMatrix A = make_matrix(rows), P = make_prolongation(rows, coarse);
   const CompactMatrix compact(A);
   compare_products("matrix", compact, A, 9);
-  compare_products("prolongation", Interpolation(P), P, 10);
+  compare_products("prolongation", Prolongation(P), P, 10);
   Epetra_Vector diagonal(rows), exact(rows);
   compact.diagonal(diagonal);
   A.ExtractDiagonalCopy(exact);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include "interpolation.h"
+#include "prolongation.h"
 
 #include <algorithm>
 
 namespace dovetail {
 
-Interpolation::Interpolation(const Epetra_CrsMatrix &P) : exchange(P)
+Prolongation::Prolongation(const Epetra_CrsMatrix &P) : exchange(P)
 {
   const std::vector<int> numbers = numbers_of_columns(P);
   const auto for_groups = [&](const auto &begin) { // two passes, as memory is precious
@@ -48,7 +48,7 @@ Interpolation::Interpolation(const Epetra_CrsMatrix &P) : exchange(P)
 }
 
 template <typename Visit>
-void Interpolation::for_rows(const Visit &visit) const
+void Prolongation::for_rows(const Visit &visit) const
 {
   for (unsigned int g = 0; g + 1 < groups.size(); ++g)
     for (int row = groups[g].first_row; row < groups[g + 1].first_row; ++row)
@@ -56,7 +56,7 @@ void Interpolation::for_rows(const Visit &visit) const
             entries.data() + groups[g + 1].first_entry);
 }
 
-void Interpolation::multiply(Epetra_Vector &y, const Epetra_Vector &x) const
+void Prolongation::multiply(Epetra_Vector &y, const Epetra_Vector &x) const
 {
   std::vector<double> buffer;
   const double *const of_columns = exchange.of_columns(x, buffer);
@@ -68,7 +68,7 @@ void Interpolation::multiply(Epetra_Vector &y, const Epetra_Vector &x) const
   });
 }
 
-void Interpolation::multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x) const
+void Prolongation::multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x) const
 {
   std::vector<double> sums(exchange.n_columns(), 0.);
   for_rows([&](const int row, const int shift, const Entry *begin, const Entry *const end) {
@@ -78,7 +78,7 @@ void Interpolation::multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x
   exchange.add_up(sums, y);
 }
 
-std::size_t Interpolation::memory_consumption() const
+std::size_t Prolongation::memory_consumption() const
 {
   return groups.capacity() * sizeof(Group) + entries.capacity() * sizeof(Entry);
 }

@@ -17,10 +17,10 @@ namespace dovetail {
 
 /// A matrix P of weights in single precision. The components at a node are interpolated alike: rows that
 /// follow each other with the same weights, and columns that are one further from row to row, hold both once.
-class Interpolation
+class Prolongation
 {
 public:
-  explicit Interpolation(const Epetra_CrsMatrix &P);
+  explicit Prolongation(const Epetra_CrsMatrix &P);
 
   const Epetra_Map &domain() const { return exchange.own(); }
   void multiply(Epetra_Vector &y, const Epetra_Vector &x) const;            ///< y = P x; collective

@@ -6,8 +6,8 @@
 #pragma once
 
 #include "chebyshev_smoother.h"
-#include "prolongation.h"
 #include "level_operator.h"
+#include "prolongation.h"
 #include "smoothed_aggregation.h"
 
 #include <dovetail/solve/group_solver.h>
@@ -69,7 +69,7 @@ private:
   void correct(Epetra_Vector &x, const Epetra_Vector &b) const;
 
   const LevelOperator &A;
-  std::vector<int> coarse_rows;                ///< own rows of A that are unknowns of A_1
+  std::vector<int> coarse_rows;               ///< own rows of A that are unknowns of A_1
   std::unique_ptr<Prolongation> prolongation; ///< P
   std::unique_ptr<Cycle> coarse;
   std::unique_ptr<Smoother> smoother;

@@ -57,7 +57,7 @@ def read_exodus(file):
             if "connect%d" % (k + 1) not in data.variables:
                 continue # a block without elements
             connect = data.variables["connect%d" % (k + 1)]
-            nodes, kind = numpy.asarray(connect[:], dtype=int) - 1, str(connect.elem_type).strip("\0 ")
+            nodes, kind = numpy.asarray(connect[:], dtype=int) - 1, str(getattr(connect, "elem_type", "")).strip("\0 ")
             family = families.get(kind.upper().rstrip("0123456789"))
             if family == "quad" and nodes.shape[1] in (3, 6):
                 family = "triangle"
@@ -70,7 +70,7 @@ def read_exodus(file):
                 nodes = nodes[:, order_of_hexahedron[nodes.shape[1]]]
             cells.append((family + ("" if nodes.shape[1] == orders[family][0] else str(nodes.shape[1])), nodes))
             blocks.append(block)
-            shells += [n_dims == 3 and family in ("triangle", "quad")] * len(nodes)
+            shells += [n_dims == 3 and (family == "triangle" or "SHELL" in kind.upper())] * len(nodes)
         side_sets = [(i, name, values("elem_ss%d" % (k + 1)), values("side_ss%d" % (k + 1)))
                      for k, (i, name) in enumerate(ids_and_names("ss_names", "ss_prop1", "num_side_sets"))]
         node_sets = [(i, name, values("node_ns%d" % (k + 1)))
@@ -84,20 +84,23 @@ sides = {"triangle": [(0, 1), (1, 2), (2, 0)], "quad": [(0, 1), (1, 2), (2, 3), 
          "pyramid": [(0, 1, 4), (1, 2, 4), (2, 3, 4), (0, 4, 3), (0, 3, 2, 1)]}
 shapes = {2: "line", 3: "triangle", 4: "quad"}
 
-def faces_of_side_set(name, elements, numbers, rows, shells):
+def faces_of_side_set(name, elements, numbers, rows, shells, top):
     faces = []
     for element, number in zip(elements, numbers):
         if not 1 <= element <= len(rows):
             sys.exit("the side set '%s' names the element %d, but there are %d" % (name, element, len(rows)))
         shape, row = rows[element - 1]
-        if shells[element - 1]: # sides 1 and 2 of a shell are its faces
+        if shells[element - 1]: # sides 1 and 2 of a shell are its faces, no boundary of a plane mesh
+            if number in (1, 2):
+                faces += [tuple(row[:len(sides[shape])])] if top == 3 else []
+                continue
             number -= 2
         if shape not in sides or number < 1 or number > len(sides[shape]):
             sys.exit("the side set '%s' names a side of the element %d that does not exist" % (name, element))
         faces.append(tuple(row[v] for v in sides[shape][number - 1]))
     return faces
 
-def faces_of_node_set(name, nodes, rows, top, n_nodes):
+def faces_of_node_set(name, nodes, cells, top, n_nodes):
     # of cells, those all corners of which are in the set
     if len(nodes) and not 1 <= min(nodes) <= max(nodes) <= n_nodes:
         sys.exit("the node set '%s' names a node that does not exist" % name)
@@ -105,17 +108,22 @@ def faces_of_node_set(name, nodes, rows, top, n_nodes):
     inside[numpy.asarray(nodes, dtype=int) - 1] = True
     if inside.all():
         return []
-    return [tuple(row[v] for v in side) for shape, row in rows if dims.get(shape, 0) == top
-            for side in sides.get(shape, []) if inside[[row[v] for v in side]].all()]
+    faces = []
+    for block in cells:
+        if dims.get(base_of(block.type), 0) == top:
+            for side in sides.get(base_of(block.type), []):
+                of_side = block.data[:, list(side)]
+                faces += [tuple(face) for face in of_side[inside[of_side].all(axis=1)]]
+    return faces
 
 def add_sets(mesh, blocks, shells, side_sets, node_sets):
     rows = [(base_of(block.type), row) for block in mesh.cells for row in block.data]
     top = max([dims.get(base_of(block.type), 0) for block in mesh.cells], default=0)
-    named = [(tag, name, faces_of_side_set(name, elements, numbers, rows, shells))
+    named = [(tag, name, faces_of_side_set(name, elements, numbers, rows, shells, top))
              for tag, name, elements, numbers in side_sets]
     names_of_sides = [name for tag, name, faces in named]
     named += [(tag, "node set " + name if name in names_of_sides else name,
-               faces_of_node_set(name, nodes, rows, top, len(mesh.points))) for tag, name, nodes in node_sets]
+               faces_of_node_set(name, nodes, mesh.cells, top, len(mesh.points))) for tag, name, nodes in node_sets]
     taken = {tag for block, (tag, name) in zip(mesh.cells, blocks) if dims.get(base_of(block.type), 0) == top - 1}
     for tag, name, faces in named:
         if tag in taken:
@@ -127,7 +135,7 @@ def add_sets(mesh, blocks, shells, side_sets, node_sets):
                 mesh.cells.append(meshio.CellBlock(shapes[n], numpy.array(of_shape)))
                 groups.append(numpy.full(len(of_shape), tag, dtype=int))
         if faces and name != str(tag):
-            names[name if not name.isdigit() else "set " + name, top - 1] = tag
+            names.add((name if not name.isdigit() else "set " + name, top - 1, tag))
 
 base_of = lambda shape: shape.rstrip("0123456789")
 exodus = sys.argv[1].lower().endswith((".e", ".exo", ".ex2"))
@@ -138,7 +146,7 @@ else:
 dims = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "tetra": 3, "hexahedron": 3, "wedge": 3, "pyramid": 3}
 dim_of = lambda block: dims.get(block.type.rstrip("0123456789"), -1)
 groups = [numpy.zeros(len(block.data), dtype=int) for block in mesh.cells]
-names = {}
+names = set()
 for key in ("gmsh:physical", "cell_tags", "medit:ref", "nastran:ref", "su2:tag", "MaterialID", "MaterialIds",
             "CellEntityIds", "material", "id"):
     if key in mesh.cell_data and not any(group.any() for group in groups):
@@ -147,7 +155,7 @@ if exodus:
     for block, group, (tag, name) in zip(mesh.cells, groups, blocks):
         group[:] = tag
         if name != str(tag):
-            names[name, dim_of(block)] = tag
+            names.add((name, dim_of(block), tag))
     add_sets(mesh, blocks, shells, side_sets, node_sets)
 if sys.argv[1].lower().endswith(".su2"):
     # the names of markers, which meshio counts from the last one that is a number
@@ -158,14 +166,14 @@ if sys.argv[1].lower().endswith(".su2"):
         is_number = name.lstrip("-").isdigit()
         number = int(name) if is_number else number + 1
         if not is_number:
-            names[name, top - 1] = number
+            names.add((name, top - 1, number))
 for name, value in getattr(mesh, "field_data", {}).items():
     if len(value) == 2:
-        names[name, int(value[1])] = int(value[0])
+        names.add((name, int(value[1]), int(value[0])))
 for tag, its_names in (getattr(mesh, "cell_tags", None) or {}).items():
     for block, group in zip(mesh.cells, groups):
         if (group == abs(tag)).any():
-            names[" ".join(its_names), dim_of(block)] = abs(int(tag))
+            names.add((" ".join(its_names), dim_of(block), abs(int(tag))))
 free = 1 + max([0] + [int(group.max()) for group in groups if len(group)])
 for name, members in mesh.cell_sets.items():
     if name.startswith("gmsh:"):
@@ -177,7 +185,7 @@ for name, members in mesh.cell_sets.items():
                 group[numpy.asarray(member, dtype=int)] = free
                 is_there = True
         if is_there:
-            names[name, dim] = free
+            names.add((name, dim, free))
             free += 1
 points = mesh.points
 if points.shape[1] == 2:
@@ -188,7 +196,7 @@ result = meshio.Mesh(points, [(mesh.cells[i].type, mesh.cells[i].data) for i in 
 meshio.write(sys.argv[2], result, file_format="gmsh22", binary=False)
 # a block and a side set may have one name, which meshio's own table of names does not hold
 lines = open(sys.argv[2]).read().split("$EndMeshFormat\n", 1)
-table = "".join('%d %d "%s"\n' % (dim, tag, name.replace('"', "'")) for (name, dim), tag in names.items())
+table = "".join('%d %d "%s"\n' % (dim, tag, name.replace('"', "'")) for name, dim, tag in sorted(names))
 table = "$EndMeshFormat\n$PhysicalNames\n%d\n%s$EndPhysicalNames\n" % (len(names), table)
 open(sys.argv[2], "w").write(lines[0] + table + lines[1])
 )";

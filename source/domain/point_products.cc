@@ -197,7 +197,7 @@ void add_cell_matrix(const ShapeTable &rows, const ShapeTable &columns, const st
 {
   thread_local std::vector<double> D_rows;
   const std::size_t n = std::size_t(rows.n_points) * columns.n_directions;
-  D_rows.resize(n * rows.stride);
+  D_rows.resize((n + 1) * rows.stride); // loops of gcc 12 read, and do not use, the row behind the last one
   multiply_rows(rows.n_points, rows.n_directions, columns.n_directions, rows.stride, D.data(),
                 rows.values.data(), D_rows.data());
   double sums[n_rows_of_block][block];

@@ -62,7 +62,17 @@ void SidePoints<dim>::curvature(const unsigned int side, const std::vector<deali
   interface->sides[side].domain->material.curvature(state[side], w, result);
 }
 
+template <int dim>
+bool respond(const Interface<dim> &interface, const unsigned int side, const State<dim> &state,
+             Response<dim> &response)
+{
+  return interface.sides[side].domain->material.evaluate(state, true, response);
+}
+
 template class SidePoints<2>;
 template class SidePoints<3>;
+
+template bool respond(const Interface<2> &, unsigned int, const State<2> &, Response<2> &);
+template bool respond(const Interface<3> &, unsigned int, const State<3> &, Response<3> &);
 
 } // namespace dovetail

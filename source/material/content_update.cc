@@ -6,6 +6,7 @@
 #include <boost/math/tools/toms748_solve.hpp>
 
 #include <cmath>
+#include <limits>
 
 namespace dovetail {
 
@@ -45,10 +46,13 @@ double ContentUpdate<dim>::content(const double value) const
 template <int dim>
 double ContentUpdate<dim>::after(const double value, const double change) const
 {
-  const double growth = capacity(value) * change;
+  const double slope = capacity(value), growth = slope * change;
   if (!(std::isfinite(growth) && growth * change > 0))
     return value + change;
-  const double here = content(value);
+  const double here = content(value),
+               rounding = std::numeric_limits<double>::epsilon() * (std::abs(here) + std::abs(slope * value));
+  if (std::abs(growth) <= 1e3 * rounding) // what is left of it is noise
+    return value + change;
   const auto rest = [&](const double factor) { // grows with it
     return (content(value + factor * change) - here) / growth - 1;
   };

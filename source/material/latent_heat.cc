@@ -34,7 +34,9 @@ public:
 
   double change(const ScalarState &state, const double from) const override
   {
-    return heat * (fraction(state.value()) - fraction(from));
+    const double T = std::clamp(state.value(), solidus, liquidus), T_0 = std::clamp(from, solidus, liquidus),
+                 s = share(T), r = share(T_0), grown = (T - T_0) / (liquidus - solidus);
+    return heat * grown * (is_smooth ? 3 * (s + r) - 2 * (s * s + s * r + r * r) : 1);
   }
   double capacity(const ScalarState &state) const override
   {

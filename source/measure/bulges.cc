@@ -11,7 +11,7 @@ namespace dovetail {
 
 namespace {
 
-const double sharp = 65 * dealii::numbers::PI / 180, coarse = 15 * dealii::numbers::PI / 180;
+const double sharp = 65 * dealii::numbers::PI / 180, coarse = 2 * dealii::numbers::PI / 180;
 
 /// The vertices beside one on a face.
 std::vector<unsigned int> neighbours(const unsigned int n_vertices, const unsigned int v)

@@ -83,7 +83,9 @@ public:
   void add(const unsigned int i, const double number, const Position &position)
   {
     n_undefined[i] += std::isnan(number);
-    if (!(sign * number < largest[i] - rounding(largest[i])))
+    if (std::isfinite(number))
+      size = std::max(size, std::abs(number));
+    if (!(sign * number < largest[i] - rounding()))
       keep({sign * number, position()}, found[i]);
     largest[i] = std::max(largest[i], sign * number); // which keeps what it has if this is NaN
   }
@@ -98,8 +100,9 @@ public:
     return result;
   }
 
-  std::vector<dealii::Point<dim>> places_over_ranks(const MPI_Comm &communicator) const
+  std::vector<dealii::Point<dim>> places_over_ranks(const MPI_Comm &communicator)
   {
+    size = dealii::Utilities::MPI::max(size, communicator);
     std::vector<Extreme> all(found.size());
     for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, found))
       for (unsigned int i = 0; i < all.size(); ++i)
@@ -123,7 +126,8 @@ private:
     }
   };
 
-  static double rounding(const double value) { return 1e-10 * std::abs(value); }
+  /// What solvers leave: those of the scene's tolerance, relative to the largest of all numbers.
+  double rounding() const { return 1e-8 * size; }
 
   bool comes_before(const dealii::Point<dim> &X, const dealii::Point<dim> &Y) const
   {
@@ -135,13 +139,14 @@ private:
 
   void keep(const Extreme &next, Extreme &best) const
   {
-    const bool is_tie = std::abs(next.value - best.value) <= rounding(best.value);
+    const bool is_tie = std::abs(next.value - best.value) <= rounding();
     if (is_tie ? comes_before(next.X, best.X) : next.value > best.value)
       best = next;
   }
 
   const double sign; ///< the smallest is minus the largest of minus the numbers
   const double small;
+  double size = 0; ///< of all numbers
   std::vector<double> largest, n_undefined;
   std::vector<Extreme> found;
 };

@@ -195,7 +195,7 @@ private:
   bool facets_touch(const unsigned int q) const
   {
     const bool are_coarse = bulges_of(q, 0) != nullptr || bulges_of(q, 1) != nullptr;
-    return points.matches[q].angle <= largest_angle_of_touch &&
+    return points.matches[q].angle <= (are_coarse ? 0.01 : largest_angle_of_touch) &&
            points.matches[q].distance <= distance_of_facets(face_size(q), are_coarse ? 0. : largest_angle);
   }
 

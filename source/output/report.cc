@@ -35,7 +35,7 @@ Report::Report(const std::string &directory, const MPI_Comm &communicator)
              {"dofs", 0},
              {"converged", false},
              {"errors against", "Exact, where it is given"}};
-  for (const char *key : {"domains", "interfaces", "balance", "probes"})
+  for (const char *key : {"domains", "interfaces", "balance", "probes", "places of extremes"})
     content[key] = nlohmann::ordered_json::object();
   for (const char *key : {"steps", "adaptive cycles"})
     content[key] = nlohmann::ordered_json::array();

@@ -101,13 +101,9 @@ void NonlinearStep<dim>::start(const double t, Vector &x)
 {
   if (scheme && model.order_in_time() > 1) {
     Vector rate = initial_rates(model, x);
-    present_system->follow(x);
-    present_system->distribute_rate(rate, false);
-    if (present_system->has_multipliers()) {
-      present_system->begin_step(t, x);
-      problem->begin_step(t, x);
-      problem->satisfy_multipliers(x, rate);
-    }
+    present_system->begin_step(t, x);
+    problem->begin_step(t, x);
+    problem->satisfy_ties(x, rate);
     scheme->start(x, rate);
   } else if (scheme)
     scheme->start(x);
@@ -196,9 +192,11 @@ const double just_after = 1e-9; ///< the beginning of a step, relative to its si
 template <int dim>
 std::optional<double> NonlinearStep<dim>::new_start() const
 {
-  if (!scheme || scheme->memory().sizes.size() != 1)
+  if (!scheme)
     return {};
   const StepTime &last = scheme->memory().last;
+  if (last.size == 0 || !(last.starts_anew || last.begin == 0))
+    return {};
   return last.begin + just_after * last.size;
 }
 

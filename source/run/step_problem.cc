@@ -443,33 +443,58 @@ std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vec
 }
 
 template <int dim>
-void StepProblem<dim>::satisfy_multipliers(Vector &x, Vector &rate)
+void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
 {
-  const auto only_multipliers = [this](const Vector &all) {
+  const auto moves = [this](const unsigned int b) {
+    const Block &block = model.numbering->blocks()[b];
+    if (block.is_constraint || block.is_of_multipliers)
+      return false;
+    const Domain<dim> &domain = *model.domains[block.domain_index];
+    return domain.material.order_in_time(domain.fields()[block.field_index].first_component) > 1;
+  };
+  const auto only = [](const auto &is, const Vector &all) {
     Vector result = all;
     for (unsigned int b = 0; b < result.n_blocks(); ++b)
-      if (!is_of_multipliers(b))
+      if (!is(b))
         result.block(b) = 0;
     return result;
   };
-  const auto add = [this](const Vector &change, Vector &to) {
-    for (unsigned int b = 0; b < to.n_blocks(); ++b)
-      if (!model.numbering->blocks()[b].is_constraint)
-        to.block(b) += change.block(b);
-  };
+  const auto multiplies = [this](const unsigned int b) { return is_of_multipliers(b); };
+  Vector x_change = x, rate_change = rate;
+  system.follow(x_change);
+  x_change -= x;
+  x_change = only(moves, x_change);
+  system.distribute_rate(rate_change, false);
+  rate_change -= rate;
+  rate_change = only(moves, rate_change);
+  if (!system.has_multipliers() && x_change.l2_norm() == 0 && rate_change.l2_norm() == 0)
+    return;
+  x += x_change;
+  rate += rate_change;
   if (!assemble_mass(x))
     return;
   Vector product = rate;
   system.tangent().vmult(product, rate);
   product *= -1;
-  const Vector jumps = only_multipliers(product);
-  set_rates_alone(x, rate, rate);
-  if (!system.assemble(x, false))
-    return;
-  add(solve_mass(x, only_multipliers(system.negative_residual())), x);
-  add(solve_mass(x, jumps), rate);
-  system.follow(x);
-  system.distribute_rate(rate, false);
+  const Vector jumps = only(multiplies, product);
+  Vector none = rate;
+  none = 0;
+  const auto project = [&](const Vector &change, const Vector *multiplied, Vector &to) {
+    Vector of_mass = change;
+    of_mass *= mass_alone;
+    set_rates_alone(x, none, of_mass);
+    if (!system.assemble(x, false))
+      return;
+    const Vector rest = system.negative_residual();
+    Vector update = solve_mass(x, only(moves, rest));
+    update += solve_mass(x, multiplied != nullptr ? *multiplied : only(multiplies, rest));
+    system.distribute_rate(update, true);
+    to += only(moves, update);
+  };
+  Vector x_now = x; // project() looks at x
+  project(x_change, nullptr, x_now);
+  project(rate_change, &jumps, rate);
+  x = x_now;
 }
 
 /// Updates of different fields are compared in the ranges of their values, which a step does not shrink.

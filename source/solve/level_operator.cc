@@ -8,6 +8,7 @@
 #include <Epetra_Import.h>
 #include <Epetra_IntVector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -74,9 +75,13 @@ std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, c
         entries.push_back(values[k]);
       }
   };
-  for (int row = 0; row < S.NumMyRows(); ++row)
-    if (read_row(S, row); !columns.empty() && P.NumMyEntries(row) > 0)
+  for (int row = 0; row < S.NumMyRows(); ++row) {
+    read_row(S, row);
+    const bool is_coupled =
+        std::any_of(columns.begin(), columns.end(), [&](const int column) { return column != S.GRID(row); });
+    if (is_coupled || (!columns.empty() && P.NumMyEntries(row) > 0)) // an unknown may have no entry in P
       rows.push_back(row);
+  }
   const int n_rows = rows.size();
   std::vector<int> global_rows;
   for (const int row : rows)

@@ -83,8 +83,7 @@ private:
   const Epetra_CrsMatrix &R;
 };
 
-/// P^T S P, where S is symmetric and most of its rows are zero, which take no memory here. Where P has no
-/// entry, S has at most that of the diagonal.
+/// P^T S P, where S is symmetric and most of its rows are zero, which take no memory here.
 std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, const Epetra_CrsMatrix &P);
 
 /// y += R^T R x

@@ -173,7 +173,7 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
   x = 0;
   for (unsigned int pass = 0; pass < 3 && norm > goal; ++pass) {
     if (pass > 0)
-      correction = K.vector();
+      correction.reinit(x);
     GroupVector &z = pass == 0 ? x : correction;
     owner.ranks.run("iteration", [&]() {
       n_iterations += chosen.solver->solve(K, z, pass == 0 ? given : residual, goal);
@@ -181,7 +181,7 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
     if (pass > 0)
       x += correction;
     else
-      residual = K.vector();
+      residual.reinit(x);
     K.vmult(residual, x);
     residual.sadd(-1., 1., given);
     const double new_norm = residual.l2_norm();
@@ -353,7 +353,7 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
   dx = 0;
   for (unsigned int g = demand.first_group; g < demand.end_group; ++g) {
     const GroupSystem &system = groups[g]->system;
-    GroupVector x = system.plain().vector(), b = system.plain().vector();
+    GroupVector b = system.plain().vector(), x(b); // one map: a copy that asks no other rank
     if (g == demand.first_group)
       system.plain().gather(right_hand_side, b);
     else {

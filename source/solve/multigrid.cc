@@ -94,6 +94,7 @@ void Multigrid::forget_values()
 {
   cycle.reset();
   by_degree.reset();
+  of_finest = nullptr;
   finest.reset();
   symmetric_part.reset();
 }

@@ -361,7 +361,7 @@ bool ContactResistance<dim>::find_meeting(const Interface<dim> &interface, const
     const Material<dim> &material = interface.sides[side].domain->material;
     const unsigned int n_c = state[side].value.size(), first = solids[side]->first_component;
     Response<dim> response(n_c);
-    if (!material.evaluate(state[side], true, response))
+    if (!respond(interface, side, state[side], response))
       return false;
     const dealii::Tensor<1, dim> N = interface.pairing().N(side, q);
     dealii::Tensor<1, dim> u, traction, m = N;

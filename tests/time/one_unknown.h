@@ -62,6 +62,8 @@ inline double end_of_step(const unsigned int i, const unsigned int n)
 /// The state at the end of a step of d2x/dt2 = -w^2 x.
 inline double oscillate(TimeScheme &scheme, const StepTime &step, const double w = 1)
 {
+  if (scheme.asks_for_second_rates(step))
+    scheme.start_second_rates(state(-w * w * value(scheme.memory().states[0])));
   const Rates rates = scheme.rates(step);
   const double x = -value(rates.second_rest) / (w * w + rates.second_by_value);
   scheme.accept_step(step, state(x));

@@ -46,6 +46,12 @@ private:
   std::array<std::vector<double>, 2> trial_memory;
 };
 
+/// The response of a side's material at a @p state, with derivatives; @return false if a law is not defined
+/// there.
+template <int dim>
+bool respond(const Interface<dim> &interface, unsigned int side, const State<dim> &state,
+             Response<dim> &response);
+
 /// Call visit(group, unknowns) for all groups of points of this rank, in order.
 template <int dim, typename Visit>
 void for_each_group(const Interface<dim> &interface, const ValuesOf &values_of, const Visit &visit)

@@ -48,9 +48,10 @@ public:
   /// @pre begin_step(); the system's rates are set afterwards. @return nothing if a law is not defined at x.
   std::optional<Vector> second_rates(double now, const Vector &x, const Vector &rate,
                                      const Vector &of_constrained);
-  /// Before the first step: change the state @p x and its @p rate, by as little as the mass allows, such that
-  /// multipliers of interfaces find their equations solved. @pre likewise
-  void satisfy_multipliers(Vector &x, Vector &rate);
+  /// Before the first step: change what moves in the state @p x and its @p rate, by as little as the mass
+  /// allows, such that it follows by constraints of ties and cells, and that multipliers of interfaces find
+  /// their equations solved. Momentum is kept. @pre likewise
+  void satisfy_ties(Vector &x, Vector &rate);
 
   /// Of a linear scene: about what the next solve(x, dx) will find. Taken if it leaves a smaller residual.
   void set_guess(const Vector &dx) { guess = dx; }

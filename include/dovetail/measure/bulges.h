@@ -44,7 +44,7 @@ class Bulges
 public:
   using OfFace = std::vector<Bulge<dim>>;
 
-  /// Of the faces of this rank of which an edge turns by more than 15 degrees.
+  /// Of the faces of this rank of which an edge turns by more than 2 degrees.
   Bulges(const Domain<dim> &domain, dealii::types::boundary_id id, const SideFaces<dim> &side);
 
   std::map<unsigned int, OfFace> of_face;

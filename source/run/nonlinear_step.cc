@@ -23,19 +23,6 @@ const NoteName of_snap_through("snap through", "the solution jumps within a step
 const NoteName of_time_step("time step", "the error of a time step is above the Tolerance");
 const NoteName of_failure("failure", "a step does not converge");
 
-/// Of all conditions and interfaces, in order.
-template <int dim>
-std::vector<bool> active_toggles(const Model<dim> &model, const double t)
-{
-  std::vector<bool> active;
-  for (const auto &domain : model.domains)
-    for (const auto &condition : domain->conditions())
-      active.push_back(condition->is_active(t));
-  for (const auto &interface : model.interfaces)
-    active.push_back(interface->is_active(t));
-  return active;
-}
-
 template <int dim>
 bool follows_fields(const Model<dim> &model)
 {
@@ -169,7 +156,7 @@ const StepTime &NonlinearStep<dim>::step_to(const double t)
 template <int dim>
 bool NonlinearStep<dim>::starts_anew(const double begin, const double t) const
 {
-  return active_toggles(model, begin) != active_toggles(model, t) || given->jump_between(begin, t);
+  return model.active_toggles(begin) != model.active_toggles(t) || given->jump_between(begin, t);
 }
 
 /// Whether the step that has begun is on another curve, since a toggle that looks at fields has switched,
@@ -223,19 +210,19 @@ double NonlinearStep<dim>::end_before_switch(const double begin, const double en
   if (!scheme)
     return end;
   const double least = just_after * (end - begin); // what is nearer counts as the beginning
-  const auto at_begin = active_toggles(model, begin + least);
+  const auto at_begin = model.active_toggles(begin + least);
   const unsigned int n_looks = 8;
   double before = begin + least, after = end;
   bool is_found = false;
   for (unsigned int i = 1; i <= n_looks && !is_found; ++i) {
     const double look = i == n_looks ? end : begin + i * (end - begin) / n_looks;
-    is_found = active_toggles(model, look) != at_begin;
+    is_found = model.active_toggles(look) != at_begin;
     (is_found ? after : before) = look;
   }
   if (!is_found)
     return end;
   for (double middle = (before + after) / 2; before < middle && middle < after; middle = (before + after) / 2)
-    (active_toggles(model, middle) == at_begin ? before : after) = middle;
+    (model.active_toggles(middle) == at_begin ? before : after) = middle;
   return before > begin + 2 * least ? before : end;
 }
 
@@ -404,7 +391,7 @@ bool NonlinearStep<dim>::may_predict() const
 template <int dim>
 bool NonlinearStep<dim>::predict(const double t, const Vector &x, Vector &trial)
 {
-  const std::vector<bool> active = active_toggles(model, t);
+  const std::vector<bool> active = model.active_toggles(t);
   if (std::exchange(toggles_of_predictor, active) != active)
     predictor.forget();
   if (!predictor.has_guess() || !may_predict())

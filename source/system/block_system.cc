@@ -86,21 +86,9 @@ template <int dim>
 BlockSystem<dim>::~BlockSystem() = default;
 
 template <int dim>
-std::vector<bool> BlockSystem<dim>::active_toggles(const double t) const
-{
-  std::vector<bool> active;
-  for (const auto &domain : model.domains)
-    for (const auto &condition : domain->conditions())
-      active.push_back(condition->is_active(t));
-  for (const auto &interface : model.interfaces)
-    active.push_back(interface->is_active(t));
-  return active;
-}
-
-template <int dim>
 bool BlockSystem<dim>::is_outdated(const double t) const
 {
-  return active_toggles(t) != toggles_of_set_up ||
+  return model.active_toggles(t) != toggles_of_set_up ||
          (t != time_of_set_up &&
           std::any_of(model.interfaces.begin(), model.interfaces.end(), [t](const auto &interface) {
             return interface->is_active(t) && interface->has_moving_constraints();
@@ -110,7 +98,7 @@ bool BlockSystem<dim>::is_outdated(const double t) const
 template <int dim>
 void BlockSystem<dim>::set_up(const double t)
 {
-  toggles_of_set_up = active_toggles(t);
+  toggles_of_set_up = model.active_toggles(t);
   time_of_set_up = t;
   tie_lines.clear();
   if (!model.interfaces.empty()) {

@@ -502,6 +502,18 @@ bool Model<dim>::has_constant_tangent() const
 }
 
 template <int dim>
+std::vector<bool> Model<dim>::active_toggles(const double t) const
+{
+  std::vector<bool> active;
+  for (const auto &domain : domains)
+    for (const auto &condition : domain->conditions())
+      active.push_back(condition->is_active(t));
+  for (const auto &interface : interfaces)
+    active.push_back(interface->is_active(t));
+  return active;
+}
+
+template <int dim>
 bool Model<dim>::has_conditions_by_fields() const
 {
   return std::any_of(domains.begin(), domains.end(),

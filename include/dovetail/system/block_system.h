@@ -218,7 +218,6 @@ private:
   void scatter(const std::vector<double> &residual, const std::vector<dealii::types::global_dof_index> &dofs,
                bool with_tangent);
   void note_undefined(const std::string &where);
-  std::vector<bool> active_toggles(double t) const;
 
   Model<dim> &model;
   double time = 0;

@@ -54,6 +54,7 @@ public:
   bool is_linear() const;             ///< one Newton iteration is exact
   bool
   is_linear(const std::vector<std::string> &fields) const; ///< likewise, for these fields of field_groups()
+  std::vector<bool> active_toggles(double t) const;        ///< of all conditions and interfaces, in order
   bool has_conditions_by_fields() const; ///< their toggles look at fields at the last good state
   bool depends(const std::string &field, const std::string &on_field) const; ///< in some material
   bool has_constant_tangent() const; ///< likewise, and it changes with toggles only

@@ -3,14 +3,15 @@
 //
 // Gmsh's .msh, versions 2 and 4.1, text and binary (Gmsh reference manual, "MSH file format"). The id of an
 // element is its first tag (version 2) or the physical group of its entity (version 4.1), 0 without one.
-// Physical groups name volumes and boundaries. Without any of them the entities' numbers are names of
-// volumes.
+// Physical groups name volumes and boundaries; groups of one name are one. Without any of them the entities'
+// numbers are names of volumes.
 
 #include <dovetail/domain/mesh_text.h>
 
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace dovetail {
 
@@ -137,20 +138,22 @@ private:
       const std::string rest(text.rest_of_line());
       const auto begin = rest.find('"'), end = rest.rfind('"');
       text.check(begin != end, "expected the name of a physical group in quotation marks");
-      names[{group_dim, tag}] = rest.substr(begin + 1, end - begin - 1);
+      names[{group_dim, tag}].insert(rest.substr(begin + 1, end - begin - 1));
     }
   }
 
   void name_groups()
   {
     auto &file = collector.file;
-    for (const auto &[group, name] : names)
-      if (group.first == dim - 1)
-        file.boundary_names[name].push_back(group.second);
+    for (const auto &[group, its_names] : names)
+      for (const std::string &name : its_names)
+        if (const auto cells = cells_of_group.find(group.second); group.first == dim - 1)
+          file.boundary_names[name].push_back(group.second);
+        else if (group.first == dim && cells != cells_of_group.end()) {
+          auto &volume = file.volumes[name];
+          volume.insert(volume.end(), cells->second.begin(), cells->second.end());
+        }
     auto &volumes = cells_of_group.empty() ? cells_of_entity : cells_of_group;
-    for (const auto &[tag, cells] : volumes)
-      if (const auto name = names.find({dim, tag}); name != names.end() && !cells_of_group.empty())
-        file.volumes[name->second] = cells;
     for (auto &[tag, cells] : volumes)
       file.volumes.emplace(std::to_string(tag), std::move(cells));
   }
@@ -326,7 +329,7 @@ private:
   const unsigned int dim;
   bool is_version_4 = false, is_binary = false, has_nodes = false, has_elements = false;
   std::map<std::pair<unsigned int, std::int64_t>, std::vector<std::int64_t>> physical_groups; ///< of entities
-  std::map<std::pair<unsigned int, std::int64_t>, std::string> names;                         ///< of groups
+  std::map<std::pair<unsigned int, std::int64_t>, std::set<std::string>> names;               ///< of groups
   std::map<std::int64_t, std::vector<std::size_t>> cells_of_group, cells_of_entity;
 };
 

@@ -3,6 +3,7 @@
 
 #include <dovetail/domain/mesh_text.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -188,6 +189,10 @@ void MeshCollector::add_element(const std::int64_t number, const unsigned int el
 
 MeshFile MeshCollector::finish()
 {
+  for (auto &[name, cells] : file.volumes) { // of several sets of one name
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  }
   if (file.cells.size() == 0)
     throw MeshError(
         dim == 2 ? "it has no triangles or quadrilaterals." +

@@ -173,7 +173,7 @@ for name, value in getattr(mesh, "field_data", {}).items():
 for tag, its_names in (getattr(mesh, "cell_tags", None) or {}).items():
     for block, group in zip(mesh.cells, groups):
         if (group == abs(tag)).any():
-            names.add((" ".join(its_names), dim_of(block), abs(int(tag))))
+            names.update((name, dim_of(block), abs(int(tag))) for name in its_names)
 free = 1 + max([0] + [int(group.max()) for group in groups if len(group)])
 for name, members in mesh.cell_sets.items():
     if name.startswith("gmsh:"):

@@ -167,7 +167,7 @@ private:
       const unsigned int id = is_number(name) ? text.to_integer(name, "a group", 0, largest_mesh_id) : next;
       taken.insert(id);
       if (!is_number(name))
-        names[name] = id;
+        names.emplace(name, id);
       for (const std::size_t element : members)
         elements[element].ids.push_back(id);
     }
@@ -177,7 +177,10 @@ private:
   void add_elements()
   {
     name_groups();
+    std::set<unsigned int> ids_of_faces;
     for (const Element &element : elements) {
+      if (element.dim + 1 == dim)
+        ids_of_faces.insert(element.ids.begin(), element.ids.end());
       if (element.dim == dim)
         for (const auto &[name, id] : names)
           if (std::count(element.ids.begin(), element.ids.end(), id) > 0)
@@ -188,8 +191,8 @@ private:
         collector.add_element(element.number, element.dim, element.ids[i], element.nodes);
     }
     for (const auto &[name, id] : names)
-      if (collector.file.volumes.count(name) == 0)
-        collector.file.boundary_names[name] = {id};
+      if (collector.file.volumes.count(name) == 0 || ids_of_faces.count(id) > 0)
+        collector.file.boundary_names[name].push_back(id);
   }
 
   struct Element
@@ -201,7 +204,7 @@ private:
   };
 
   std::vector<std::pair<std::string, std::vector<std::size_t>>> groups; ///< by name
-  std::map<std::string, unsigned int> names;                            ///< that are no numbers
+  std::multimap<std::string, unsigned int> names;                       ///< that are no numbers
   MeshText &text;
   MeshCollector collector;
   const unsigned int dim;

@@ -77,34 +77,28 @@ std::string in_brackets(const std::string &unit)
 } // namespace
 
 template <int dim>
-std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<dim> &probes)
+std::vector<NamesOfProbe> names_of_columns(const Probes<dim> &probes)
 {
-  std::map<std::string, std::vector<std::string>> result;
+  const auto in_units = [&probes](const std::string &unit) {
+    return in_brackets(probes.units() ? probes.units()->of(unit) : "");
+  };
+  std::vector<NamesOfProbe> result;
   for (const auto &probe : probes.all()) {
-    const std::string unit = probes.units() ? probes.units()->of(unit_of<dim>(probe)) : "";
-    for (const std::string &name : names_without_unit<dim>(probe))
-      result[probe.name].push_back(name + in_brackets(unit));
+    NamesOfProbe names;
+    const bool has_places = probe.reduce == Reduce::minimum || probe.reduce == Reduce::maximum;
+    for (const std::string &name : names_without_unit<dim>(probe)) {
+      names.numbers.push_back(name + in_units(unit_of<dim>(probe)));
+      for (unsigned int d = 0; has_places && d < dim; ++d)
+        names.places.push_back(name + " at " +
+                               (probe.region.domain->measure.is_axisymmetric() ? "rz" : "xyz")[d] +
+                               in_units("m"));
+    }
+    result.push_back(names);
   }
   return result;
 }
 
-template <int dim>
-std::map<std::string, std::vector<std::string>> names_of_places(const Probes<dim> &probes)
-{
-  const std::string unit = in_brackets(probes.units() ? probes.units()->of("m") : "");
-  std::map<std::string, std::vector<std::string>> result;
-  for (const auto &probe : probes.all())
-    if (probe.reduce == Reduce::minimum || probe.reduce == Reduce::maximum)
-      for (const std::string &name : names_without_unit<dim>(probe))
-        for (unsigned int d = 0; d < dim; ++d)
-          result[probe.name].push_back(
-              name + " at " + (probe.region.domain->measure.is_axisymmetric() ? "rz" : "xyz")[d] + unit);
-  return result;
-}
-
-template std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<2> &);
-template std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<3> &);
-template std::map<std::string, std::vector<std::string>> names_of_places(const Probes<2> &);
-template std::map<std::string, std::vector<std::string>> names_of_places(const Probes<3> &);
+template std::vector<NamesOfProbe> names_of_columns(const Probes<2> &);
+template std::vector<NamesOfProbe> names_of_columns(const Probes<3> &);
 
 } // namespace dovetail

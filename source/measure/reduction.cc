@@ -100,6 +100,7 @@ public:
     return result;
   }
 
+  /// Of what is no number the coordinates are none either.
   std::vector<dealii::Point<dim>> places_over_ranks(const MPI_Comm &communicator)
   {
     size = dealii::Utilities::MPI::max(size, communicator);
@@ -107,9 +108,10 @@ public:
     for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, found))
       for (unsigned int i = 0; i < all.size(); ++i)
         keep(of_rank[i], all[i]);
+    const std::vector<double> numbers = over_ranks(communicator);
     std::vector<dealii::Point<dim>> places;
-    for (const Extreme &extreme : all)
-      places.push_back(extreme.X);
+    for (unsigned int i = 0; i < all.size(); ++i)
+      places.push_back(std::isnan(numbers[i]) ? all[i].X * numbers[i] : all[i].X);
     return places;
   }
 

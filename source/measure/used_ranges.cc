@@ -183,7 +183,7 @@ nlohmann::ordered_json UsedRanges<dim>::save() const
                                      {"field", field.name},
                                      {"path", range.entry->path},
                                      {"entry", range.entry->entry},
-                                     {"scalar", range.scalar},
+                                     {"scalar", range.entry->scalars[range.scalar]},
                                      {"range", {range.smallest, range.largest}}});
     for (const auto &condition : domain->conditions())
       if (const LeastCoefficient least = least_of_all_ranks(*condition); least.smallest < 0)
@@ -201,9 +201,15 @@ void UsedRanges<dim>::restore(const nlohmann::ordered_json &saved)
   for (const auto &domain : model.domains) {
     for (const auto &table : saved["tables"])
       for (const FormulaWithTables &entry : text.formulas_with_tables())
-        if (domain->name == table["domain"] && entry.path == table["path"] && entry.entry == table["entry"])
-          ranges[{domain.get(), table["field"]}].push_back(
-              {&entry, table["scalar"], table["range"][0], table["range"][1]});
+        if (domain->name == table["domain"] && entry.path == table["path"] && entry.entry == table["entry"]) {
+          const auto scalar =
+              std::find_if(entry.scalars.begin(), entry.scalars.end(),
+                           [&table](const std::string &name) { return name == table["scalar"]; });
+          if (scalar != entry.scalars.end()) // checkpoints of earlier versions have a number here
+            ranges[{domain.get(), table["field"]}].push_back(
+                {&entry, static_cast<unsigned int>(scalar - entry.scalars.begin()), table["range"][0],
+                 table["range"][1]});
+        }
     for (const auto &condition : domain->conditions())
       if (const auto found = saved["coefficients"].find(condition->section.path());
           found != saved["coefficients"].end()) {

@@ -63,7 +63,8 @@ std::string value_and_error(const nlohmann::ordered_json &report, const std::str
 {
   std::string value = to_text(report["probes"][probe]);
   if (const auto places = report.find("places of extremes");
-      places != report.end() && places->contains(probe) && (*places)[probe][0].is_number())
+      places != report.end() && places->contains(probe) && (*places)[probe][0].is_number() &&
+      std::isfinite((*places)[probe][0].get<double>()))
     value += " at " + to_text((*places)[probe]);
   const auto errors = report.find("probe errors");
   if (errors == report.end() || !errors->contains(probe))

@@ -256,17 +256,15 @@ bool print_volume(const std::string &title, MeshFile mesh, std::ostream &out)
   return true;
 }
 
-/// Volumes with the same cells have one title.
-std::map<std::vector<std::size_t>, std::string> titles_of_volumes(const MeshFile &mesh)
+/// Volumes with the same cells have one title. @return the titles in their order, each with one of its names
+std::map<std::string, std::string> titles_of_volumes(const MeshFile &mesh)
 {
-  std::map<std::vector<std::size_t>, std::string> titles;
-  for (const auto &[name, cells] : mesh.volumes) {
-    std::vector<std::size_t> sorted = cells;
-    std::sort(sorted.begin(), sorted.end());
-    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-    std::string &title = titles[sorted];
-    title += (title.empty() ? "volume " : ", ") + name;
-  }
+  std::map<std::vector<std::size_t>, std::vector<std::string>> names_of;
+  for (const auto &[name, cells] : mesh.volumes)
+    names_of[cells].push_back(name);
+  std::map<std::string, std::string> titles;
+  for (const auto &[cells, names] : names_of)
+    titles["volume " + comma_separated(names)] = names[0];
   return titles;
 }
 
@@ -275,13 +273,9 @@ bool print_volumes(const MeshFile &mesh, std::ostream &out)
 {
   const auto titles = titles_of_volumes(mesh);
   if (titles.size() < 2)
-    return print_volume<dim>(titles.empty() ? "all cells" : titles.begin()->second, mesh, out);
+    return print_volume<dim>(titles.empty() ? "all cells" : titles.begin()->first, mesh, out);
   bool is_usable = false;
-  std::vector<std::pair<std::string, std::string>> sorted; // title, one name
-  for (const auto &[cells, title] : titles)
-    sorted.emplace_back(title, title.substr(7, title.find(", ") - 7));
-  std::sort(sorted.begin(), sorted.end());
-  for (const auto &[title, name] : sorted) {
+  for (const auto &[title, name] : titles) {
     MeshFile part = mesh;
     select_volumes({name}, part);
     is_usable = print_volume<dim>(title, part, out) || is_usable;

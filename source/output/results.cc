@@ -15,6 +15,7 @@
 #include <dovetail/output/preview.h>
 #include <dovetail/output/shared_file.h>
 
+#include <map>
 #include <sstream>
 
 namespace dovetail {
@@ -22,6 +23,23 @@ namespace dovetail {
 namespace {
 
 const NoteName of_output("output", "results cannot be written");
+
+/// Who reads probes.csv finds a column by its name.
+template <int dim>
+void check_columns(const Probes<dim> &probes)
+{
+  std::map<std::string, std::string> probe_of; // by column
+  const std::vector<NamesOfProbe> names = names_of_columns(probes);
+  for (unsigned int i = 0; i < names.size(); ++i)
+    for (const auto *of_kind : {&names[i].numbers, &names[i].places})
+      for (const std::string &name : *of_kind) {
+        const auto &probe = probes.all()[i];
+        const auto [found, is_new] = probe_of.emplace(name, probe.name);
+        probe.section->check(is_new, "",
+                             "has the column '" + name + "' in probes.csv, and the probe " + found->second +
+                                 " has it, too. Rename one of them.");
+      }
+}
 
 std::string read_directory(const Section &output, const SceneText &text)
 {
@@ -60,6 +78,8 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
     energy_balance.emplace(model);
   }
   notes.read(output);
+  if (!output.documenting())
+    check_columns(probes);
 }
 
 template <int dim>
@@ -280,6 +300,22 @@ double Results<dim>::tolerance_of_balance(const double tolerance) const
   return model.is_linear() ? 10 * last_residual() : tolerance;
 }
 
+/// The place of a minimum or maximum stands beside it.
+template <int dim>
+std::vector<Columns> Results<dim>::columns_of_probes(const Vector &ghosted, const Reactions<dim> &reactions)
+{
+  auto values = probes.evaluate(ghosted, reactions);
+  const std::vector<NamesOfProbe> names = names_of_columns(probes);
+  std::vector<Columns> columns;
+  for (unsigned int i = 0; i < names.size(); ++i) {
+    const std::string &probe = probes.all()[i].name;
+    columns.push_back({names[i].numbers, values.numbers[probe]});
+    if (!names[i].places.empty())
+      columns.push_back({names[i].places, values.places[probe]});
+  }
+  return columns;
+}
+
 template <int dim>
 void Results<dim>::record_step(const Solution<dim> &solution, const double tolerance)
 {
@@ -296,24 +332,16 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
   for (auto &domain_flows : flows)
     for (auto &field_flows : domain_flows)
       field_flows.erase("rounding");
-  auto [numbers, places] = probes.evaluate(ghosted, reactions);
-  ColumnNames columns = names_of_numbers(probes);
-  for (const auto &[probe, names] : names_of_places(probes)) {
-    numbers[probe + " at"] = places[probe];
-    columns[probe + " at"] = names;
-  }
+  std::vector<Columns> columns = columns_of_probes(ghosted, reactions);
   if (energy_balance) {
     const auto energy =
         energy_balance->add_step(reactions, solution.x, ghosted, velocity_now, solution.new_start);
     report()["steps"].back()["energy"] = energy;
-    for (const auto &[name, value] : energy.items()) {
-      numbers["energy " + name] = value;
-      columns["energy " + name] = {"energy " + name +
-                                   (probes.units() ? " [" + probes.units()->of("J") + "]" : "")};
-    }
+    for (const auto &[name, value] : energy.items())
+      columns.push_back(
+          {{"energy " + name + (probes.units() ? " [" + probes.units()->of("J") + "]" : "")}, value});
   }
-  step_table.add(solution.t, numbers, flows, columns,
-                 model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz",
+  step_table.add(solution.t, columns, flows, model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz",
                  probes.units() ? probes.units()->of("s") : "");
   if (step_table.is_due())
     write_step_table();

@@ -3,6 +3,8 @@
 
 #include <dovetail/output/step_table.h>
 
+#include <deal.II/base/exceptions.h>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -33,17 +35,16 @@ void add_columns(const std::string &name, const ordered_json &value, const std::
 
 } // namespace
 
-void StepTable::add(const double time, const ordered_json &probes, const ordered_json &balance,
-                    const ColumnNames &columns, const std::string &axes, const std::string &unit)
+void StepTable::add(const double time, const std::vector<Columns> &columns, const ordered_json &balance,
+                    const std::string &axes, const std::string &unit)
 {
   std::vector<std::string> names = {first_word + (unit.empty() ? "" : " [" + unit + "]")},
                            texts = {ordered_json(time).dump()};
-  for (const auto &[probe, value] : probes.items()) {
+  for (const Columns &given : columns) {
     const std::size_t first = names.size();
-    add_columns(probe, value, axes, names, texts);
-    if (const auto given = columns.find(probe);
-        given != columns.end() && given->second.size() == names.size() - first)
-      std::copy(given->second.begin(), given->second.end(), names.begin() + first);
+    add_columns("", given.numbers, axes, names, texts);
+    AssertDimension(names.size() - first, given.names.size());
+    std::copy(given.names.begin(), given.names.end(), names.begin() + first);
   }
   add_columns("balance", balance, axes, names, texts);
   const auto line = [](const std::vector<std::string> &cells) {

@@ -142,37 +142,48 @@ Panel draw_seconds(const ordered_json &seconds)
       "$seconds using 0:2:xtic(1) with boxes lc rgb '" + colour_of_curve(2) + "' notitle"};
 }
 
-/// The place of a minimum or maximum: "worst at x".
-bool is_of_place(const std::string &column)
+bool begins(const std::string &column, const std::string &name)
+{
+  return column == name || column.rfind(name + " ", 0) == 0;
+}
+
+/// The place of a minimum or maximum: "worst at x". @p places: by their names
+bool is_of_place(const std::string &column, const ordered_json &places)
 {
   const auto end = column.size();
-  return end > 5 && column.compare(end - 5, 4, " at ") == 0 &&
-         std::string("xyzr").find(column[end - 1]) != std::string::npos;
+  for (const auto &[extreme, place] : places.items())
+    if (begins(column, extreme) && end >= extreme.size() + 5 && column.compare(end - 5, 4, " at ") == 0 &&
+        std::string("xyzr").find(column[end - 1]) != std::string::npos)
+      return true;
+  return false;
+}
+
+ordered_json part_of(const ordered_json &report, const char *key)
+{
+  return report.contains(key) && report[key].is_object() ? report[key] : ordered_json::object();
 }
 
 /// Of a probe: those with its name, followed by that of a component, but not by the rest of another probe's,
 /// nor places.
-std::vector<const Column *> columns_of(const std::string &probe, const ordered_json &probes,
+std::vector<const Column *> columns_of(const std::string &probe, const ordered_json &report,
                                        const std::vector<Column> &columns)
 {
-  const auto begins = [](const std::string &column, const std::string &name) {
-    return column == name || column.rfind(name + " ", 0) == 0;
-  };
+  const ordered_json probes = part_of(report, "probes"), places = part_of(report, "places of extremes");
   std::vector<const Column *> result;
   for (const Column &column : columns) {
-    bool is_of_other = false;
+    bool is_of_other = is_of_place(column.name, places) && column.name != probe;
     for (const auto &[other, value] : probes.items())
       is_of_other = is_of_other || (other.size() > probe.size() && begins(column.name, other));
-    if (begins(column.name, probe) && !is_of_other && (column.name == probe || !is_of_place(column.name)))
+    if (begins(column.name, probe) && !is_of_other)
       result.push_back(&column);
   }
   return result;
 }
 
-Panel draw_probe(const std::string &probe, const unsigned int place, const ordered_json &probes,
+Panel draw_probe(const std::string &probe, const unsigned int place, const ordered_json &report,
                  const std::vector<Column> &columns)
 {
-  const auto components = columns_of(probe, probes, columns);
+  const auto components = columns_of(probe, report, columns);
   const std::string name = "$probe_" + std::to_string(place);
   std::ostringstream data, plot;
   data << name << " << END\n# time, then the components of " << probe << '\n';
@@ -235,19 +246,20 @@ void draw_run(const std::string &directory, std::ostream &out)
   const std::vector<Column> columns = read_columns(directory + "/" + StepTable::file);
   std::vector<Panel> panels = {draw_residuals(report["steps"]), draw_seconds(report["seconds"])};
   std::vector<std::string> left_out;
-  if (report.contains("probes") && report["probes"].is_object())
-    for (const auto &[probe, value] : report["probes"].items()) {
-      const bool is_history = !columns.empty() && columns[0].values.size() > 1 &&
-                              !columns_of(probe, report["probes"], columns).empty();
-      if (is_history && panels.size() < most_panels)
-        panels.push_back(draw_probe(probe, panels.size(), report["probes"], columns));
-      else
-        left_out.push_back(probe + (is_history ? " (no more room)" : " (no history)"));
-    }
-  if (const std::string energy = "energy"; !report["probes"].contains(energy) && columns.size() > 1 &&
-                                           columns[0].values.size() > 1 && panels.size() < most_panels &&
-                                           !columns_of(energy, report["probes"], columns).empty())
-    panels.push_back(draw_probe(energy, panels.size(), report["probes"], columns));
+  const ordered_json probes = part_of(report, "probes");
+  const auto add_panel = [&](const std::string &name) {
+    const bool is_history =
+        !columns.empty() && columns[0].values.size() > 1 && !columns_of(name, report, columns).empty();
+    if (is_history && panels.size() < most_panels)
+      panels.push_back(draw_probe(name, panels.size(), report, columns));
+    else
+      left_out.push_back(name + (is_history ? " (no more room)" : " (no history)"));
+  };
+  for (const auto &[probe, value] : probes.items())
+    add_panel(probe);
+  if (const std::string energy = "energy";
+      !probes.contains(energy) && !columns_of(energy, report, columns).empty())
+    add_panel(energy);
   const std::string problem =
       draw_by_gnuplot(directory, "run", "How a run went", write_panels(panels), "try again.");
   if (!problem.empty())

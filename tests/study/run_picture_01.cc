@@ -84,6 +84,24 @@ int main()
   for (const std::string name : {"residuals", "seconds", "probe_2", "probe_3", "probe_4"})
     print_data("run/run.gp", name);
   print_labels("run/run.gp");
+
+  // A probe whose name ends in "at", beside an extreme; twelve panels, and no room for energies.
+  std::string probes = R"("T": 1, "T at": 2, "v at": [3, 4])",
+              names = "time,T,T at x,T at y,T at,v at x,v at y",
+              rows[2] = {"0,1,0.5,0.25,2,3,4", "1,1.5,0.5,0.75,2.5,3.5,4.5"};
+  for (const std::string i : {"1", "2", "3", "4", "5", "6", "7"}) {
+    probes += ", \"p" + i + "\": 0";
+    names += ",p" + i;
+    for (std::string &row : rows)
+      row += ",0";
+  }
+  write("run/report.json", R"({"steps": [{"residuals": [1, 1e-3]}], "seconds": {"mesh": 0.25, "total": 0.25},
+                              "probes": {)" +
+                               probes + R"(}, "places of extremes": {"T": [0.5, 0.75]}})");
+  write("run/probes.csv", names + ",energy kinetic\n" + rows[0] + ",1\n" + rows[1] + ",2\n");
+  try_to_draw("run");
+  for (const std::string name : {"probe_2", "probe_3", "probe_4"})
+    print_data("run/run.gp", name);
   print_beginning("run/run.svg");
   print_beginning("run/run.png");
 }

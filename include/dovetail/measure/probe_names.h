@@ -7,19 +7,21 @@
 
 #include <dovetail/measure/probes.h>
 
-#include <map>
 #include <string>
 #include <vector>
 
 namespace dovetail {
 
-/// Of each probe's numbers: the name, that of the component (x, y, z; r, z; xx, xy, ... of a tensor row by
-/// row; in axisymmetry t stands for the direction around the axis) and, if the scene has Units, its unit.
-template <int dim>
-std::map<std::string, std::vector<std::string>> names_of_numbers(const Probes<dim> &probes);
+struct NamesOfProbe
+{
+  /// The name of the probe, that of the component (x, y, z; r, z; xx, xy, ... of a tensor row by row; in
+  /// axisymmetry t stands for the direction around the axis) and, if the scene has Units, the unit.
+  std::vector<std::string> numbers;
+  std::vector<std::string> places; ///< likewise of a minimum or maximum: "worst at x [mm]"
+};
 
-/// Likewise of the places of minima and maxima: "worst at x [mm]".
+/// Of each probe, in their order.
 template <int dim>
-std::map<std::string, std::vector<std::string>> names_of_places(const Probes<dim> &probes);
+std::vector<NamesOfProbe> names_of_columns(const Probes<dim> &probes);
 
 } // namespace dovetail

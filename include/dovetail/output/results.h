@@ -108,6 +108,7 @@ private:
   void write_used() const;
   void write_step_table();
   const NodalForces<dim> &nodal_forces(const Solution<dim> &solution);
+  std::vector<Columns> columns_of_probes(const Vector &ghosted, const Reactions<dim> &reactions);
   double last_residual() const;
   const Vector *find_velocity(const Solution<dim> &solution); ///< nullptr: nothing asks for it
   double tolerance_of_balance(double tolerance) const;

@@ -7,25 +7,27 @@
 
 #include <nlohmann/json.hpp>
 
-#include <map>
 #include <string>
 #include <vector>
 
 namespace dovetail {
 
-/// The columns of each probe, "tip x [mm]".
-using ColumnNames = std::map<std::string, std::vector<std::string>>;
+/// Numbers of a row and what stands above each of them, "tip x [mm]".
+struct Columns
+{
+  std::vector<std::string> names;
+  nlohmann::ordered_json numbers; ///< one, or lists of as many as there are names
+};
 
-/// One row per step: the time, and the numbers of probes and balance as in the report. The columns of probes
-/// have the names that are given; others are called by the keys that lead to the number, those of the balance
-/// after that word, and by an axis or the index in a list.
+/// One row per step: the time, the columns that are given, and the numbers of the balance as in the report.
+/// These are called by that word, by the keys that lead to the number and by an axis or the index in a list.
 class StepTable
 {
 public:
   /// Of each step the same numbers. @p axes: the letters of three directions, xyz; @p unit: of the time, or
   /// empty
-  void add(double time, const nlohmann::ordered_json &probes, const nlohmann::ordered_json &balance,
-           const ColumnNames &columns, const std::string &axes, const std::string &unit);
+  void add(double time, const std::vector<Columns> &columns, const nlohmann::ordered_json &balance,
+           const std::string &axes, const std::string &unit);
 
   bool is_empty() const { return rows.empty(); }
   std::string text() const { return header + rows; }

@@ -49,6 +49,9 @@ private:
   {
     while (text.peek() == "$Comments")
       skip(std::string(text.word()));
+    text.check(text.peek() == "$MeshFormat",
+               "it does not begin with $MeshFormat, as meshes of Gmsh do since version 2. In Gmsh, save the "
+               "mesh as 'Version 4.1 ASCII'");
     text.expect("$MeshFormat");
     const double version = text.number("the version of the format");
     is_version_4 = version > 4.05 && version < 4.15;
@@ -302,8 +305,7 @@ private:
     const auto found = gmsh_types.find(number);
     if (found == gmsh_types.end())
       text.fail("elements of Gmsh's type " + std::to_string(number) +
-                " are not read. Make a mesh of first order (or, of triangles or "
-                "tetrahedra, of second order)");
+                " are not read. Make a mesh of first or second order");
     return found->second;
   }
 

@@ -142,7 +142,11 @@ exodus = sys.argv[1].lower().endswith((".e", ".exo", ".ex2"))
 if exodus:
     mesh, blocks, shells, side_sets, node_sets = read_exodus(sys.argv[1])
 else:
-    mesh = meshio.read(sys.argv[1])
+    file = sys.argv[1]
+    if file.lower().endswith((".bdf", ".nas", ".fem")) and "BEGIN BULK" not in open(file, errors="replace").read():
+        file = sys.argv[2] + ".bdf" # of Gmsh: bulk data alone
+        open(file, "w").write("BEGIN BULK\n" + open(sys.argv[1], errors="replace").read())
+    mesh = meshio.read(file)
 dims = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "tetra": 3, "hexahedron": 3, "wedge": 3, "pyramid": 3}
 dim_of = lambda block: dims.get(block.type.rstrip("0123456789"), -1)
 groups = [numpy.zeros(len(block.data), dtype=int) for block in mesh.cells]

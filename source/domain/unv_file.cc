@@ -136,17 +136,21 @@ private:
       const std::string name = dealii::Utilities::trim(std::string(text.rest_of_line()));
       text.check(!name.empty(), "expected the name of a group");
       groups.emplace_back(name, std::vector<std::size_t>());
+      std::int64_t missing = 0;
       for (std::size_t i = 0; i < n_entities; ++i) {
         const auto type = text.integer("the type of an entity of a group", 0, INT32_MAX);
         const auto number = text.integer("the number of an entity of a group", 0, largest_mesh_number);
         read_integers(2);
         if (type != 8) // elements
           continue;
-        const auto found = index.find(number);
-        text.check(found != index.end(), "the group " + name + " has the element " + std::to_string(number) +
-                                             ", which does not exist");
-        groups.back().second.push_back(found->second);
+        if (const auto found = index.find(number); found != index.end())
+          groups.back().second.push_back(found->second);
+        else
+          missing = number;
       }
+      text.check(missing == 0 || groups.back().second.empty(), // Gmsh writes groups of points without these
+                 "the group " + name + " has the element " + std::to_string(missing) +
+                     ", which does not exist");
     }
   }
 

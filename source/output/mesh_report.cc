@@ -256,7 +256,8 @@ bool print_volume(const std::string &title, MeshFile mesh, std::ostream &out)
   return true;
 }
 
-/// Volumes with the same cells have one title. @return the titles in their order, each with one of its names
+/// Volumes with the same cells have one title; without volumes material ids are their names. @return the
+/// titles in their order, each with one of its names
 std::map<std::string, std::string> titles_of_volumes(const MeshFile &mesh)
 {
   std::map<std::vector<std::size_t>, std::vector<std::string>> names_of;
@@ -265,6 +266,10 @@ std::map<std::string, std::string> titles_of_volumes(const MeshFile &mesh)
   std::map<std::string, std::string> titles;
   for (const auto &[cells, names] : names_of)
     titles["volume " + comma_separated(names)] = names[0];
+  const std::set<unsigned int> ids(mesh.cells.ids.begin(), mesh.cells.ids.end());
+  for (const unsigned int id : ids)
+    if (mesh.volumes.empty() && ids.size() > 1)
+      titles["volume " + std::to_string(id)] = std::to_string(id);
   return titles;
 }
 
@@ -342,18 +347,34 @@ void write_preview(const MeshFile &mesh, const unsigned int dim, const std::stri
     obstacle.raise("Start the program in a directory where you may write.");
 }
 
+/// Else its cells are the surfaces of bodies.
+bool lies_in_a_plane(const MeshFile &mesh)
+{
+  Point<3> low = mesh.nodes[mesh.cells.nodes[0]], high = low;
+  for (const unsigned int node : mesh.cells.nodes)
+    for (unsigned int d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], mesh.nodes[node][d]);
+      high[d] = std::max(high[d], mesh.nodes[node][d]);
+    }
+  return high[2] - low[2] <= 1e-6 * low.distance(high);
+}
+
 /// Three dimensions if there is a cell of three, else two.
 std::pair<MeshFile, unsigned int> read_in_its_dimension(const std::string &file_name)
 {
   try {
     return {read_mesh_file(file_name, 3), 3};
   } catch (const MeshError &in_three) {
+    MeshFile plane;
     try {
-      return {read_mesh_file(file_name, 2), 2};
+      plane = read_mesh_file(file_name, 2);
     } catch (const MeshError &in_two) {
       const std::string reason = in_two.what();
       throw MeshError(reason.find("three dimensions") == std::string::npos ? reason : in_three.what());
     }
+    if (!lies_in_a_plane(plane))
+      throw MeshError(in_three.what());
+    return {std::move(plane), 2};
   }
 }
 

@@ -31,10 +31,10 @@ const double seconds_of_pair_at_point = 3e-9, seconds_of_point = 1e-5;
 const unsigned int n_samples = 16;  ///< cells of a body
 const double longest_sample = 0.01; ///< seconds of a body
 
-/// Of a product with a sparse matrix that is larger than the caches.
-double seconds_per_entry()
+/// Of a product with a sparse matrix, of many unknowns one that is larger than the caches.
+double seconds_per_entry(const unsigned int n_unknowns)
 {
-  const unsigned int n_rows = 40000, n_of_row = 27;
+  const unsigned int n_rows = std::min(40000u, std::max(4000u, n_unknowns)), n_of_row = 27;
   const std::vector<double> entries(n_rows * n_of_row, 1.), x(n_rows, 1.);
   std::vector<int> columns;
   columns.reserve(entries.size());
@@ -228,7 +228,8 @@ CostEstimate estimate_cost(const Model<dim> &model, const LinearSolver &solver, 
 {
   const MPI_Comm &communicator = model.communicator;
   const double memory_before = dealii::Utilities::MPI::sum(peak_memory_of_process(), communicator),
-               n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator), unit = seconds_per_entry();
+               n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator),
+               unit = seconds_per_entry(model.numbering->n_dofs());
   const bool is_linear = model.is_linear(), is_constant = is_linear && model.has_constant_tangent();
   CostEstimate result;
   result.n_steps = steps.n_steps;

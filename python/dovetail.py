@@ -6,7 +6,7 @@
 
     scene = dovetail.Scene.load("prm/quick_start.prm")
     for theta in (1, 0, -1):
-        result = scene.set("Interface root/Theta", theta).run(ranks=2)
+        result = scene.set("Interface left flank/Theta", theta).run(ranks=2)
         print(theta, result.report["probes"])
 
 A scene composed in Python is a nested dictionary with the names of a .prm or .json file:

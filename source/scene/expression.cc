@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <regex>
@@ -91,6 +92,16 @@ double table(const double *, int)
   throw UserError("has an error in '" + formula + "': " + dealii::Utilities::trim(message));
 }
 
+/// In figures, which nobody can misunderstand. Most formulas of a scene are one.
+bool is_plain_number(const std::string &formula)
+{
+  if (formula.find_first_not_of("0123456789.-") == 0) // inf and nan are no figures
+    return false;
+  double value = 0;
+  const auto [end, error] = std::from_chars(formula.data(), formula.data() + formula.size(), value);
+  return error == std::errc() && end == formula.data() + formula.size();
+}
+
 /// muParser can assign to variables; "t = 1" would then be a condition that is always true.
 void check_no_assignment(const std::string &formula)
 {
@@ -149,6 +160,13 @@ Expression::Implementation::Component Expression::Implementation::compile(const 
   check_no_assignment(formula);
 
   Component component;
+  for_tape.assign(first_scalar + known.scalars.size(), 0.);
+  if (is_plain_number(formula))
+    if (const auto number = tape.add(formula)) { // muParser, which takes a while to begin, would say the same
+      component.number = *number;
+      component.constant = *tape.values(*number, for_tape, 1);
+      return component;
+    }
   mu::Parser parser;
   define_names(parser);
   try {
@@ -172,7 +190,6 @@ Expression::Implementation::Component Expression::Implementation::compile(const 
 
 void Expression::Implementation::define_names(mu::Parser &parser)
 {
-  for_tape.assign(first_scalar + known.scalars.size(), 0.);
   for (unsigned int d = 0; d < known.dim; ++d)
     parser.DefineVar(coordinate_names[d], &for_tape[d]);
   parser.DefineVar("t", &for_tape[time]);

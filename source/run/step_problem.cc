@@ -3,6 +3,8 @@
 
 #include <dovetail/run/step_problem.h>
 
+#include <dovetail/domain/cell_terms.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
@@ -47,10 +49,12 @@ StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system,
       continue;
     const Domain<dim> &domain = *model.domains[block.domain_index];
     const unsigned int component = domain.fields()[block.field_index].first_component;
-    if (domain.section.top().peek("Steps", "Lumped capacity") == "true")
-      content_updates.back() = std::make_unique<ContentUpdate<dim>>(domain.material, component);
-    if (content_updates.back() && !content_updates.back()->is_needed())
-      content_updates.back() = nullptr;
+    const auto lumped = lumped_components(domain, 1);
+    if (std::find(lumped.begin(), lumped.end(), component) == lumped.end())
+      continue;
+    auto update = std::make_unique<ContentUpdate<dim>>(domain.material, component);
+    if (update->is_needed())
+      content_updates.back() = std::move(update);
   }
 }
 
@@ -308,14 +312,20 @@ std::optional<unsigned int> StepProblem<dim>::solve_from_guess(Vector &dx)
   return n_iterations;
 }
 
-/// Where products of cells did not do.
+/// For a matrix with entries, where products of cells did not do.
 template <int dim>
-void StepProblem<dim>::make_entries(const Vector &x)
+void StepProblem<dim>::make_place_for_entries()
 {
   linear_solver.forget_matrix();
   tangent_at_rest.clear(); // it has none either
   system.choose_entries(linear_solver.needs_entries());
   system.make_matrix();
+}
+
+template <int dim>
+void StepProblem<dim>::make_entries(const Vector &x)
+{
+  make_place_for_entries();
   residual_and_tangent(x);
   give_tangent();
 }
@@ -383,9 +393,7 @@ Vector StepProblem<dim>::solve_mass(const Vector &x, const Vector &right_hand_si
   for (unsigned int pass = 0; pass < 3 && rest.l2_norm() > exact * right_hand_side.l2_norm(); ++pass) {
     bool is_solved = linear_solver.solve(correction, rest).has_value();
     if (!is_solved && linear_solver.lacks_entries()) {
-      linear_solver.forget_matrix();
-      system.choose_entries(linear_solver.needs_entries());
-      system.make_matrix();
+      make_place_for_entries();
       is_solved = assemble_mass(x) && linear_solver.solve(correction, rest).has_value();
     }
     if (!is_solved)

@@ -249,15 +249,18 @@ bool ContactResistance<dim>::find_joint(const Interface<dim> &interface, const T
     }
     const Expression::Scalars view(scalars.data(), scalars.size());
     joint.along_normal = joint.along_tangents = conductance.value(X, t, 0, view);
-    joint.derivative_by_mean = depends_on(of_mean) ? conductance.derivative(X, t, 0, view, of_mean) : 0;
-    for (const Scalar scalar : {of_pressure, of_gap}) {
+    for (const Scalar scalar : {of_mean, of_pressure, of_gap}) {
       const double slope = depends_on(scalar) ? conductance.derivative(X, t, 0, view, scalar) : 0;
       if (slope == 0 || !std::isfinite(slope)) // a power below 1 has none where nothing presses
         continue;
       for (const unsigned int side : {source, destination}) {
-        const auto &derivatives = scalar == of_pressure ? meeting.of_pressure[side] : meeting.of_gap[side];
         auto &sum = joint.by_state[side];
-        sum.resize(derivatives.size());
+        sum.resize(state[side].value.size());
+        if (scalar == of_mean) {
+          sum[field.first_component[side]].by_value += slope / 2;
+          continue;
+        }
+        const auto &derivatives = scalar == of_pressure ? meeting.of_pressure[side] : meeting.of_gap[side];
         for (unsigned int d = 0; d < derivatives.size(); ++d) {
           sum[d].by_value += slope * derivatives[d].by_value;
           sum[d].by_gradient += slope * derivatives[d].by_gradient;
@@ -286,19 +289,16 @@ bool ContactResistance<dim>::find_joint(const Interface<dim> &interface, const T
 
 namespace {
 
-/// N F^-1 as a unit vector, where a displacement begins with component @p first; zero where det F is not
-/// positive.
+/// F^-1, where a displacement begins with component @p first; nothing where det F is not positive.
 template <int dim>
-dealii::Tensor<1, dim> deformed_normal(const State<dim> &state, const unsigned int first,
-                                       const dealii::Tensor<1, dim> &N)
+std::optional<dealii::Tensor<2, dim>> inverse_deformation(const State<dim> &state, const unsigned int first)
 {
   dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>();
   for (unsigned int d = 0; d < dim; ++d)
     F[d] += state.gradient[first + d];
   if (!(determinant(F) > 0))
     return {};
-  const dealii::Tensor<1, dim> n = N * invert(F);
-  return n / n.norm();
+  return invert(F);
 }
 
 /// The displacement of a side, if it has one.
@@ -336,8 +336,11 @@ std::vector<dealii::Tensor<1, dim>> ContactResistance<dim>::find_normals(const I
       dealii::Tensor<1, dim> sum;
       for (const unsigned int side : {source, destination}) {
         points.reinit(side, q, unknowns);
-        sum += (side == source ? 1 : -1) *
-               deformed_normal(points.state[side], field->first_component[side], pairing.N(side, q));
+        const auto inverse = inverse_deformation(points.state[side], field->first_component[side]);
+        if (!inverse)
+          continue;
+        const dealii::Tensor<1, dim> n = pairing.N(side, q) * *inverse;
+        sum += (side == source ? 1 : -1) * (n / n.norm());
       }
       if (sum.norm() > 0)
         result[q] = sum / sum.norm();
@@ -371,12 +374,10 @@ bool ContactResistance<dim>::find_meeting(const Interface<dim> &interface, const
       traction[d] = response.flux[first + d] * N;
     }
     if (material.has_large_strain()) {
-      dealii::Tensor<2, dim> F = dealii::unit_symmetric_tensor<dim>();
-      for (unsigned int d = 0; d < dim; ++d)
-        F[d] += state[side].gradient[first + d];
-      if (!(determinant(F) > 0))
+      const auto found = inverse_deformation(state[side], first);
+      if (!found)
         return undefined("the body has turned over at an interface");
-      inverse = invert(F);
+      inverse = *found;
       m = N * inverse;
     }
     const dealii::Tensor<1, dim> n = m / m.norm();

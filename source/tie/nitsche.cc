@@ -369,11 +369,8 @@ void Nitsche<dim>::join_linearly(const Interface<dim> &interface, const TiedFiel
   if (field.n_components == 1) {
     series.a[0][0] = a[0];
     series.b[0][0] = b[0];
-    series.b_by_mean = std::isfinite(h[0]) ? b[0] * b[0] * joint.derivative_by_mean : 0;
-    if (std::isfinite(h[0]) && !(joint.by_state[source].empty() && joint.by_state[destination].empty())) {
-      series.b_by_h = b[0] * b[0];
+    if (std::isfinite(h[0]))
       series.h_by_state = joint.by_state;
-    }
   } else {
     dealii::Tensor<1, dim> N = interface.pairing().N(source, q) - interface.pairing().N(destination, q);
     N /= N.norm();
@@ -731,8 +728,8 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
   }
   if (theta != 0 && !is_mirrored)
     add_variation_rows(field, series, w, tangent);
-  if (series.b_by_mean != 0 || series.b_by_h != 0)
-    add_change_of_joint(interface, field, p, series, q, tangent);
+  if (!series.h_by_state[source].empty() || !series.h_by_state[destination].empty())
+    add_change_of_joint(interface, p, series, q, tangent);
 }
 
 /// Whether - delta{A}.d[B] is the transpose of - d{A}.delta[B].
@@ -775,29 +772,25 @@ void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &seri
   }
 }
 
-/// Of a scalar: b^2 (gamma [B] - {A}) (gamma delta[B] - theta delta{A}) dh. h may depend on B, the mean of
-/// both sides, and on all that the two sides see.
+/// Of a scalar: b^2 (gamma [B] - {A}) (gamma delta[B] - theta delta{A}) dh. h may depend on all that the two
+/// sides see.
 template <int dim>
-void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const TiedField &field,
-                                       const AtPoint &p, const Series &series, const unsigned int q,
+void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const AtPoint &p,
+                                       const Series &series, const unsigned int q,
                                        dealii::FullMatrix<double> &tangent) const
 {
   const Pairing<dim> &pairing = interface.pairing();
-  const double factor = pairing.weight(q) * (p.gamma * jump[0] - mean_flux[0]);
-  std::vector<double> change(leading->size()); // factor b^2 dh/dx_j
+  const double b = series.b[0][0], factor = pairing.weight(q) * b * b * (p.gamma * jump[0] - mean_flux[0]);
+  std::vector<double> change(leading->size()); // factor dh/dx_j
   for (const unsigned int side : {source, destination})
-    for (unsigned int k = 0; k < interface.components[side].size(); ++k) {
+    for (unsigned int k = 0; k < interface.components[side].size() && !series.h_by_state[side].empty(); ++k) {
       const unsigned int d = interface.components[side][k], first = leading->first[side][k];
       const auto &layout = interface.sides[side].domain->layout();
       const std::vector<unsigned int> &nodes = leading->nodes[side][k];
       const double *values = pairing.values(side, q) + layout.first_shape(d);
       const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + layout.first_shape(d);
-      double by_value = d == field.first_component[side] ? factor * series.b_by_mean / 2 : 0;
-      dealii::Tensor<1, dim> by_gradient;
-      if (!series.h_by_state[side].empty()) {
-        by_value += factor * series.b_by_h * series.h_by_state[side][d].by_value;
-        by_gradient = factor * series.b_by_h * series.h_by_state[side][d].by_gradient;
-      }
+      const double by_value = factor * series.h_by_state[side][d].by_value;
+      const dealii::Tensor<1, dim> by_gradient = factor * series.h_by_state[side][d].by_gradient;
       for (unsigned int a = 0; a < nodes.size(); ++a)
         change[first + a] = by_value * values[nodes[a]] + by_gradient * gradients[nodes[a]];
     }

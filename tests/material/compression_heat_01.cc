@@ -111,7 +111,7 @@ void check(const std::string &name, const std::string &solid, const double size,
 }
 
 template <int dim>
-void check_all(const std::string &where, const std::string &geometry = "", const double r = 1)
+void check_all(const std::string &where, const std::string &geometry, const double r)
 {
   const std::string mixed = "\nset Formulation = mixed",
                     plastic = moduli + "\nset Yield stress = 0.1\nset Isotropic hardening modulus = 0.3",
@@ -144,9 +144,6 @@ void check_all(const std::string &where, const std::string &geometry = "", const
 
 int main()
 {
-  check_all<3>("");
-  check_all<2>(", plane strain");
-  const std::string axisymmetric = "set Geometry = axisymmetric\n";
-  check_all<2>(", around an axis", axisymmetric, 0.8);
-  check_all<2>(", on the axis", axisymmetric, 0);
+  in_all_geometries([](const auto dim, const std::string &where, const std::string &geometry,
+                       const double r) { check_all<dim>(where, geometry, r); });
 }

@@ -7,6 +7,8 @@
 
 #include "law_check.h"
 
+#include <type_traits>
+
 /// A material, its state at a point, and what it remembers there.
 template <int dim>
 struct Path
@@ -127,4 +129,16 @@ void check_tangents(const std::string &name, const std::string &law, const std::
   report(name + ", tangent", tangent, 1e-6);
   report(name + ", no stress across", across, 1e-14);
   report(name + ", accepted state", rest, 1e-14);
+}
+
+/// check(dim, name, Geometry, distance from the axis) in 3D, in plane strain and around an axis, off it and
+/// on it; dim is a std::integral_constant.
+template <typename Check>
+void in_all_geometries(const Check &check)
+{
+  const std::string axisymmetric = "set Geometry = axisymmetric\n";
+  check(std::integral_constant<int, 3>(), "", "", 1);
+  check(std::integral_constant<int, 2>(), ", plane strain", "", 1);
+  check(std::integral_constant<int, 2>(), ", around an axis", axisymmetric, 0.8);
+  check(std::integral_constant<int, 2>(), ", on the axis", axisymmetric, 0);
 }

@@ -54,7 +54,7 @@ void check(const std::string &name, const std::string &solid, const unsigned int
 }
 
 template <int dim>
-void check_all(const std::string &where, const std::string &geometry = "", const double r = 1)
+void check_all(const std::string &where, const std::string &geometry, const double r)
 {
   const std::string small = "set Type = J2 plasticity", large = "set Type = finite J2 plasticity";
   check<dim>("small" + where, small + plastic, 9, hardening, geometry, r);
@@ -69,9 +69,6 @@ void check_all(const std::string &where, const std::string &geometry = "", const
 
 int main()
 {
-  check_all<3>("");
-  check_all<2>(", plane strain");
-  const std::string axisymmetric = "set Geometry = axisymmetric\n";
-  check_all<2>(", around an axis", axisymmetric, 0.8);
-  check_all<2>(", on the axis", axisymmetric, 0);
+  in_all_geometries([](const auto dim, const std::string &where, const std::string &geometry,
+                       const double r) { check_all<dim>(where, geometry, r); });
 }

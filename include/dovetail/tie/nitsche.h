@@ -104,7 +104,6 @@ protected:
   {
     double along_normal = infinity;   ///< h of the component along N, and of a scalar
     double along_tangents = infinity; ///< h of the components across it
-    double derivative_by_mean = 0;    ///< dh/dB of a scalar, B the mean of both sides' traces
     /// Of h of a scalar by the state of a side: dh = sum_d by_value dB_d + by_gradient . d(grad B_d).
     struct Derivative
     {
@@ -134,9 +133,7 @@ private:
   {
     bool is_rigid = true; ///< a = 1, b = 0
     dealii::Tensor<2, dim> a, b;
-    double b_by_mean = 0; ///< - db/dB of a scalar
-    double b_by_h = 0;    ///< - db/dh of a scalar whose h depends on the states of the sides
-    std::array<std::vector<typename Joint::Derivative>, 2> h_by_state;
+    std::array<std::vector<typename Joint::Derivative>, 2> h_by_state; ///< of a scalar; empty: not at all
     std::array<double, dim> transmitted{}, mismatch{};
   };
 
@@ -176,8 +173,8 @@ private:
   bool varies_as_mean() const;
   void add_variation_rows(const TiedField &field, const Series &series, double weight,
                           dealii::FullMatrix<double> &tangent) const;
-  void add_change_of_joint(const Interface<dim> &interface, const TiedField &field, const AtPoint &parameters,
-                           const Series &series, unsigned int q, dealii::FullMatrix<double> &tangent) const;
+  void add_change_of_joint(const Interface<dim> &interface, const AtPoint &parameters, const Series &series,
+                           unsigned int q, dealii::FullMatrix<double> &tangent) const;
   void add_curvature(const Interface<dim> &interface, const TiedField &field, const AtPoint &parameters,
                      const Series &series, unsigned int q, dealii::FullMatrix<double> &tangent);
 

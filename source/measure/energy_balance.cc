@@ -172,10 +172,90 @@ Vector EnergyBalance<dim>::support(const Reactions<dim> &reactions, const Vector
   return result;
 }
 
+/// M w of solids.
 template <int dim>
-nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reactions, const Vector &x,
-                                                    const Vector &ghosted, const Vector *velocity,
-                                                    const std::optional<double> new_start)
+Vector EnergyBalance<dim>::product_with_mass(const Vector &ghosted, const Vector &ghosted_rate) const
+{
+  Vector result = last.x;
+  result = 0;
+  Rates rates;
+  rates.rest = ghosted_rate; // of what stores by first rates, which does not count
+  rates.second_rest = ghosted_rate;
+  rates.weights = {0};
+  rates.past = {ghosted};
+  std::vector<dealii::types::global_dof_index> dofs;
+  for (const auto &domain : model.domains) {
+    const Field *field = solid_field(*domain);
+    if (field == nullptr)
+      continue;
+    CellTerms<dim> terms(*domain);
+    terms.set_rates(&rates);
+    const CellLayout<dim> &layout = domain->layout();
+    std::vector<double> unknowns(domain->dofs_per_cell()), stored(unknowns.size());
+    for (const auto &cell : domain->dof_handler().active_cell_iterators())
+      if (cell->is_locally_owned()) {
+        domain->cell_dofs(cell, dofs);
+        ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+        if (!terms.assemble_storage(cell, 0, unknowns, stored))
+          continue;
+        for (unsigned int c = field->first_component; c < field->first_component + dim; ++c)
+          for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
+            result(dofs[layout.index(c, a)]) += stored[layout.index(c, a)];
+      }
+  }
+  result.compress(dealii::VectorOperation::add);
+  return result;
+}
+
+/// The forces just after the beginning of a step. @p of_support: at its end
+template <int dim>
+void EnergyBalance<dim>::start_anew(BlockSystem<dim> &system, const Vector &of_support, const Vector &ghosted,
+                                    const StepOfMotion &step)
+{
+  Vector ghosted_before = ghosted;
+  ghosted_before = last.x;
+  last.forces = loads(*step.new_start, last.x, ghosted_before);
+  if (!step.second_rates_at_start) {
+    last.forces += of_support;
+    last.scheme.reset();
+    return;
+  }
+  Rates rates;
+  rates.rest = *step.rates_at_start;
+  rates.second_rest = *step.second_rates_at_start;
+  rates.weights = {0};
+  rates.past = {last.x};
+  const NodalForces<dim> nodal = system.nodal_forces(last.x, *step.new_start, rates);
+  last.forces += support(Reactions<dim>(model, nodal, ghosted_before), last.x);
+  last.velocity = *step.rates_at_start;
+  last.acceleration = *step.second_rates_at_start;
+}
+
+template <int dim>
+void EnergyBalance<dim>::add_scheme(const Vector &change, const Vector &ghosted, const StepOfMotion &step)
+{
+  if (!step.second_rates_at_end || last.acceleration.n_blocks() == 0 || !last.scheme) {
+    last.scheme.reset();
+    return;
+  }
+  const auto half_sum = [](Vector sum, const Vector &other) {
+    sum.sadd(0.5, 0.5, other);
+    return sum;
+  };
+  Vector change_of_velocity = *step.rates_at_end, mean = ghosted;
+  change_of_velocity -= last.velocity;
+  mean = half_sum(last.acceleration, *step.second_rates_at_end);
+  *last.scheme += product_with_mass(ghosted, mean) * change;
+  mean = half_sum(last.velocity, *step.rates_at_end);
+  *last.scheme -= product_with_mass(ghosted, mean) * change_of_velocity;
+  last.velocity = *step.rates_at_end;
+  last.acceleration = *step.second_rates_at_end;
+}
+
+template <int dim>
+nlohmann::ordered_json EnergyBalance<dim>::add_step(BlockSystem<dim> &system, const Reactions<dim> &reactions,
+                                                    const Vector &x, const Vector &ghosted,
+                                                    const Vector *velocity, const StepOfMotion &step)
 {
   const Vector of_support = support(reactions, x);
   Vector now = loads(reactions.forces().t, x, ghosted), change = x;
@@ -185,14 +265,11 @@ nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reacti
     last.x = x;
   if (last.forces.n_blocks() == 0)
     last.forces = now;
-  if (new_start) {
-    Vector ghosted_before = ghosted;
-    ghosted_before = last.x;
-    last.forces = loads(*new_start, last.x, ghosted_before);
-    last.forces += of_support;
-  }
+  if (step.new_start)
+    start_anew(system, of_support, ghosted, step);
   change -= last.x;
   last.work += (now * change + last.forces * change) / 2;
+  add_scheme(change, ghosted, step);
   last.forces = std::move(now);
   last.x = x;
   const Energies present = energies(ghosted, velocity, reactions.forces().t);
@@ -202,6 +279,8 @@ nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reacti
   if (present.knows_ties)
     result["ties"] = present.ties;
   result["work"] = last.work;
+  if (last.scheme)
+    result["scheme"] = *last.scheme;
   result["lost"] = last.initial + last.work - present.sum();
   return result;
 }

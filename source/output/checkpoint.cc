@@ -180,7 +180,7 @@ bool may_change(const std::string &path)
       return true;
   for (const char *entry : {"Probes", "Plugins", "Adaptive cycles", "Adaptive share", "Adaptive unknowns",
                             "Steps/End time", "Steps/Number of steps", "Steps/Adaptive", "Steps/Tolerance",
-                            "Steps/Smallest step", "Steps/Largest step"})
+                            "Steps/Smallest step", "Steps/Largest step", "Steps/Largest number of steps"})
     if (path == entry)
       return true;
   const std::string file_of_mesh = "/Mesh/File"; // another place of the same mesh

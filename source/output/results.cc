@@ -152,8 +152,24 @@ void Results<dim>::go_on(const Plan &plan, const SavedState &from)
   if (!step_table.is_empty())
     write_step_table();
   if (energy_balance && saved.contains("energy"))
-    energy_balance->restore({saved["energy"][0], saved["energy"][1], from.vectors.at("external forces"),
-                             from.vectors.at("solution")});
+    restore_energy(saved["energy"], from);
+}
+
+template <int dim>
+void Results<dim>::restore_energy(const nlohmann::ordered_json &sums, const SavedState &from)
+{
+  typename EnergyBalance<dim>::Memory memory;
+  memory.initial = sums[0];
+  memory.work = sums[1];
+  memory.scheme.reset();
+  memory.forces = from.vectors.at("external forces");
+  memory.x = from.vectors.at("solution");
+  if (sums.size() > 2) {
+    memory.scheme = sums[2].get<double>();
+    memory.velocity = from.vectors.at("velocity");
+    memory.acceleration = from.vectors.at("acceleration");
+  }
+  energy_balance->restore(std::move(memory));
 }
 
 template <int dim>
@@ -182,6 +198,11 @@ void Results<dim>::write_checkpoint(SavedState &state)
     const auto &memory = energy_balance->memory();
     state.numbers["results"]["energy"] = {memory.initial, memory.work};
     state.vectors["external forces"] = memory.forces;
+    if (memory.scheme) {
+      state.numbers["results"]["energy"].push_back(*memory.scheme);
+      state.vectors["velocity"] = memory.velocity;
+      state.vectors["acceleration"] = memory.acceleration;
+    }
   }
   try_to_write([&]() {
     if (const Obstacle obstacle = dovetail::write_checkpoint(checkpoint_file(), text, model, state))
@@ -334,8 +355,8 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
       field_flows.erase("rounding");
   std::vector<Columns> columns = columns_of_probes(ghosted, reactions);
   if (energy_balance) {
-    const auto energy =
-        energy_balance->add_step(reactions, solution.x, ghosted, velocity_now, solution.new_start);
+    const auto energy = energy_balance->add_step(solution.system, reactions, solution.x, ghosted,
+                                                 velocity_now, solution.motion);
     report()["steps"].back()["energy"] = energy;
     for (const auto &[name, value] : energy.items())
       columns.push_back(

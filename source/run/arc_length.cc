@@ -114,6 +114,21 @@ bool ArcLength<dim>::shorten()
   return length > 0 && length >= smallest * first_length;
 }
 
+template <int dim>
+void ArcLength<dim>::save(SavedState &to) const
+{
+  to.numbers["path"] = {length, first_length};
+  to.vectors["change along path"] = *last_change;
+}
+
+template <int dim>
+void ArcLength<dim>::restore(const SavedState &from)
+{
+  length = from.numbers["path"][0];
+  first_length = from.numbers["path"][1];
+  last_change = from.vectors.at("change along path");
+}
+
 template class ArcLength<2>;
 template class ArcLength<3>;
 

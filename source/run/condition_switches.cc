@@ -12,6 +12,16 @@
 
 namespace dovetail {
 
+namespace {
+
+template <int dim>
+bool has_inertia(const Domain<dim> &domain, const Condition<dim> &condition)
+{
+  return domain.material.order_in_time(condition.field.first_component) > 1;
+}
+
+} // namespace
+
 template <int dim>
 typename ConditionSwitches<dim>::Places ConditionSwitches<dim>::find(const Model<dim> &model, const double t)
 {
@@ -28,8 +38,11 @@ typename ConditionSwitches<dim>::Places ConditionSwitches<dim>::find(const Model
         if (condition->follows_fields())
           for (const unsigned int face : cell->face_indices())
             if (cell->face(face)->at_boundary())
-              boundary.for_each_point(cell, face, *condition, t, unknowns,
-                                      [&](const auto &point) { places.push_back(point.state.X); });
+              boundary.for_each_point(cell, face, *condition, t, unknowns, [&](const auto &point) {
+                places.all.push_back(point.state.X);
+                if (has_inertia(*domain, *condition))
+                  places.with_inertia.push_back(point.state.X);
+              });
     }
   }
   return places;
@@ -42,15 +55,16 @@ void ConditionSwitches<dim>::look_at_phases(const Model<dim> &model, const doubl
   if (std::none_of(model.materials.begin(), model.materials.end(),
                    [](const auto &material) { return material->has_phases(); }))
     return;
-  bool has_changed = false;
+  bool has_changed = false, has_pushed = false;
   for (const auto &domain : model.domains) {
     if (!domain->memory || !domain->material.has_phases())
       continue;
     dealii::FEValues<dim> values(domain->mapping(), domain->scalar_element(), domain->cell_quadrature(),
                                  dealii::update_quadrature_points);
     State<dim> state(domain->n_components());
+    bool has_changed_here = false;
     for (const auto &cell : domain->mesh().active_cell_iterators()) {
-      if (!cell->is_locally_owned() || has_changed)
+      if (!cell->is_locally_owned() || has_changed_here)
         continue;
       values.reinit(cell);
       for (const auto &X : values.get_quadrature_points()) {
@@ -59,24 +73,34 @@ void ConditionSwitches<dim>::look_at_phases(const Model<dim> &model, const doubl
         state.t = last;
         const unsigned int before = domain->material.phase(state);
         state.t = t;
-        has_changed = has_changed || domain->material.phase(state) != before;
+        has_changed_here = has_changed_here || domain->material.phase(state) != before;
       }
     }
+    has_changed = has_changed || has_changed_here;
+    has_pushed = has_pushed || (has_changed_here && domain->material.order_in_time() > 1);
   }
-  if (dealii::Utilities::MPI::max(has_changed ? 1 : 0, model.communicator) == 1)
-    is_new = true;
+  learn(is_new || has_changed, pushes || has_pushed, model.communicator);
+}
+
+template <int dim>
+void ConditionSwitches<dim>::learn(const bool has_switched, const bool has_pushed,
+                                   const MPI_Comm &communicator)
+{
+  const int most = dealii::Utilities::MPI::max(has_pushed ? 2 : has_switched ? 1 : 0, communicator);
+  is_new = most > 0;
+  pushes = most > 1;
 }
 
 template <int dim>
 void ConditionSwitches<dim>::look(const Model<dim> &model, const double t)
 {
   if (!model.has_conditions_by_fields()) {
-    is_new = false;
+    is_new = pushes = false;
     return;
   }
   if (before && before->first == t) {
     now = std::exchange(before, {});
-    is_new = false;
+    is_new = pushes = false;
     return;
   }
   if (now && now->first == t)
@@ -84,8 +108,8 @@ void ConditionSwitches<dim>::look(const Model<dim> &model, const double t)
   if (now && t > now->first)
     before = std::move(now);
   now.emplace(t, find(model, t));
-  is_new =
-      dealii::Utilities::MPI::max(before && now->second != before->second ? 1 : 0, model.communicator) == 1;
+  learn(before && now->second.all != before->second.all,
+        before && now->second.with_inertia != before->second.with_inertia, model.communicator);
 }
 
 template class ConditionSwitches<2>;

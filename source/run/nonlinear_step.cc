@@ -160,14 +160,29 @@ bool NonlinearStep<dim>::starts_anew(const double begin, const double t) const
 }
 
 /// Whether the step that has begun is on another curve, since a toggle that looks at fields has switched,
-/// also one that chooses the material of a point. A flux that switches changes no velocity, and a motion
-/// would lose more by a new start than by the switch.
+/// also one that chooses the material of a point.
 template <int dim>
 bool NonlinearStep<dim>::has_switched_by_fields() const
 {
-  return (model.order_in_time() < 2 && condition_switches.have_switched()) ||
+  return condition_switches.have_switched() ||
          std::any_of(model.interfaces.begin(), model.interfaces.end(),
                      [](const auto &interface) { return interface->tie().has_switched(); });
+}
+
+/// Whether it is a force on what has inertia that has switched, so that accelerations jump. Others, as a
+/// heater, change no acceleration, and a motion would lose by a new start.
+template <int dim>
+bool NonlinearStep<dim>::has_pushed_by_fields() const
+{
+  return condition_switches.have_pushed() ||
+         std::any_of(model.interfaces.begin(), model.interfaces.end(), [](const auto &interface) {
+           return interface->tie().has_switched() &&
+                  std::any_of(interface->fields.begin(), interface->fields.end(),
+                              [&](const TiedField &field) {
+                                const unsigned int first = field.first_component[source];
+                                return interface->sides[source].domain->material.order_in_time(first) > 1;
+                              });
+         });
 }
 
 namespace {
@@ -177,14 +192,21 @@ const double just_after = 1e-9; ///< the beginning of a step, relative to its si
 } // namespace
 
 template <int dim>
-std::optional<double> NonlinearStep<dim>::new_start() const
+StepOfMotion NonlinearStep<dim>::last_motion(const Vector &x) const
 {
-  if (!scheme)
+  if (velocity() == nullptr)
     return {};
   const StepTime &last = scheme->memory().last;
-  if (last.size == 0 || !(last.starts_anew || last.begin == 0))
-    return {};
-  return last.begin + just_after * last.size;
+  StepOfMotion motion;
+  motion.rates_at_end = *velocity();
+  motion.second_rates_at_end = rates_of_last_good.second_rest;
+  motion.second_rates_at_end->add(rates_of_last_good.second_by_value, x);
+  if (last.size > 0 && (last.starts_anew || last.begin == 0)) {
+    motion.new_start = last.begin + just_after * last.size;
+    motion.rates_at_start = rates_at_start;
+    motion.second_rates_at_start = second_rates_at_start;
+  }
+  return motion;
 }
 
 /// Those of constrained unknowns are constant during the step: what is prescribed is known at its end only.
@@ -201,7 +223,9 @@ void NonlinearStep<dim>::find_second_rates(const Vector &x)
   of_constrained.add(h, along);
   of_constrained *= 2 / (h * h);
   const auto found = problem->second_rates(present_step.begin + just_after * h, x, rate, of_constrained);
-  scheme->start_second_rates(found.value_or(of_constrained)); // else the step fails by itself
+  second_rates_at_start = found.value_or(of_constrained); // else the step fails by itself
+  rates_at_start = rate;
+  scheme->start_second_rates(*second_rates_at_start);
 }
 
 template <int dim>
@@ -264,7 +288,7 @@ template <int dim>
 bool NonlinearStep<dim>::must_start_anew(const double t, const Vector &x)
 {
   const bool looks_back = scheme && scheme->order() > 1 && scheme->memory().states.size() > 1;
-  return looks_back && !step_to(t).starts_anew &&
+  return looks_back && !step_to(t).begins_curve() &&
          std::any_of(model.domains.begin(), model.domains.end(),
                      [](const auto &domain) { return !lumped_components(*domain, 1).empty(); }) &&
          range_watch->leaves(t, x);
@@ -344,7 +368,8 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x)
   if (has_switched_by_fields()) {
     predictor.forget();
     if (scheme && scheme->order() > 1 && scheme->memory().last.size > 0 && !step_to(t).starts_anew) {
-      start_anew(t);
+      present_step =
+          has_pushed_by_fields() ? scheme->step_to(t, true) : scheme->step_to(t).with_new_first_rates();
       starts = true;
     }
   }

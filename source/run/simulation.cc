@@ -240,6 +240,7 @@ Vector Simulation<dim>::go_on()
   step.make_system(t);
   saved.vectors = checkpoint.vectors(model, step.system().owned_vector());
   const Vector x = saved.vectors.at("solution");
+  step_control.go_on_path(saved);
   step.go_on(checkpoint, saved, t, x);
   results.go_on(planned, saved);
   results.report().add(

@@ -92,11 +92,8 @@ template <int dim>
 StepControl<dim>::StepControl(const Steps &steps, NonlinearStep<dim> &step, Results<dim> &results,
                               Notes &notes, Log &log, const MPI_Comm &communicator)
     : steps(steps), step(step), results(results), notes(notes), log(log), communicator(communicator),
-      size(std::min(steps.size(), steps.largest))
+      size(std::min(steps.size(), steps.largest)), arc(step, steps.size(), steps.smallest / steps.size())
 {
-  steps.section.check(!steps.follows_path() || !results.has_checkpoints(), "Kind",
-                      "is arc length, and a path cannot go on from a checkpoint. Remove the entry Checkpoint "
-                      "every steps of the subsection Output.");
   if (steps.controls_errors())
     step.estimate_errors();
 }
@@ -115,7 +112,7 @@ NewtonResult StepControl<dim>::end_path(const Vector &x, double &next, Vector &t
 /// Of a step along the path from @p x, again where ties freeze something anew. @param n_iterations of the
 /// last time
 template <int dim>
-NewtonResult StepControl<dim>::try_arc(ArcLength<dim> &arc, const Vector &x, double &next, Vector &trial,
+NewtonResult StepControl<dim>::try_arc(const Vector &x, double &next, Vector &trial,
                                        unsigned int &n_iterations)
 {
   const unsigned int largest_number_of_passes = 5;
@@ -138,7 +135,6 @@ template <int dim>
 bool StepControl<dim>::follow_path(Vector &x)
 {
   results.number_pictures();
-  ArcLength<dim> arc(step, steps.size(), steps.smallest / steps.size());
   while (t < almost_end() && n_good < steps.largest_number) {
     log.step_begins(n_good + 1, 0, t, steps.end_time);
     double next = t;
@@ -146,7 +142,7 @@ bool StepControl<dim>::follow_path(Vector &x)
     unsigned int n_iterations = 0;
     bool is_good = false;
     try {
-      const NewtonResult result = try_arc(arc, x, next, trial, n_iterations);
+      const NewtonResult result = try_arc(x, next, trial, n_iterations);
       results.report().add_step(next, result.residuals, result.linear_iterations);
       step.add_notes();
       is_good = result.is_converged && step.remember(next, trial);
@@ -168,12 +164,12 @@ bool StepControl<dim>::follow_path(Vector &x)
     arc.accept(change, n_iterations);
     x = trial;
     accept_step(next, x);
-    if (is_asked_to_end()) {
-      write_last_good(x);
+    if (ends_for_signal(x))
       return false;
-    }
   }
   if (t < almost_end()) {
+    if (results.has_checkpoints() && !results.is_checkpoint_due(n_good))
+      write_checkpoint(x);
     if (!results.is_due(n_good))
       results.write_pictures({step.system(), x, t, true});
     notes.add(of_path("the path has " + std::to_string(n_good) + " steps and has not reached the End time"));
@@ -204,12 +200,8 @@ bool StepControl<dim>::run(Vector &x)
     if (outcome == Outcome::converged) {
       x = trial;
       accept_step(next, x);
-      if (is_asked_to_end()) {
-        if (!results.is_checkpoint_due(n_good))
-          write_checkpoint(x);
-        write_last_good(x);
+      if (ends_for_signal(x))
         return false;
-      }
     } else if (step.reject_step(); outcome == Outcome::out_of_range)
       log.step_ends("a value leaves the range of what is given; backward Euler is tried");
     else if (outcome == Outcome::inexact)
@@ -309,7 +301,7 @@ typename StepControl<dim>::Outcome StepControl<dim>::try_step(const double next,
   results.report().add_step(next, result.residuals, result.linear_iterations);
   step.add_notes();
   if (result.is_converged && step.must_start_anew(next, trial)) {
-    step.start_anew(next);
+    step.start_first_rates_anew(next);
     return Outcome::out_of_range;
   }
   if (result.is_converged && !is_exact_enough(next, trial))
@@ -361,7 +353,9 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   log.step_ends();
   results.forget_solution();
   if (step.has_rates() || ((steps.n_steps > 1 || steps.follows_path()) && results.has_probes()))
-    results.record_step({step.system(), x, t, true, step.velocity(), step.new_start()}, step.tolerance());
+    results.record_step({step.system(), x, t, true, step.velocity(),
+                         results.has_energy() ? step.last_motion(x) : StepOfMotion()},
+                        step.tolerance());
   if (steps.n_steps > 1)
     results.record_ranges({step.system(), x, t, true});
   if (!steps.finds_modes() && (results.is_due(n_good) || t >= almost_end()))
@@ -390,6 +384,8 @@ void StepControl<dim>::write_checkpoint(const Vector &x)
   SavedState state;
   state.numbers["step control"] = last_good;
   state.vectors["solution"] = x;
+  if (steps.follows_path())
+    arc.save(state);
   step.save(state);
   results.write_checkpoint(state);
 }
@@ -415,11 +411,18 @@ void StepControl<dim>::go_on(const nlohmann::ordered_json &saved)
   last_good = saved;
   if (t >= almost_end())
     log.line("nothing is left of the steps: the checkpoint is of the end, " + words.str());
-  else if (steps.controls_errors())
+  else if (steps.controls_errors() || steps.follows_path())
     log.line("goes on after step " + std::to_string(n_good) + ", " + words.str());
   else
     log.line("goes on at step " + std::to_string(n_good + 1) + " of " + std::to_string(steps.n_steps) + ", " +
              words.str());
+}
+
+template <int dim>
+void StepControl<dim>::go_on_path(const SavedState &saved)
+{
+  if (steps.follows_path())
+    arc.restore(saved);
 }
 
 template <int dim>
@@ -436,9 +439,20 @@ bool StepControl<dim>::is_asked_to_end()
     return false;
   std::ostringstream words;
   words << "the run has ended at t = " << t << " of " << steps.end_time << ", after step " << n_good
-        << ", since it was asked to by a signal (" << strsignal(signal) << ")"
-        << (steps.follows_path() ? "; a path does not go on from a checkpoint" : "");
+        << ", since it was asked to by a signal (" << strsignal(signal) << ")";
   notes.add(of_signal(words.str()));
+  return true;
+}
+
+/// From the last good state @p x a later run goes on.
+template <int dim>
+bool StepControl<dim>::ends_for_signal(const Vector &x)
+{
+  if (!is_asked_to_end())
+    return false;
+  if (!results.is_checkpoint_due(n_good))
+    write_checkpoint(x);
+  write_last_good(x);
   return true;
 }
 

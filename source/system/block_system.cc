@@ -1163,6 +1163,21 @@ NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x)
 }
 
 template <int dim>
+NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x, const double t, const Rates &rates)
+{
+  const double time_before = time;
+  Rates step_rates_before = step_rates, owned_rates_before = owned_rates;
+  set_rates(rates);
+  if (!is_outdated(t))
+    set_time(t);
+  NodalForces<dim> result = nodal_forces(x);
+  set_time(time_before);
+  step_rates = std::move(step_rates_before);
+  owned_rates = std::move(owned_rates_before);
+  return result;
+}
+
+template <int dim>
 void BlockSystem<dim>::find_multipliers(const Vector &x, const NodalForces<dim> &forces)
 {
   ghosted_scratch = x;

@@ -25,6 +25,11 @@ namespace {
 
 constexpr double largest_ratio = 2 + 1e-10;
 
+double by_value(const double w, const double h)
+{
+  return (1 + 2 * w) / ((1 + w) * h);
+}
+
 TimeScheme::Vector rest(const std::vector<TimeScheme::Vector> &before, const double w, const double h)
 {
   TimeScheme::Vector sum = before[0];
@@ -38,9 +43,9 @@ TimeScheme::Vector rest(const std::vector<TimeScheme::Vector> &before, const dou
 
 Rates Bdf2::first_rates(const StepTime &step) const
 {
-  const double h = step.size, w = ratio(step);
+  const double h = step.size, w = ratio(step, step.begins_curve());
   Rates result;
-  result.by_value = (1 + 2 * w) / ((1 + w) * h);
+  result.by_value = by_value(w, h);
   set_rest({-(1 + w) / h, w * w / ((1 + w) * h)}, result);
   return result;
 }
@@ -49,17 +54,28 @@ Rates Bdf2::rates(const StepTime &step) const
 {
   Rates result = first_rates(step);
   if (!memory().rates.empty()) {
-    result.second_by_value = result.by_value * result.by_value;
-    result.second_rest = rest(memory().rates, ratio(step), step.size);
-    result.second_rest.add(result.by_value, result.rest);
+    const double h = step.size, w = ratio(step, step.starts_anew), of_motion = by_value(w, h);
+    result.second_by_value = of_motion * of_motion;
+    result.second_rest = rest(memory().rates, w, h);
+    result.second_rest.add(of_motion,
+                           step.first_rates_start_anew ? rest(memory().states, w, h) : result.rest);
   }
   return result;
 }
 
-/// 0 in a step of backward Euler.
-double Bdf2::ratio(const StepTime &step) const
+/// Of what has second rates.
+void Bdf2::find_rates(const StepTime &step, const Vector &x, Vector &rate,
+                      std::vector<Vector> & /*second_rates*/) const
 {
-  if (n_known(step) < 2)
+  const double h = step.size, w = ratio(step, step.starts_anew);
+  rate = rest(memory().states, w, h);
+  rate.add(by_value(w, h), x);
+}
+
+/// 0 in a step of backward Euler.
+double Bdf2::ratio(const StepTime &step, const bool starts_anew) const
+{
+  if (starts_anew || memory().states.size() < 2)
     return 0;
   const double w = step.size / memory().sizes[0];
   return w > largest_ratio ? 0 : w;

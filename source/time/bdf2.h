@@ -20,11 +20,13 @@ public:
   Rates rates(const StepTime &step) const override;
 
 protected:
+  void find_rates(const StepTime &step, const Vector &x, Vector &rate,
+                  std::vector<Vector> &second_rates) const override;
   unsigned int n_states() const override { return 2; }
   Rates first_rates(const StepTime &step) const;
 
 private:
-  double ratio(const StepTime &step) const;
+  double ratio(const StepTime &step, bool starts_anew) const;
 };
 
 } // namespace dovetail

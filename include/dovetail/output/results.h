@@ -35,9 +35,9 @@ struct Solution
   BlockSystem<dim> &system; ///< whose step has begun at the time
   const Vector &x;          ///< the last good state
   double t;
-  bool is_last;                         ///< no step after it has failed
-  const Vector *velocity = nullptr;     ///< of all unknowns, if something has inertia
-  std::optional<double> new_start = {}; ///< just after this time the step that led there started anew
+  bool is_last;                     ///< no step after it has failed
+  const Vector *velocity = nullptr; ///< of all unknowns, if something has inertia
+  StepOfMotion motion = {};         ///< the step that led there
 };
 
 /// The directory of a run and what stands in it. What cannot be written ends no run, since the numbers are
@@ -73,6 +73,7 @@ public:
   /// Whether a step, counted from one, shall be written.
   bool is_due(const unsigned int step) const { return step % every_steps == 0; }
   void write_pictures(const Solution<dim> &solution);
+  bool has_energy() const { return energy_balance.has_value(); }
   void number_pictures() { paraview.number_steps(); } ///< in place of their times
   /// An eigenmode @p x, counted from one, which is its time in the series.
   void write_mode(const BlockSystem<dim> &system, const Vector &x, unsigned int number);
@@ -110,6 +111,7 @@ private:
   const NodalForces<dim> &nodal_forces(const Solution<dim> &solution);
   std::vector<Columns> columns_of_probes(const Vector &ghosted, const Reactions<dim> &reactions);
   double last_residual() const;
+  void restore_energy(const nlohmann::ordered_json &sums, const SavedState &from);
   const Vector *find_velocity(const Solution<dim> &solution); ///< nullptr: nothing asks for it
   double tolerance_of_balance(double tolerance) const;
 

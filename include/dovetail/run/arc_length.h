@@ -34,6 +34,9 @@ public:
   void accept(const Vector &change, unsigned int n_iterations);
   bool shorten(); ///< after a step that failed. @return whether a shorter one may be tried
 
+  void save(SavedState &to) const; ///< what the next step depends on
+  void restore(const SavedState &from);
+
 private:
   bool find_rate(double t, const Vector &x, const Vector &a, Vector &v);
   double product(const Vector &x, const Vector &y) const;

@@ -26,13 +26,18 @@ public:
   /// that switches them has switched. Collective.
   void look_at_phases(const Model<dim> &model, double last, double t);
   bool have_switched() const { return is_new; }
+  bool have_pushed() const { return pushes; } ///< and act on what has inertia
 
 private:
-  using Places = std::vector<dealii::Point<dim>>; ///< quadrature points of this rank
+  struct Places ///< quadrature points of this rank
+  {
+    std::vector<dealii::Point<dim>> all, with_inertia;
+  };
   static Places find(const Model<dim> &model, double t);
+  void learn(bool has_switched, bool has_pushed, const MPI_Comm &communicator);
 
   std::optional<std::pair<double, Places>> now, before; ///< with the time at which the step ends
-  bool is_new = false;
+  bool is_new = false, pushes = false;
 };
 
 } // namespace dovetail

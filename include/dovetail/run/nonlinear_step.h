@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/measure/energy_balance.h>
 #include <dovetail/output/checkpoint.h>
 #include <dovetail/output/notes.h>
 #include <dovetail/output/plan.h>
@@ -44,8 +45,8 @@ public:
   /// The step that was tried last is rejected: what comes next is not predicted from the steps before.
   void reject_step() { predictor.forget(); }
   bool has_rates() const { return scheme != nullptr; } ///< a term asks for them
-  /// If the last good step was a new start: just after which time.
-  std::optional<double> new_start() const;
+  /// Of the last good step, which has led to @p x; empty where nothing has inertia.
+  StepOfMotion last_motion(const Vector &x) const;
   /// The first rates of the last good state, where some term asks for second ones; else nullptr.
   const Vector *velocity() const
   {
@@ -63,7 +64,8 @@ public:
   /// Whether the step to time @p t that has led to @p x looks back on more than one state, and leaves the
   /// range of what is given although capacity is lumped: then backward Euler does not. Collective.
   bool must_start_anew(double t, const Vector &x);
-  void start_anew(const double t) { present_step = scheme->step_to(t, true); } ///< in the step to time @p t
+  /// In the step to time @p t.
+  void start_first_rates_anew(const double t) { present_step = scheme->step_to(t).with_new_first_rates(); }
 
   /// Before start(): error() will be asked.
   void estimate_errors();
@@ -146,6 +148,7 @@ private:
   Rates rates_to(double t);
   bool starts_anew(double begin, double t) const;
   bool has_switched_by_fields() const;
+  bool has_pushed_by_fields() const;
   bool may_predict() const;
   using Ranges = std::map<std::string, ValueRange>; ///< by field
   void widen(Ranges &ranges, const Vector &x) const;
@@ -166,6 +169,8 @@ private:
   bool has_noted_inexact_step = false;
   StepTime present_step; ///< the last one that was asked for
   Rates rates_of_last_good;
+  std::optional<Vector> second_rates_at_start; ///< of the last new start, if the scheme asked for them
+  Vector rates_at_start;                       ///< likewise
   std::unique_ptr<BlockSystem<dim>> present_system;
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<StepProblem<dim>> problem;

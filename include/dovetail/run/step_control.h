@@ -15,9 +15,6 @@
 
 namespace dovetail {
 
-template <int dim>
-class ArcLength;
-
 /// How the load is divided: `subsection Steps`.
 struct Steps
 {
@@ -60,6 +57,7 @@ public:
   /// Before run(): what a checkpoint holds takes the place of the initial state. @throw UserError if the end
   /// lies before it.
   void go_on(const nlohmann::ordered_json &saved);
+  void go_on_path(const SavedState &saved); ///< likewise, once its vectors are known
 
   double time() const { return t; } ///< of the last good step
   unsigned int n_done() const { return n_good; }
@@ -69,8 +67,7 @@ public:
 private:
   enum class Outcome { converged, inexact, out_of_range, failed, failed_at_any_size };
   double almost_end() const;
-  NewtonResult try_arc(ArcLength<dim> &arc, const Vector &x, double &next, Vector &trial,
-                       unsigned int &n_iterations);
+  NewtonResult try_arc(const Vector &x, double &next, Vector &trial, unsigned int &n_iterations);
   NewtonResult end_path(const Vector &x, double &next, Vector &trial);
   double end_of_next();
   bool is_exact_enough(double next, const Vector &trial);
@@ -79,6 +76,7 @@ private:
   void accept_step(double next, const Vector &x);
   void remember_good_step();
   void write_checkpoint(const Vector &x);
+  bool ends_for_signal(const Vector &x);
   bool is_asked_to_end();
   bool retry_smaller(Outcome outcome, double next);
   void write_last_good(const Vector &x);
@@ -98,6 +96,7 @@ private:
   nlohmann::ordered_json last_good;      ///< all of that after the last good step
   std::optional<EndRequest> end_request; ///< once there is a result to lose
   std::exception_ptr problem_of_step;
+  ArcLength<dim> arc; ///< along a path
 };
 
 } // namespace dovetail

@@ -161,6 +161,8 @@ public:
   /// What holds the constrained unknowns at a solution of the current time. Collective; refers to
   /// constraints of this system.
   NodalForces<dim> nodal_forces(const Vector &x);
+  /// At another time of the step that has begun, with other rates. Collective.
+  NodalForces<dim> nodal_forces(const Vector &x, double t, const Rates &rates);
   bool has_multipliers() const; ///< some tie that is active now
   /// Before output: the multipliers of the ties at a solution and what they transmit. Collective.
   void find_multipliers(const Vector &x, const NodalForces<dim> &forces);

@@ -89,7 +89,10 @@ protected:
   /// The rest of first rates, rest = sum_j weights[j] states[j]. A weight of zero: that state may be missing.
   void set_rest(const std::vector<double> &weights, Rates &rates) const;
   /// How many of them belong to the curve of a step.
-  unsigned int n_known(const StepTime &step) const { return step.starts_anew ? 1 : remembered.states.size(); }
+  unsigned int n_known(const StepTime &step) const
+  {
+    return step.begins_curve() ? 1 : remembered.states.size();
+  }
 
 private:
   void remember(const Vector &newest, std::vector<Vector> &all) const;

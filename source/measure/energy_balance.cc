@@ -238,16 +238,17 @@ void EnergyBalance<dim>::add_scheme(const Vector &change, const Vector &ghosted,
     last.scheme.reset();
     return;
   }
-  const auto half_sum = [](Vector sum, const Vector &other) {
-    sum.sadd(0.5, 0.5, other);
-    return sum;
+  const auto add_mean = [&](Vector owned_sum, const Vector &other, const Vector &change_of_other,
+                            const int sign) {
+    owned_sum.sadd(0.5, 0.5, other);
+    Vector mean = ghosted;
+    mean = owned_sum;
+    *last.scheme += sign * (product_with_mass(ghosted, mean) * change_of_other);
   };
-  Vector change_of_velocity = *step.rates_at_end, mean = ghosted;
+  Vector change_of_velocity = *step.rates_at_end;
   change_of_velocity -= last.velocity;
-  mean = half_sum(last.acceleration, *step.second_rates_at_end);
-  *last.scheme += product_with_mass(ghosted, mean) * change;
-  mean = half_sum(last.velocity, *step.rates_at_end);
-  *last.scheme -= product_with_mass(ghosted, mean) * change_of_velocity;
+  add_mean(last.acceleration, *step.second_rates_at_end, change, 1);
+  add_mean(last.velocity, *step.rates_at_end, change_of_velocity, -1);
   last.velocity = *step.rates_at_end;
   last.acceleration = *step.second_rates_at_end;
 }

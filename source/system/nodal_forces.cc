@@ -231,11 +231,19 @@ void NodalForces<dim>::magnitudes(const Vector &solution, const std::vector<Inde
 {
   sizes.resize(dofs.size());
   solution.extract_subvector_to(dofs.begin(), dofs.end(), sizes.begin());
+  for (double &size : sizes)
+    size = std::abs(size);
   std::vector<double> rest(dofs.size());
-  if (rates.has_first())
-    rates.rest.extract_subvector_to(dofs.begin(), dofs.end(), rest.begin());
-  for (unsigned int i = 0; i < dofs.size(); ++i)
-    sizes[i] = std::max(std::abs(sizes[i]), rates.has_first() ? std::abs(rest[i] / rates.by_value) : 0);
+  const auto add = [&](const Vector &rests, const double by_value) {
+    if (by_value == 0 || rests.n_blocks() == 0)
+      return;
+    rests.extract_subvector_to(dofs.begin(), dofs.end(), rest.begin());
+    for (unsigned int i = 0; i < dofs.size(); ++i)
+      sizes[i] = std::max(sizes[i], std::abs(rest[i] / by_value));
+  };
+  // what only second rates see has none by value, and the state before may cancel in the second rest
+  add(rates.rest, rates.by_value != 0 ? rates.by_value : std::sqrt(rates.second_by_value));
+  add(rates.second_rest, rates.second_by_value);
 }
 
 /// Constrained bodies bring the rounding of their own body with them.

@@ -451,6 +451,23 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
     result[c] = is_defined ? series.transmitted[c] : std::numeric_limits<double>::quiet_NaN();
 }
 
+namespace {
+
+/// Whether the flux of a tied field has a part by a pressure, whose own equation does not see the jump.
+template <int dim>
+bool depends_on_pressure(const Interface<dim> &interface, const TiedField &field)
+{
+  for (const unsigned int side : {source, destination}) {
+    const Domain<dim> &domain = *interface.sides[side].domain;
+    for (unsigned int g = 0; g < domain.fields().size(); ++g)
+      if (domain.fields()[g].is_multiplier && domain.material.flux_depends(field.field[side], g))
+        return true;
+  }
+  return false;
+}
+
+} // namespace
+
 /// -{A}.[B] + gamma/2 |[B]|^2 with {A} = s + gamma [B].
 template <int dim>
 std::optional<double> Nitsche<dim>::energy(const Interface<dim> &interface, const TiedField &field,
@@ -459,7 +476,7 @@ std::optional<double> Nitsche<dim>::energy(const Interface<dim> &interface, cons
 {
   if (!toggle.is_on(q) || penalty_at_points.empty())
     return 0.;
-  if (!is_symmetric() || has_joint())
+  if (!is_symmetric() || has_joint() || depends_on_pressure(interface, field))
     return {};
   const double gamma = penalty_at_points[field.index * interface.pairing().n_points() + q].gamma;
   double energy = 0;

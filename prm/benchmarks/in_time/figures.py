@@ -183,11 +183,49 @@ def impact():
     print("impact", rows[-1]["first x"], rows[-1]["second x"])
 
 
+def stefan():
+    curves = []
+    for cells, steps, width, name in ((9, 50, 0.01, "cells of 0.02"), (18, 100, 0.005, "cells of 0.01")):
+        conductivity = f"Material ice/Heat/Conductivity=2 - min(1, max(0, (T + {width})/{2 * width}))"
+        rows, _ = run("tests/scenes/thermal/stefan.prm", f"Steps/Number of steps={steps}", conductivity,
+                      f"Material ice/Heat/Solidus={-width}", f"Material ice/Heat/Liquidus={width}",
+                      f"Domain left/Mesh/Arguments={cells}, 2 : 0, 0 : 0.18, 0.1 : true")
+        front = [(float(row["time"]), 10 * (float(row["melt left"]) + float(row["melt right"]))) for row in rows]
+        end = front[-1][0]
+        curves.append((name, [(end * k / 100, 2 * 0.4419891645 * math.sqrt(end * k / 100)) for k in range(101)],
+                       front[1::len(front) // 25]))
+        print("Stefan", name, "front", front[-1][1] / (2 * 0.4419891645 * math.sqrt(end)))
+    draw("stefan", "time", "place of the front", curves)
+
+
+def arch():
+    """Crown and load of doc/theory/arc_length.md, formula (2)."""
+    H, h, E = 0.05, 0.015, 1e4
+    path = []
+    for i in range(1, 6000):
+        k = 6 * i / 6000
+        cot, share = 1 / math.tan(k), k * math.sin(k)
+        I1 = 2 / 3 - 2 / k ** 2 + 2 * cot / k
+        I2 = 2 / 3 - 4 / k ** 2 + 4 * cot / k + (1 - math.sin(2 * k) / (2 * k)) / math.sin(k) ** 2
+        root_of = (H * I1) ** 2 - I2 * k * k * h * h / 12
+        for sign in (-1, 1) if root_of >= 0 else ():
+            beta = 2 * (H * I1 + sign * math.sqrt(root_of)) / I2
+            crown = beta * (1 / share - cot / k - 0.5)
+            if -0.09 < crown < 0:
+                path.append((-crown, k * k * E * h ** 3 / 12 * (2 * H - beta)))
+    rows, _ = run("tests/scenes/arc_length/arch.prm")
+    computed = [(-float(row["crown y"]), float(row["time"])) for row in rows]
+    draw("snap_through", "the crown sinks by", "load t", [("arch of two tied parts", sorted(path), computed)])
+    print("snap through, limit point", max(t for _, t in computed), max(t for crown, t in path if crown < 0.03))
+
+
 os.makedirs("output", exist_ok=True)
 quench("quenched_slab", slab, 0.4)
 quench("quenched_cylinder", cylinder, 0.2)
 self_similar()
 laminate()
 chain_reaction()
+stefan()
 oscillating_bar()
 impact()
+arch()

@@ -3,6 +3,7 @@
 
 #include <dovetail/interface/interface.h>
 #include <dovetail/interface/looks.h>
+#include <dovetail/interface/pressure_of_flux.h>
 #include <dovetail/interface/side_ratios.h>
 #include <dovetail/scene/field_toggle.h>
 #include <dovetail/scene/undefined.h>
@@ -608,7 +609,8 @@ bool Interface<dim>::couples(const unsigned int row, const unsigned int column) 
   const auto [row_side, row_component] = side_and_component(row);
   const auto [side, component] = side_and_component(column);
   for (const TiedField &tied : fields)
-    if (contains(tied.first_component[row_side], tied.n_components, row_component)) {
+    if (contains(tied.first_component[row_side], tied.n_components, row_component) ||
+        pressure_of_flux(*this, tied, row_side) == row_component) {
       const auto &side_field = sides[side].domain->fields();
       for (unsigned int g = 0; g < side_field.size(); ++g)
         if (contains(side_field[g].first_component, side_field[g].n_components, component))

@@ -104,9 +104,8 @@ void EnergyBalance<dim>::add_interface(const Interface<dim> &interface, const Ve
   point.for_each(x, [&](const unsigned int q, const unsigned int /*side*/) {
     for (const TiedField &field : interface.fields)
       if (is_of_solid(interface.sides[source].domain->fields()[field.field[source]])) {
-        const auto &at_point = point.fields[field.index];
-        const auto energy =
-            interface.tie().energy(interface, field, q, at_point.numerical_flux, at_point.jump);
+        const auto energy = interface.tie().energy(interface, field, q, point.flux_without_pressure(field, q),
+                                                   point.fields[field.index].jump);
         sums.ties += energy.value_or(0) * interface.pairing().weight(q);
         sums.knows_ties = sums.knows_ties && energy.has_value();
       }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/interface/pressure_of_flux.h>
 #include <dovetail/measure/interface_point.h>
 
 #include <cmath>
@@ -72,6 +73,24 @@ std::vector<double> InterfacePoint<dim>::normal_flux(const TiedField &field, con
   std::vector<double> result(field.n_components, std::numeric_limits<double>::quiet_NaN());
   for (unsigned int c = 0; is_defined && c < field.n_components; ++c)
     result[c] = points.response[side].flux[field.first_component[side] + c] * interface.pairing().N(side, q);
+  return result;
+}
+
+template <int dim>
+std::vector<double> InterfacePoint<dim>::flux_without_pressure(const TiedField &field,
+                                                               const unsigned int q) const
+{
+  const FieldAtPoint &at_point = fields[field.index];
+  auto flux = at_point.flux;
+  for (const unsigned int side : {source, destination})
+    if (const auto p = pressure_of_flux(interface, field, side)) {
+      const unsigned int n = points.state[side].value.size(), first = field.first_component[side];
+      for (unsigned int c = 0; c < field.n_components; ++c)
+        flux[side][c] -= points.response[side].by_value[(first + c) * n + *p] *
+                         interface.pairing().N(side, q) * points.state[side].value[*p];
+    }
+  std::vector<double> result(field.n_components);
+  interface.tie().numerical_flux(interface, field, q, points.state, flux, at_point.jump, result);
   return result;
 }
 

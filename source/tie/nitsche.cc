@@ -18,6 +18,7 @@
 //       set Theta       = 1
 //     end
 
+#include <dovetail/interface/pressure_of_flux.h>
 #include <dovetail/interface/trace_eigenvalue.h>
 #include <dovetail/tie/nitsche.h>
 
@@ -28,6 +29,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <numeric>
 #include <sstream>
 
 namespace dovetail {
@@ -451,23 +453,6 @@ void Nitsche<dim>::numerical_flux(const Interface<dim> &interface, const TiedFie
     result[c] = is_defined ? series.transmitted[c] : std::numeric_limits<double>::quiet_NaN();
 }
 
-namespace {
-
-/// Whether the flux of a tied field has a part by a pressure, whose own equation does not see the jump.
-template <int dim>
-bool depends_on_pressure(const Interface<dim> &interface, const TiedField &field)
-{
-  for (const unsigned int side : {source, destination}) {
-    const Domain<dim> &domain = *interface.sides[side].domain;
-    for (unsigned int g = 0; g < domain.fields().size(); ++g)
-      if (domain.fields()[g].is_multiplier && domain.material.flux_depends(field.field[side], g))
-        return true;
-  }
-  return false;
-}
-
-} // namespace
-
 /// -{A}.[B] + gamma/2 |[B]|^2 with {A} = s + gamma [B].
 template <int dim>
 std::optional<double> Nitsche<dim>::energy(const Interface<dim> &interface, const TiedField &field,
@@ -476,7 +461,7 @@ std::optional<double> Nitsche<dim>::energy(const Interface<dim> &interface, cons
 {
   if (!toggle.is_on(q) || penalty_at_points.empty())
     return 0.;
-  if (!is_symmetric() || has_joint() || depends_on_pressure(interface, field))
+  if (!is_symmetric() || has_joint())
     return {};
   const double gamma = penalty_at_points[field.index * interface.pairing().n_points() + q].gamma;
   double energy = 0;
@@ -623,7 +608,7 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
 /// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a), and
 /// delta{A}. A test function of a scalar varies the flux through its gradient only, so that a constant one
 /// does not and the fluxes of both sides balance also for k(T); that of a vector by its value, too, which is
-/// the strain around an axis.
+/// the strain around an axis, and that of a pressure by its value alone.
 template <int dim>
 void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
                                        const AtPoint &p, const unsigned int q)
@@ -641,6 +626,7 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
     const Domain<dim> &domain = *interface.sides[side].domain;
     const unsigned int n = domain.n_components();
     const double factor = (side == source ? 1 : -1) * p.weight[side];
+    const std::optional<unsigned int> pressure = pressure_of_flux(interface, field, side);
     if (factor == 0) {
       i += leading->n_of_side[side];
       continue;
@@ -659,7 +645,7 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
         double *mean = &mean_flux_of[c * n_local + i];
         for (unsigned int a = 0; a < n_nodes; ++a)
           mean[a] = by_gradient * gradients[nodes[a]];
-        const bool varies_by_value = field.varies_by_value(side, d);
+        const bool varies_by_value = field.varies_by_value(side, d) || pressure == d;
         if (has_frozen_variation)
           for (unsigned int a = 0; a < n_nodes; ++a)
             variation_of[c * n_local + i + a] =
@@ -692,6 +678,7 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
   unsigned int i = 0;
   for (const unsigned int side : {source, destination}) {
     const double sign = side == source ? 1 : -1;
+    const std::optional<unsigned int> pressure = pressure_of_flux(interface, field, side);
     const double *trial = interface.pairing().trial(side, q, field.index) + field.first_shape[side],
                  *test = interface.pairing().test(side, q, field.index) + field.first_shape[side];
     for (unsigned int k = 0; k < interface.components[side].size(); ++k) {
@@ -702,7 +689,8 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
           field_unknowns.push_back(i);
           if (std::abs(trial[a]) > interface.least_in_jump || std::abs(test[a]) > interface.least_in_jump)
             in_jump.push_back({i, c, sign * field.in_jump(side) * trial[a], sign * test[a]});
-        }
+        } else if (pressure == interface.components[side][k])
+          field_unknowns.push_back(i);
         ++i;
       }
     }
@@ -844,12 +832,16 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
       dealii::FullMatrix<double> &H = second_derivative;
       sides.curvature(side, contraction, H);
 
-      // delta{A} varies the tied field only
-      for (unsigned int c = field.first_component[side]; c < field.first_component[side] + field.n_components;
-           ++c) {
-        const double *values = pairing.values(side, q) + field.first_shape[side];
-        const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + field.first_shape[side];
-        const bool varies_by_value = field.varies_by_value(side, c);
+      // delta{A} varies the tied field and its pressure only
+      const std::optional<unsigned int> pressure = pressure_of_flux(interface, field, side);
+      std::vector<unsigned int> varied(field.n_components);
+      std::iota(varied.begin(), varied.end(), field.first_component[side]);
+      if (pressure)
+        varied.push_back(*pressure);
+      for (const unsigned int c : varied) {
+        const double *values = pairing.values(side, q) + layout.first_shape(c);
+        const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + layout.first_shape(c);
+        const bool varies_by_value = field.varies_by_value(side, c) || pressure == c;
         const unsigned int position = interface.position(side, c), first_row = leading->first[side][position];
         const std::vector<unsigned int> &rows = leading->nodes[side][position];
         for (unsigned int k = 0; k < components.size(); ++k) {

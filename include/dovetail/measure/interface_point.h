@@ -43,6 +43,8 @@ public:
   /// that of the destination if only it is known or if it is much softer. Rounding in grad B grows with the
   /// modulus: 1e-13 |B| dA/dgrad B over the length of the body.
   std::vector<double> exact_flux(unsigned int field, unsigned int q);
+  /// The numerical flux there without the parts of pressures.
+  std::vector<double> flux_without_pressure(const TiedField &field, unsigned int q) const;
 
 private:
   void evaluate(unsigned int q, const std::vector<double> &unknowns);

@@ -232,7 +232,7 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
       if (is_allowed)
         balance.worst =
             std::max(balance.worst, imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 0.);
-      if (is_exact || (is_allowed && notes == nullptr))
+      if (is_exact)
         continue;
       const double rounding = reactions.forces().rounding(*domain, field, solution);
       result["rounding"] = rounding;

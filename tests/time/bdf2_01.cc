@@ -61,6 +61,8 @@ void check_polynomials()
   const Rates anew = scheme->rates(scheme->step_to(0.8, true));
   report("a new start",
          std::abs(anew.by_value - 2) < 1e-13 && std::abs(value(anew.rest) + 2 * square(0.3)) < 1e-13);
+  const Rates of_first = scheme->rates(scheme->step_to(0.8).with_new_first_rates());
+  report("new first rates", of_first.by_value == anew.by_value && value(of_first.rest) == value(anew.rest));
   const Rates long_step = scheme->rates(scheme->step_to(1.));
   report("a long step", std::abs(long_step.by_value - 1 / 0.7) < 1e-13);
 

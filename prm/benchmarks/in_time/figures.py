@@ -202,7 +202,7 @@ def arch():
     """Crown and load of doc/theory/arc_length.md, formula (2)."""
     H, h, E = 0.05, 0.015, 1e4
     path = []
-    for i in range(1, 6000):
+    for i in range(50, 6000):  # sums cancel at smaller k
         k = 6 * i / 6000
         cot, share = 1 / math.tan(k), k * math.sin(k)
         I1 = 2 / 3 - 2 / k ** 2 + 2 * cot / k

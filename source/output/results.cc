@@ -70,7 +70,7 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
   if (output.read<bool>(
           "Energy", false,
           "Report the energy of solids with inertia after each step: kinetic, elastic, that of ties, the "
-          "work of loads and supports, and what is lost [-]")) {
+          "work of loads and supports, what the generalised alpha method takes, and what is lost [-]")) {
     output.check(
         is_transient(output) && has_inertia(output), "Energy",
         "is that of motion, which only bodies with inertia have: set Kind = transient and Inertia = true "

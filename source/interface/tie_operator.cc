@@ -136,7 +136,7 @@ void TieOperator<dim>::find_blocks()
       const unsigned int n_source = leading(g).nodes[0][0].size();
       for (unsigned int j = 0; j < nodes_of_group[g].size(); ++j)
         if (const unsigned int other = nodes_of_group[g][j];
-            last_row[other] != row &&
+            other >= row && last_row[other] != row &&
             (jumps[g][i] || jumps[g][j] || (by_inside && (i < n_source) == (j < n_source)))) {
           last_row[other] = row;
           column.push_back(other);
@@ -145,10 +145,7 @@ void TieOperator<dim>::find_blocks()
     std::sort(column.begin() + first_block.back(), column.end());
     first_block.push_back(column.size());
   }
-  transposed.resize(column.size());
-  std::vector<unsigned int> next(first_block.begin(), first_block.end() - 1); // rows come in their order
-  for (unsigned int k = 0; k < column.size(); ++k)
-    transposed[k] = next[column[k]]++;
+  column.shrink_to_fit();
   begin_tangent();
 }
 
@@ -160,10 +157,22 @@ unsigned int TieOperator<dim>::position(const unsigned int row, const unsigned i
   return found == end || *found != wanted ? column.size() : found - column.begin();
 }
 
+/// The entry of two leading unknowns; 0 if there is none.
+template <int dim>
+double TieOperator<dim>::entry(const unsigned int row, const unsigned int c, const unsigned int other,
+                               const unsigned int d) const
+{
+  const unsigned int k = position(std::min(row, other), std::max(row, other)), n = n_components;
+  if (k == column.size())
+    return 0;
+  return row <= other ? upper[(k * n + c) * n + d] : lower_entry(k, d, c);
+}
+
 template <int dim>
 void TieOperator<dim>::begin_tangent()
 {
-  blocks.assign(column.size() * n_components * n_components, 0.);
+  upper.assign(column.size() * n_components * n_components, 0.);
+  lower = upper;
 }
 
 template <int dim>
@@ -183,14 +192,20 @@ void TieOperator<dim>::add(const unsigned int group, const dealii::FullMatrix<do
     for (unsigned int k = first_block[own[i]]; k < first_block[own[i] + 1]; ++k)
       position_of[column[k]] = k;
     for (unsigned int j = 0; j < own.size(); ++j) {
+      if (own[j] < own[i])
+        continue;
       const unsigned int k = position_of[own[j]];
       for (unsigned int c = 0; c < n; ++c)
         for (unsigned int d = 0; d < n; ++d) {
-          const double value = T(unknown(i, c), unknown(j, d));
-          AssertThrow(k < column.size() || value == 0,
+          const double value = T(unknown(i, c), unknown(j, d)),
+                       mirrored = own[i] == own[j] ? T(unknown(i, d), unknown(j, c))
+                                                   : T(unknown(j, d), unknown(i, c));
+          AssertThrow(k < column.size() || (value == 0 && mirrored == 0),
                       dealii::ExcMessage("a tie couples nodes that it has not named"));
-          if (k < column.size())
-            blocks[(k * n + c) * n + d] += value;
+          if (k < column.size()) {
+            upper[(k * n + c) * n + d] += value;
+            lower[(k * n + c) * n + d] += mirrored;
+          }
         }
     }
   }
@@ -199,75 +214,95 @@ void TieOperator<dim>::add(const unsigned int group, const dealii::FullMatrix<do
 template <int dim>
 void TieOperator<dim>::finish_tangent()
 {
-  const unsigned int n = n_components;
   double largest = 0, difference = 0;
-  symmetric.resize(blocks.size());
-  for (unsigned int k = 0; k < column.size(); ++k)
-    for (unsigned int c = 0; c < n; ++c)
-      for (unsigned int d = 0; d < n; ++d) {
-        const double value = blocks[(k * n + c) * n + d], partner = blocks[(transposed[k] * n + d) * n + c];
-        symmetric[(k * n + c) * n + d] = (value + partner) / 2;
-        largest = std::max(largest, std::abs(value));
-        difference = std::max(difference, std::abs(value - partner));
-      }
-  is_symmetric = difference <= 1e-13 * largest;
-  if (is_symmetric)
-    symmetric = std::vector<double>();
+  for (std::size_t i = 0; i < lower.size(); ++i) {
+    largest = std::max({largest, std::abs(upper[i]), std::abs(lower[i])});
+    difference = std::max(difference, std::abs(upper[i] - lower[i]));
+  }
+  if (difference <= 1e-13 * largest)
+    lower = std::vector<double>();
 }
 
 template <int dim>
 void TieOperator<dim>::add_tangent(const double factor, const TieOperator &other)
 {
-  for (std::size_t i = 0; i < blocks.size(); ++i)
-    blocks[i] += factor * other.blocks[i];
+  if (lower.empty())
+    lower = upper;
+  for (std::size_t i = 0; i < upper.size(); ++i) {
+    upper[i] += factor * other.upper[i];
+    lower[i] += factor * (other.lower.empty() ? other.upper : other.lower)[i];
+  }
   finish_tangent();
 }
 
+namespace {
+
+/// Sums over the blocks of a symmetric matrix, where T_ji is the transpose of T_ij, or of one that has other
+/// blocks below its diagonal.
+template <int n>
+struct BlockProduct
+{
+  const double *block, *mirrored; ///< T_ij, and T_ji transposed
+
+  void add(const double *x_i, const double *x_j, double *y_i, double *y_j, const bool is_diagonal) const
+  {
+    for (unsigned int c = 0; c < n; ++c)
+      for (unsigned int d = 0; d < n; ++d)
+        y_i[c] += block[c * n + d] * x_j[d];
+    for (unsigned int c = 0; !is_diagonal && c < n; ++c)
+      for (unsigned int d = 0; d < n; ++d)
+        y_j[d] += mirrored[c * n + d] * x_i[c];
+  }
+};
+
+} // namespace
+
 template <int dim>
 template <int n>
-void TieOperator<dim>::multiply(const std::vector<double> &values, const double *x, double *y) const
+void TieOperator<dim>::multiply(const double *x, double *y, const bool of_symmetric_part) const
 {
-  std::vector<double> of_nodes(nodes.size() * n, 0.);
+  std::vector<double> of_nodes(nodes.size() * n, 0.), sums(nodes.size() * n, 0.);
   for (unsigned int i = 0; i < nodes.size(); ++i)
     for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
       for (unsigned int c = 0; c < n; ++c)
         of_nodes[i * n + c] += nodes[i].factors[k] * x[nodes[i].index[k * n + c]];
-  const double *block = values.data();
-  for (unsigned int i = 0; i < nodes.size(); ++i) {
-    std::array<double, n> sum{};
-    for (unsigned int k = first_block[i]; k < first_block[i + 1]; ++k, block += n * n) {
-      const double *other = &of_nodes[column[k] * n];
-      for (unsigned int c = 0; c < n; ++c)
-        for (unsigned int d = 0; d < n; ++d)
-          sum[c] += block[c * n + d] * other[d];
+  const double *block = upper.data(), *mirrored = lower.empty() ? block : lower.data();
+  std::array<double, n * n> mean;
+  for (unsigned int i = 0; i < nodes.size(); ++i)
+    for (unsigned int k = first_block[i]; k < first_block[i + 1]; ++k, block += n * n, mirrored += n * n) {
+      const unsigned int j = column[k];
+      BlockProduct<n> product{block, mirrored};
+      if (of_symmetric_part && !lower.empty()) {
+        for (unsigned int e = 0; e < n * n; ++e)
+          mean[e] = (block[e] + mirrored[e]) / 2;
+        product = {mean.data(), mean.data()};
+      }
+      product.add(&of_nodes[i * n], &of_nodes[j * n], &sums[i * n], &sums[j * n], i == j);
     }
+  for (unsigned int i = 0; i < nodes.size(); ++i)
     for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
       for (unsigned int c = 0; c < n; ++c)
-        y[nodes[i].index[k * n + c]] += nodes[i].factors[k] * sum[c];
-  }
+        y[nodes[i].index[k * n + c]] += nodes[i].factors[k] * sums[i * n + c];
 }
 
 template <int dim>
 void TieOperator<dim>::add_product(const double *x, double *y, const bool of_symmetric_part) const
 {
-  const std::vector<double> &values = of_symmetric_part ? symmetric_blocks() : blocks;
   if (n_components == 1)
-    multiply<1>(values, x, y);
+    multiply<1>(x, y, of_symmetric_part);
   else
-    multiply<dim>(values, x, y);
+    multiply<dim>(x, y, of_symmetric_part);
 }
 
 template <int dim>
 void TieOperator<dim>::add_diagonal(double *diagonal) const
 {
-  const unsigned int n = n_components;
   for (auto begin = summands.begin(); begin != summands.end();) {
     const auto end = std::find_if(begin, summands.end(),
                                   [&](const Summand &summand) { return summand.index != begin->index; });
     for (auto a = begin; a != end; ++a)
       for (auto b = begin; b != end; ++b)
-        if (const unsigned int k = position(a->node, b->node); k < column.size())
-          diagonal[begin->index] += a->factor * b->factor * blocks[(k * n + a->component) * n + b->component];
+        diagonal[begin->index] += a->factor * b->factor * entry(a->node, a->component, b->node, b->component);
     begin = end;
   }
 }
@@ -312,6 +347,18 @@ private:
   std::vector<unsigned int> columns;
 };
 
+/// Of each node the nodes before it that have a block with it, and these blocks.
+std::vector<std::vector<std::pair<unsigned int, unsigned int>>>
+blocks_before(const std::vector<unsigned int> &first_block, const std::vector<unsigned int> &column)
+{
+  std::vector<std::vector<std::pair<unsigned int, unsigned int>>> result(first_block.size() - 1);
+  for (unsigned int node = 0; node < result.size(); ++node)
+    for (unsigned int k = first_block[node]; k < first_block[node + 1]; ++k)
+      if (column[k] != node)
+        result[column[k]].emplace_back(node, k);
+  return result;
+}
+
 } // namespace
 
 /// (G P)^T T (G P): a function of degree one has few unknowns at a leading node.
@@ -347,13 +394,21 @@ TieOperator<dim>::restricted(const typename CellOperator<dim>::Prolongation &P) 
       for (const auto &[j, weight] : GP.back())
         GP_transposed[j].emplace_back(GP.size() - 1, weight);
     }
-  const std::vector<double> &values = symmetric_blocks();
+  const auto before = blocks_before(first_block, column);
   for (unsigned int node = 0; node < nodes.size(); ++node)
     for (unsigned int c = 0; c < n; ++c) {
+      const auto add = [&](const unsigned int k, const unsigned int other, const bool is_before) {
+        for (unsigned int d = 0; d < n; ++d) {
+          const unsigned int i = is_before ? d : c, j = is_before ? c : d;
+          const double value = (upper[(k * n + i) * n + j] + lower_entry(k, i, j)) / 2;
+          if (value != 0)
+            sum.add(value, GP[other * n + d]);
+        }
+      };
+      for (const auto &[other, k] : before[node])
+        add(k, other, true);
       for (unsigned int k = first_block[node]; k < first_block[node + 1]; ++k)
-        for (unsigned int d = 0; d < n; ++d)
-          if (const double value = values[(k * n + c) * n + d]; value != 0)
-            sum.add(value, GP[column[k] * n + d]);
+        add(k, column[k], false);
       TGP.push_back(sum.take());
     }
   result.columns.resize(n_coarse);

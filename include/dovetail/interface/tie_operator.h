@@ -76,19 +76,24 @@ private:
 
   void find_nodes(const std::function<int(dealii::types::global_dof_index)> &index);
   void find_blocks();
-  unsigned int position(unsigned int row, unsigned int column) const; ///< of a block; n_blocks: there is none
+  unsigned int position(unsigned int row, unsigned int column) const; ///< of a block; n_blocks: none
+  double entry(unsigned int row, unsigned int c, unsigned int other, unsigned int d) const;
+  /// Of the transposed of what is below the diagonal where block k is above.
+  double lower_entry(const unsigned int k, const unsigned int c, const unsigned int d) const
+  {
+    return (lower.empty() ? upper : lower)[(k * n_components + c) * n_components + d];
+  }
   template <int n>
-  void multiply(const std::vector<double> &blocks, const double *x, double *y) const;
-  const std::vector<double> &symmetric_blocks() const { return is_symmetric ? blocks : symmetric; }
+  void multiply(const double *x, double *y, bool of_symmetric_part) const;
 
   const Interface<dim> *interface;
   unsigned int n_components;
   std::vector<Node> nodes;
-  std::vector<std::vector<unsigned int>> nodes_of_group;     ///< in the order of its leading unknowns
-  std::vector<Summand> summands;                             ///< ascending by index
-  std::vector<unsigned int> first_block, column, transposed; ///< of each node; of each block
-  std::vector<double> blocks, symmetric;                     ///< row by row; the second one if it differs
-  bool is_symmetric = true;
+  std::vector<std::vector<unsigned int>> nodes_of_group; ///< in the order of its leading unknowns
+  std::vector<Summand> summands;                         ///< ascending by index
+  std::vector<unsigned int> first_block, column; ///< of each node; of each block, on or above the diagonal
+  std::vector<double> upper;                     ///< the blocks, row by row
+  std::vector<double> lower; ///< the transposed of those across the diagonal; empty if they are the same
   std::vector<unsigned int> position_of; ///< scratch: of the blocks of a row, by node
 };
 

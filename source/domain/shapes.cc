@@ -7,28 +7,11 @@
 namespace dovetail {
 
 template <int dim>
-ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
-    : domain(domain), geometry(domain.mapping_degree()), element(domain.degree),
-      geometry_of_simplex(domain.has_simplices() ? domain.mapping_degree() : 1),
-      measure_of_cell(domain.mapping(), domain.scalar_element(),
-                      gauss_rule<dim>(domain.cell_shape(), domain.mapping_degree() + 1),
-                      domain.measure.update_flags()),
-      measure_of_face(domain.mapping(), domain.scalar_element(),
-                      gauss_rule<dim - 1>(domain.face_shape(), domain.mapping_degree() + 1),
-                      domain.measure.update_flags()),
-      nodes(geometry.size()), values(element.size()), geometry_gradients(geometry.size()),
-      element_gradients(element.size())
+UnitShapes<dim>::UnitShapes(const Domain<dim> &domain)
+    : layout(domain.layout()), element(domain.degree), values(element.size()), gradients(element.size())
 {
-  if (domain.mapping_degree() > 1)
-    geometry_nodes = std::make_unique<dealii::FEValues<dim>>(
-        domain.mapping(), domain.scalar_element(),
-        dealii::Quadrature<dim>(domain.has_simplices() ? geometry_of_simplex.support_points()
-                                                       : geometry.support_points()),
-        dealii::update_quadrature_points);
-  if (domain.has_simplices()) {
-    geometry_gradients.resize(geometry_of_simplex.size());
+  if (domain.has_simplices())
     return;
-  }
   for (const auto &point : domain.scalar_element().get_unit_support_points()) {
     unsigned int nearest = 0;
     for (unsigned int i = 1; i < element.size(); ++i)
@@ -37,6 +20,47 @@ ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
         nearest = i;
     lexicographic.push_back(nearest);
   }
+}
+
+template <int dim>
+void UnitShapes<dim>::evaluate(const dealii::Point<dim> &unit_point, const dealii::Tensor<2, dim> &inverse,
+                               double *shape_values, dealii::Tensor<1, dim> *shape_gradients)
+{
+  if (!lexicographic.empty())
+    element.evaluate(unit_point, values, gradients, no_hessians);
+  for (unsigned int a = 0; a < lexicographic.size(); ++a) {
+    shape_values[a] = values[lexicographic[a]];
+    shape_gradients[a] = gradients[lexicographic[a]] * inverse;
+  }
+  unsigned int i = lexicographic.size();
+  for (unsigned int s = lexicographic.empty() ? 0 : 1; s < layout.n_spaces(); ++s) {
+    const dealii::FiniteElement<dim> &space_element = layout.element_of_space(s);
+    for (unsigned int a = 0; a < space_element.n_dofs_per_cell(); ++a, ++i) {
+      shape_values[i] = space_element.shape_value(a, unit_point);
+      shape_gradients[i] = space_element.shape_grad(a, unit_point) * inverse;
+    }
+  }
+}
+
+template <int dim>
+ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
+    : domain(domain), unit_shapes(domain), geometry(domain.mapping_degree()),
+      geometry_of_simplex(domain.has_simplices() ? domain.mapping_degree() : 1),
+      measure_of_cell(domain.mapping(), domain.scalar_element(),
+                      gauss_rule<dim>(domain.cell_shape(), domain.mapping_degree() + 1),
+                      domain.measure.update_flags()),
+      measure_of_face(domain.mapping(), domain.scalar_element(),
+                      gauss_rule<dim - 1>(domain.face_shape(), domain.mapping_degree() + 1),
+                      domain.measure.update_flags()),
+      nodes(geometry.size()),
+      geometry_gradients(domain.has_simplices() ? geometry_of_simplex.size() : geometry.size())
+{
+  if (domain.mapping_degree() > 1)
+    geometry_nodes = std::make_unique<dealii::FEValues<dim>>(
+        domain.mapping(), domain.scalar_element(),
+        dealii::Quadrature<dim>(domain.has_simplices() ? geometry_of_simplex.support_points()
+                                                       : geometry.support_points()),
+        dealii::update_quadrature_points);
 }
 
 template <int dim>
@@ -56,59 +80,19 @@ void ShapeEvaluator<dim>::reinit(const cell_iterator &cell)
 }
 
 template <int dim>
-void ShapeEvaluator<dim>::evaluate_simplex(const dealii::Point<dim> &unit_point, double *shape_values,
-                                           dealii::Tensor<1, dim> *shape_gradients)
+dealii::Tensor<2, dim> ShapeEvaluator<dim>::inverse_jacobian(const dealii::Point<dim> &unit_point)
 {
-  if (domain.mapping_degree() > 1) {
+  if (domain.has_simplices() && domain.mapping_degree() == 1)
+    return inverse_of_simplex;
+  if (domain.has_simplices())
     geometry_of_simplex.evaluate(unit_point, no_values, geometry_gradients, no_hessians);
-    dealii::Tensor<2, dim> jacobian; // dX_i / dxi_j
-    for (unsigned int a = 0; a < nodes.size(); ++a)
-      for (unsigned int i = 0; i < dim; ++i)
-        jacobian[i] += nodes[a][i] * geometry_gradients[a];
-    inverse_of_simplex = dealii::invert(jacobian);
-  }
-  evaluate_spaces(0, unit_point, inverse_of_simplex, shape_values, shape_gradients);
-}
-
-/// The functions of the spaces from the @p first one on. @p inverse: dxi_i / dX_j
-template <int dim>
-void ShapeEvaluator<dim>::evaluate_spaces(const unsigned int first, const dealii::Point<dim> &unit_point,
-                                          const dealii::Tensor<2, dim> &inverse, double *shape_values,
-                                          dealii::Tensor<1, dim> *shape_gradients) const
-{
-  unsigned int i = first == 0 ? 0 : element.size();
-  for (unsigned int s = first; s < domain.layout().n_spaces(); ++s) {
-    const dealii::FiniteElement<dim> &space_element = domain.layout().element_of_space(s);
-    for (unsigned int a = 0; a < space_element.n_dofs_per_cell(); ++a, ++i) {
-      shape_values[i] = space_element.shape_value(a, unit_point);
-      shape_gradients[i] = space_element.shape_grad(a, unit_point) * inverse;
-    }
-  }
-}
-
-template <int dim>
-void ShapeEvaluator<dim>::evaluate(const dealii::Point<dim> &unit_point, double *shape_values,
-                                   dealii::Tensor<1, dim> *shape_gradients)
-{
-  if (domain.has_simplices()) {
-    evaluate_simplex(unit_point, shape_values, shape_gradients);
-    return;
-  }
-  element.evaluate(unit_point, values, element_gradients, no_hessians);
-  const bool is_isoparametric = geometry.size() == element.size(); // then the bases are the same
-  if (!is_isoparametric)
+  else
     geometry.evaluate(unit_point, no_values, geometry_gradients, no_hessians);
-  const auto &gradients_of_geometry = is_isoparametric ? element_gradients : geometry_gradients;
   dealii::Tensor<2, dim> jacobian; // dX_i / dxi_j
   for (unsigned int a = 0; a < nodes.size(); ++a)
     for (unsigned int i = 0; i < dim; ++i)
-      jacobian[i] += nodes[a][i] * gradients_of_geometry[a];
-  const dealii::Tensor<2, dim> inverse = dealii::invert(jacobian);
-  for (unsigned int a = 0; a < lexicographic.size(); ++a) {
-    shape_values[a] = values[lexicographic[a]];
-    shape_gradients[a] = element_gradients[lexicographic[a]] * inverse;
-  }
-  evaluate_spaces(1, unit_point, inverse, shape_values, shape_gradients);
+      jacobian[i] += nodes[a][i] * geometry_gradients[a];
+  return dealii::invert(jacobian);
 }
 
 template <int dim>
@@ -135,6 +119,8 @@ double ShapeEvaluator<dim>::sum_of(const dealii::FEValuesBase<dim> &points) cons
   return sum;
 }
 
+template class UnitShapes<2>;
+template class UnitShapes<3>;
 template class ShapeEvaluator<2>;
 template class ShapeEvaluator<3>;
 

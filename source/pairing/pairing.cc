@@ -36,15 +36,14 @@ std::array<double, 2> areas_of(const SideFaces<dim> &side, const Measure<dim> &m
   return areas;
 }
 
-/// A match for each point at its own face, so that own and partner's shapes are fetched alike.
+/// The cells of the points' own faces, as fetch_shapes gives those of the partner.
 template <int dim>
 PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &points,
                               const SideFaces<dim> &faces, const unsigned int this_rank)
 {
   const unsigned int n = domain.layout().n_shapes();
   PartnerShapes<dim> result;
-  result.values.resize(points.size() * n);
-  result.gradients.resize(points.size() * n);
+  result.inverse_jacobians.resize(points.size());
   ShapeEvaluator<dim> shapes(domain);
   std::vector<double> no_values(n);
   unsigned int current = dealii::numbers::invalid_unsigned_int;
@@ -68,7 +67,7 @@ PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &
     }
     result.cell_of_point.push_back(result.cells.size() - 1);
     if (points.matches[q].found)
-      shapes.evaluate(points.unit_points[q], &result.values[q * n], &result.gradients[q * n]);
+      result.inverse_jacobians[q] = shapes.inverse_jacobian(points.unit_points[q]);
   }
   return result;
 }
@@ -110,6 +109,8 @@ Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Opti
     : extension(options.gap_extension), shift(sides[source].shift - sides[destination].shift),
       n_shapes{{sides[source].domain->layout().n_shapes(), sides[destination].domain->layout().n_shapes()}}
 {
+  for (const unsigned int side : {source, destination})
+    present_shapes.emplace_back(*sides[side].domain);
   for (const unsigned int side : {source, destination}) {
     const SideFaces<dim> faces = faces_of(sides[side]);
     const auto areas = areas_of(faces, sides[side].domain->measure);
@@ -264,12 +265,8 @@ void Pairing<dim>::append(const std::array<InterfaceSide<dim>, 2> &sides, const 
   const unsigned int first_point = weights.size();
   const std::array<unsigned int, 2> first_cell = {{static_cast<unsigned int>(cells[source].size()),
                                                    static_cast<unsigned int>(cells[destination].size())}};
-  for (const unsigned int side : {source, destination}) {
-    const std::size_t size = (first_point + order.size()) * n_shapes[side];
-    shape_values[side].reserve(size);
-    shape_gradients[side].reserve(size);
+  for (const unsigned int side : {source, destination})
     cells[side].insert(cells[side].end(), shapes[side].cells.begin(), shapes[side].cells.end());
-  }
   std::vector<unsigned int> position(face_points.size(), dealii::numbers::invalid_unsigned_int);
   for (const unsigned int q : order) {
     const auto &query = face_points.queries[q];
@@ -281,11 +278,10 @@ void Pairing<dim>::append(const std::array<InterfaceSide<dim>, 2> &sides, const 
     normals[own].push_back(query.N);
     normals[partner].push_back(match.N);
     offsets.push_back(query.X - match.X);
+    unit_points[own].push_back(face_points.unit_points[q]);
+    unit_points[partner].push_back(match.unit_point);
     for (const unsigned int side : {source, destination})
-      for (unsigned int i = q * n_shapes[side]; i < (q + 1) * n_shapes[side]; ++i) {
-        shape_values[side].push_back(shapes[side].values[i]);
-        shape_gradients[side].push_back(shapes[side].gradients[i]);
-      }
+      inverse_jacobians[side].push_back(shapes[side].inverse_jacobians[q]);
   }
   for (unsigned int i = 0; i < order.size(); ++i) {
     std::array<unsigned int, 2> behind;
@@ -309,32 +305,45 @@ void Pairing<dim>::append(const std::array<InterfaceSide<dim>, 2> &sides, const 
 template <int dim>
 void Pairing<dim>::extend(const std::vector<OwnShare> &share_of_field)
 {
-  extended_values.clear();
   own_shares.clear();
   extension_of_field.clear();
-  if (extension == GapExtension::none || !has_gap())
-    return;
-  for (const OwnShare &share_of : share_of_field) {
+  const bool is_extended = extension != GapExtension::none && has_gap();
+  for (unsigned int f = 0; is_extended && f < share_of_field.size(); ++f) {
     std::vector<double> shares(n_points());
     for (const Group &group : groups)
       for (unsigned int q = group.begin; q < group.end; ++q)
-        shares[q] = share_of(group.side, q);
+        shares[q] = share_of_field[f](group.side, q);
     const auto known = std::find(own_shares.begin(), own_shares.end(), shares);
     extension_of_field.push_back(known - own_shares.begin());
-    if (known != own_shares.end())
-      continue;
-    auto &extended = extended_values.emplace_back();
-    for (const unsigned int side : {source, destination})
-      extended[side] = shape_values[side];
-    for (const Group &group : groups)
-      for (unsigned int q = group.begin; q < group.end; ++q)
-        for (const unsigned int side : {source, destination}) {
-          const double share = side == group.side ? -shares[q] : 1 - shares[q];
-          for (unsigned int i = q * n_shapes[side]; share != 0 && i < (q + 1) * n_shapes[side]; ++i)
-            extended[side][i] += share * (shape_gradients[side][i] * offsets[q]);
-        }
-    own_shares.push_back(std::move(shares));
+    if (known == own_shares.end())
+      own_shares.push_back(std::move(shares));
   }
+  for (Shapes &shapes : present_shapes)
+    shapes.end = 0; // the extended values are others
+}
+
+template <int dim>
+void Pairing<dim>::evaluate_shapes(const unsigned int side, const unsigned int q) const
+{
+  const auto group = std::upper_bound(groups.begin(), groups.end(), q,
+                                      [](const unsigned int p, const Group &other) { return p < other.end; });
+  Shapes &shapes = present_shapes[side];
+  shapes.begin = group->begin;
+  shapes.end = group->end;
+  const unsigned int n = n_shapes[side], n_values = (shapes.end - shapes.begin) * n;
+  shapes.values.resize(n_values);
+  shapes.gradients.resize(n_values);
+  for (unsigned int p = shapes.begin, first = 0; p < shapes.end; ++p, first += n)
+    shapes.unit_shapes.evaluate(unit_points[side][p], inverse_jacobians[side][p], &shapes.values[first],
+                                &shapes.gradients[first]);
+  shapes.extended_values.assign(own_shares.size(), shapes.values);
+  for (unsigned int k = 0; k < own_shares.size(); ++k)
+    for (unsigned int p = shapes.begin, i = 0; p < shapes.end; ++p) {
+      const double share = side == group->side ? -own_shares[k][p] : 1 - own_shares[k][p];
+      for (const unsigned int end = i + n; i < end; ++i)
+        if (share != 0)
+          shapes.extended_values[k][i] += share * (shapes.gradients[i] * offsets[p]);
+    }
 }
 
 /// Up to rounding.

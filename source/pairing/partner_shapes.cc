@@ -27,18 +27,17 @@ struct Request
   }
 };
 
-/// The cell behind a face, and its shape functions at the points: point i has them at i * n_shapes.
+/// The cell behind a face, and its inverse Jacobians at the points.
 template <int dim>
 struct Answer
 {
   CellBehind<dim> cell;
-  std::vector<double> values;
-  std::vector<dealii::Tensor<1, dim>> gradients;
+  std::vector<dealii::Tensor<2, dim>> inverse_jacobians;
 
   template <typename Archive>
   void serialize(Archive &archive, const unsigned int)
   {
-    archive &cell &values &gradients;
+    archive &cell &inverse_jacobians;
   }
 };
 
@@ -65,10 +64,8 @@ std::vector<Answer<dim>> answer(const std::vector<Request<dim>> &requests, const
     }
     cell.rank = this_rank;
     cell.face = request.face;
-    answer.values.resize(request.unit_points.size() * n_shapes);
-    answer.gradients.resize(request.unit_points.size() * n_shapes);
-    for (unsigned int i = 0; i < request.unit_points.size(); ++i)
-      shapes.evaluate(request.unit_points[i], &answer.values[i * n_shapes], &answer.gradients[i * n_shapes]);
+    for (const dealii::Point<dim> &point : request.unit_points)
+      answer.inverse_jacobians.push_back(shapes.inverse_jacobian(point));
     answers.push_back(std::move(answer));
   }
   return answers;
@@ -83,8 +80,7 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
 {
   PartnerShapes<dim> result;
   result.cell_of_point.assign(matches.size(), dealii::numbers::invalid_unsigned_int);
-  result.values.resize(matches.size() * partner.layout().n_shapes());
-  result.gradients.resize(matches.size() * partner.layout().n_shapes());
+  result.inverse_jacobians.resize(matches.size());
 
   RankMap<std::vector<Request<dim>>> requests;
   std::map<std::pair<unsigned int, unsigned int>, unsigned int> request_of_face;
@@ -98,8 +94,7 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
       rank_requests[entry->second].unit_points.push_back(matches[i].unit_point);
       rank_requests[entry->second].points.push_back(i);
     }
-  const unsigned int this_rank = dealii::Utilities::MPI::this_mpi_process(communicator),
-                     n_shapes = partner.layout().n_shapes();
+  const unsigned int this_rank = dealii::Utilities::MPI::this_mpi_process(communicator);
   for (const auto &[rank, rank_requests] : requests)
     locator.work().faces += rank == this_rank ? 0 : rank_requests.size();
 
@@ -113,8 +108,7 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
       for (unsigned int i = 0; i < asked[k].points.size(); ++i) {
         const unsigned int point = asked[k].points[i];
         result.cell_of_point[point] = result.cells.size();
-        std::copy_n(&answered[k].values[i * n_shapes], n_shapes, &result.values[point * n_shapes]);
-        std::copy_n(&answered[k].gradients[i * n_shapes], n_shapes, &result.gradients[point * n_shapes]);
+        result.inverse_jacobians[point] = answered[k].inverse_jacobians[i];
       }
       result.cells.push_back(std::move(answered[k].cell));
     }

@@ -75,12 +75,12 @@ private:
     std::vector<double> own_share;
     const std::vector<dealii::types::global_dof_index> *masters;
     const CellLayout<dim> *layout; ///< of the source
-    const double *values;          ///< of all its shape functions
-    const dealii::Tensor<1, dim> *gradients;
+    std::vector<double> values;    ///< of all its shape functions
+    std::vector<dealii::Tensor<1, dim>> gradients;
   };
   static Bridge find_bridge(const Interface<dim> &interface, const Node &node,
-                            const typename FaceLocator<dim>::Match &match, const PartnerShapes<dim> &shapes,
-                            unsigned int point);
+                            const typename FaceLocator<dim>::Match &match, const PartnerShapes<dim> &partners,
+                            unsigned int point, UnitShapes<dim> &shapes);
   static GapConstraint follow(const Interface<dim> &interface, const TiedField &field, unsigned int c,
                               const Bridge &bridge, double t);
   static void add_own_gradient(const Domain<dim> &domain, const Node &node, unsigned int component,
@@ -225,8 +225,8 @@ void Pointwise<dim>::add_own_gradient(const Domain<dim> &domain, const Node &nod
 template <int dim>
 typename Pointwise<dim>::Bridge Pointwise<dim>::find_bridge(const Interface<dim> &interface, const Node &node,
                                                             const typename FaceLocator<dim>::Match &match,
-                                                            const PartnerShapes<dim> &shapes,
-                                                            const unsigned int point)
+                                                            const PartnerShapes<dim> &partners,
+                                                            const unsigned int point, UnitShapes<dim> &shapes)
 {
   const std::array<dealii::Point<dim>, 2> X = {
       {match.X - interface.sides[source].shift, node.query.X - interface.sides[destination].shift}};
@@ -240,9 +240,11 @@ typename Pointwise<dim>::Bridge Pointwise<dim>::find_bridge(const Interface<dim>
                                    : 0);
   bridge.layout = &interface.sides[source].domain->layout();
   const unsigned int n = bridge.layout->n_shapes();
-  bridge.masters = &shapes.cells[shapes.cell_of_point[point]].dofs;
-  bridge.values = &shapes.values[point * n];
-  bridge.gradients = &shapes.gradients[point * n];
+  bridge.masters = &partners.cells[partners.cell_of_point[point]].dofs;
+  bridge.values.resize(n);
+  bridge.gradients.resize(n);
+  shapes.evaluate(match.unit_point, partners.inverse_jacobians[point], bridge.values.data(),
+                  bridge.gradients.data());
   return bridge;
 }
 
@@ -322,15 +324,16 @@ Pointwise<dim>::add_followers(const Interface<dim> &interface, const unsigned in
   for (const Node &node : nodes)
     queries.push_back(node.query);
   const auto matches = locator.locate(queries);
-  const PartnerShapes<dim> shapes =
+  const PartnerShapes<dim> partners =
       fetch_shapes(*interface.sides[source].domain, locator, matches, communicator);
   const auto hanging = to.domain->hanging_nodes();
   ShapeEvaluator<dim> own_shapes(*to.domain);
+  UnitShapes<dim> source_shapes(*interface.sides[source].domain);
   std::array<unsigned int, 2> n = {{0, 0}};
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     if (!matches[i].found)
       continue;
-    const Bridge bridge = find_bridge(interface, nodes[i], matches[i], shapes, i);
+    const Bridge bridge = find_bridge(interface, nodes[i], matches[i], partners, i, source_shapes);
     for (const TiedField &field : interface.fields)
       for (unsigned int c = 0; c < field.n_components; ++c) {
         const unsigned int component = field.first_component[destination] + c;

@@ -27,6 +27,28 @@ jacobian_of_simplex(const typename dealii::Triangulation<dim>::active_cell_itera
   return jacobian;
 }
 
+/// Values and gradients of all shape functions (CellLayout) at reference points of any cell whose geometry is
+/// known there.
+template <int dim>
+class UnitShapes
+{
+public:
+  explicit UnitShapes(const Domain<dim> &domain);
+
+  /// Write n_shapes() values and gradients by X. @p inverse: dxi_i / dX_j
+  void evaluate(const dealii::Point<dim> &unit_point, const dealii::Tensor<2, dim> &inverse, double *values,
+                dealii::Tensor<1, dim> *gradients);
+
+private:
+  const CellLayout<dim> &layout;
+  const LagrangeBasis<dim> element; ///< of hypercubes
+  std::vector<unsigned int>
+      lexicographic; ///< index in `element` of the shape functions of the scalar element; empty: simplices
+  std::vector<double> values;
+  std::vector<dealii::Tensor<1, dim>> gradients;
+  std::vector<dealii::Tensor<2, dim>> no_hessians;
+};
+
 /// Values and gradients (by X) of all shape functions (CellLayout) at reference points of a cell, as FEValues
 /// would give them, but without its set-up for every new set of points.
 template <int dim>
@@ -38,8 +60,13 @@ public:
   explicit ShapeEvaluator(const Domain<dim> &domain);
 
   void reinit(const cell_iterator &cell);
+  /// dxi_i / dX_j at @p unit_point of the current cell.
+  dealii::Tensor<2, dim> inverse_jacobian(const dealii::Point<dim> &unit_point);
   /// Write n_shapes() values and gradients at @p unit_point of the current cell.
-  void evaluate(const dealii::Point<dim> &unit_point, double *values, dealii::Tensor<1, dim> *gradients);
+  void evaluate(const dealii::Point<dim> &unit_point, double *values, dealii::Tensor<1, dim> *gradients)
+  {
+    unit_shapes.evaluate(unit_point, inverse_jacobian(unit_point), values, gradients);
+  }
 
   double cell_measure(const cell_iterator &cell);                    ///< volume
   double face_measure(const cell_iterator &cell, unsigned int face); ///< area
@@ -48,22 +75,14 @@ private:
   double sum_of(const dealii::FEValuesBase<dim> &points) const;
 
   const Domain<dim> &domain;
-  void evaluate_simplex(const dealii::Point<dim> &unit_point, double *values,
-                        dealii::Tensor<1, dim> *gradients);
-  void evaluate_spaces(unsigned int first, const dealii::Point<dim> &unit_point,
-                       const dealii::Tensor<2, dim> &inverse, double *values,
-                       dealii::Tensor<1, dim> *gradients) const;
-
-  const LagrangeBasis<dim> geometry, element;  ///< of hypercubes
-  const SimplexBasis<dim> geometry_of_simplex; ///< of curved triangles or tetrahedra
-  std::vector<unsigned int>
-      lexicographic; ///< index in `element` of the shape functions of the scalar element
+  UnitShapes<dim> unit_shapes;
+  const LagrangeBasis<dim> geometry;                     ///< of hypercubes
+  const SimplexBasis<dim> geometry_of_simplex;           ///< of curved triangles or tetrahedra
   std::unique_ptr<dealii::FEValues<dim>> geometry_nodes; ///< of curved cells
   dealii::FEValues<dim> measure_of_cell;
   dealii::FEFaceValues<dim> measure_of_face;
   std::vector<dealii::Point<dim>> nodes;
-  std::vector<double> values;
-  std::vector<dealii::Tensor<1, dim>> geometry_gradients, element_gradients;
+  std::vector<dealii::Tensor<1, dim>> geometry_gradients;
   std::vector<dealii::Tensor<2, dim>> no_hessians;
   std::vector<double> no_values;
   dealii::Tensor<2, dim> inverse_of_simplex; ///< dxi_i / dX_j of a straight one

@@ -147,25 +147,31 @@ public:
   {
     return normals[side][q];
   }
-  /// Shape functions of all spaces of a side (CellLayout).
+  /// Shape functions of all spaces of a side (CellLayout). They are evaluated group by group: the array is
+  /// there until those of another group are asked for.
   const double *values(const unsigned int side, const unsigned int q) const
   {
-    return &shape_values[side][q * n_shapes[side]];
+    const Shapes &shapes = shapes_at(side, q);
+    return shapes.values.data() + (q - shapes.begin) * n_shapes[side];
   }
   const dealii::Tensor<1, dim> *gradients(const unsigned int side, const unsigned int q) const
   {
-    return &shape_gradients[side][q * n_shapes[side]];
+    const Shapes &shapes = shapes_at(side, q);
+    return shapes.gradients.data() + (q - shapes.begin) * n_shapes[side];
   }
-  /// Values with which solution and test functions of a tied field enter the jump; of all spaces, too.
+  /// Values with which solution and test functions of a tied field enter the jump; of all spaces, too, and as
+  /// long there as these.
   const double *trial(const unsigned int side, const unsigned int q, const unsigned int field) const
   {
-    return extended_values.empty() ? values(side, q)
-                                   : &extended_values[extension_of_field[field]][side][q * n_shapes[side]];
+    if (own_shares.empty())
+      return values(side, q);
+    const Shapes &shapes = shapes_at(side, q);
+    return shapes.extended_values[extension_of_field[field]].data() + (q - shapes.begin) * n_shapes[side];
   }
   /// Whether the field of the side on whose face the point lies bridges a share of the gap.
   bool own_side_bridges(const unsigned int q, const unsigned int field) const
   {
-    return !extended_values.empty() && own_shares[extension_of_field[field]][q] > 0;
+    return !own_shares.empty() && own_shares[extension_of_field[field]][q] > 0;
   }
   const double *test(const unsigned int side, const unsigned int q, const unsigned int field) const
   {
@@ -192,6 +198,26 @@ private:
   void count(const FacePoints<dim> &points, const SideFaces<dim> &faces, unsigned int own,
              const MPI_Comm &communicator);
 
+  /// Of the points of a group on one side, one after the other.
+  struct Shapes
+  {
+    explicit Shapes(const Domain<dim> &domain) : unit_shapes(domain) {}
+
+    UnitShapes<dim> unit_shapes;
+    unsigned int begin = 0, end = 0;
+    std::vector<double> values;
+    std::vector<dealii::Tensor<1, dim>> gradients;
+    std::vector<std::vector<double>> extended_values; ///< by the index in own_shares
+  };
+  const Shapes &shapes_at(const unsigned int side, const unsigned int q) const
+  {
+    const Shapes &shapes = present_shapes[side];
+    if (q < shapes.begin || q >= shapes.end)
+      evaluate_shapes(side, q);
+    return shapes;
+  }
+  void evaluate_shapes(unsigned int side, unsigned int q) const;
+
   GapExtension extension;
   dealii::Tensor<1, dim> shift;         ///< of the source against the destination
   std::array<unsigned int, 2> n_shapes; ///< at a point
@@ -199,11 +225,11 @@ private:
   std::array<std::vector<dealii::Point<dim>>, 2> points;
   std::array<std::vector<dealii::Tensor<1, dim>>, 2> normals;
   std::vector<dealii::Tensor<1, dim>> offsets;
-  std::array<std::vector<double>, 2> shape_values;
-  std::array<std::vector<dealii::Tensor<1, dim>>, 2> shape_gradients;
-  std::vector<std::array<std::vector<double>, 2>> extended_values; ///< empty: nothing is extended
-  std::vector<std::vector<double>> own_shares;                     ///< likewise, by point
-  std::vector<unsigned int> extension_of_field;                    ///< index into both
+  std::array<std::vector<dealii::Point<dim>>, 2> unit_points; ///< in the cell behind a point
+  std::array<std::vector<dealii::Tensor<2, dim>>, 2> inverse_jacobians;
+  mutable std::vector<Shapes> present_shapes;   ///< by side
+  std::vector<std::vector<double>> own_shares;  ///< by point; empty: nothing is extended
+  std::vector<unsigned int> extension_of_field; ///< index of its own shares
   std::array<typename Cover<dim>::Faces, 2> cover;
   std::array<double, 2> face_size; ///< of the sides, mean
   Coverage account;

@@ -31,15 +31,13 @@ struct CellBehind
   }
 };
 
-/// For each match the cell behind it and the shape functions there, flat: point i has its values and
-/// gradients at i * n_shapes of the layout.
+/// For each match the cell behind it, and what UnitShapes needs for the shape functions there.
 template <int dim>
 struct PartnerShapes
 {
   std::vector<CellBehind<dim>> cells;
   std::vector<unsigned int> cell_of_point; ///< invalid_unsigned_int if the point has no partner
-  std::vector<double> values;
-  std::vector<dealii::Tensor<1, dim>> gradients;
+  std::vector<dealii::Tensor<2, dim>> inverse_jacobians;
 };
 
 /// Matches on the same face share one cell. Collective; nothing is sent for matches of this rank.

@@ -199,6 +199,11 @@ void Mortar<dim>::add_constraints(const Interface<dim> &interface, TieConstraint
     add_lines(interface, constraints, communicator);
   else
     make_terms(interface, constraints.multiplied);
+  for (auto &[dof, row] : space->rows) { // which lines or terms have now
+    row.weights.clear();
+    row.own_gradient.clear();
+    row.source_gain.clear();
+  }
 }
 
 template <int dim>

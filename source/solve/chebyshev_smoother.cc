@@ -127,10 +127,13 @@ void ChebyshevSmoother::take_factorisation(const LevelEntries &matrix, const Ran
   const double largest_accepted = 10; // a pivot close to zero gives a larger eigenvalue
   const Agreement ranks{communicator_of(A), {}};
   range = its_range;
+  std::shared_ptr<const CompactMatrix> in_single_precision; // once for all shifts
   for (const double shift : {0.05, 0.3, 1.}) {
     const bool is_made = ranks.succeeds("smoother", [&]() { // it may break down, or find no memory
       M.reset();
-      M = std::make_unique<IncompleteFactorisation>(matrix.single_precision(), shift);
+      if (!in_single_precision)
+        in_single_precision = matrix.single_precision();
+      M = std::make_unique<IncompleteFactorisation>(*in_single_precision, shift);
     });
     if (is_made)
       estimate_spectrum();

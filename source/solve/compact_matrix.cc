@@ -103,45 +103,6 @@ std::size_t RowPattern::memory_consumption() const
   return groups.capacity() * sizeof(Stored) + columns.capacity() * sizeof(int);
 }
 
-ColumnExchange::ColumnExchange(const Epetra_CrsMatrix &A) : own_columns(A.DomainMap())
-{
-  std::vector<int> others;
-  for (int k = 0; k < A.NumMyCols(); ++k)
-    if (own_columns.LID(A.GCID(k)) < 0)
-      others.push_back(A.GCID(k));
-  auto map = std::make_shared<Epetra_Map>(-1, static_cast<int>(others.size()), others.data(), 0, A.Comm());
-  if (map->NumGlobalElements() == 0)
-    return;
-  other_columns = std::move(map);
-  import = std::make_shared<Epetra_Import>(*other_columns, own_columns);
-}
-
-unsigned int ColumnExchange::n_columns() const
-{
-  return own_columns.NumMyElements() + (import ? other_columns->NumMyElements() : 0);
-}
-
-const double *ColumnExchange::of_columns(const Epetra_Vector &x, std::vector<double> &buffer) const
-{
-  if (!import)
-    return x.Values();
-  Epetra_Vector others(*other_columns, false);
-  others.Import(x, *import, Insert);
-  buffer.assign(x.Values(), x.Values() + x.MyLength());
-  buffer.insert(buffer.end(), others.Values(), others.Values() + others.MyLength());
-  return buffer.data();
-}
-
-void ColumnExchange::add_up(const std::vector<double> &sums, Epetra_Vector &y) const
-{
-  std::copy_n(sums.begin(), y.MyLength(), y.Values());
-  if (import) {
-    Epetra_Vector others(*other_columns, false);
-    std::copy(sums.begin() + y.MyLength(), sums.end(), others.Values());
-    y.Export(others, *import, Add);
-  }
-}
-
 CompactMatrix::CompactMatrix(const Epetra_CrsMatrix &A)
     : range(A.RowMap()), exchange(A), pattern(std::make_shared<RowPattern>(A))
 {
@@ -182,7 +143,7 @@ void CompactMatrix::multiply(Epetra_Vector &y, const Epetra_Vector &x) const
     const RowPattern::Group group = pattern->group(g);
     with_known_number(group.n_rows, [&](const auto n) {
       std::array<double, RowPattern::most_rows> sum{};
-      const float *entries = &values[group.first_entry];
+      const float *entries = values.data() + group.first_entry;
       for (int k = 0; k < group.n_columns; ++k, entries += n) {
         const double factor = of_columns[group.columns[k]];
         for (int i = 0; i < n; ++i)
@@ -200,7 +161,7 @@ void CompactMatrix::multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
     with_known_number(group.n_rows, [&](const auto n) {
-      const float *entries = &values[group.first_entry];
+      const float *entries = values.data() + group.first_entry;
       std::array<double, RowPattern::most_rows> factor{};
       for (int i = 0; i < n; ++i)
         factor[i] = unit * x[group.first_row + i];

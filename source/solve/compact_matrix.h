@@ -5,8 +5,9 @@
 
 #pragma once
 
+#include <dovetail/solve/column_exchange.h>
+
 #include <Epetra_CrsMatrix.h>
-#include <Epetra_Import.h>
 #include <Epetra_Map.h>
 #include <Epetra_Vector.h>
 
@@ -63,7 +64,7 @@ public:
     const std::size_t end = g + 1 < groups.size() ? groups[g + 1].first_column : columns.size();
     return {stored.first_row,
             end_row - stored.first_row,
-            &columns[stored.first_column],
+            columns.data() + stored.first_column,
             stored.n_lower,
             stored.n_own,
             static_cast<int>(end - stored.first_column),
@@ -84,26 +85,6 @@ private:
   std::vector<int> columns;
   int number_of_rows = 0;
   std::size_t number_of_entries = 0;
-};
-
-/// The values at the columns of a matrix: own ones, and after them those of other ranks in the order of the
-/// column map.
-class ColumnExchange
-{
-public:
-  explicit ColumnExchange(const Epetra_CrsMatrix &A);
-
-  const Epetra_Map &own() const { return own_columns; }
-  /// @param buffer is used if other ranks have some. Collective.
-  const double *of_columns(const Epetra_Vector &x, std::vector<double> &buffer) const;
-  unsigned int n_columns() const;
-  /// y = the sums of all ranks. Collective.
-  void add_up(const std::vector<double> &sums, Epetra_Vector &y) const;
-
-private:
-  Epetra_Map own_columns;
-  std::shared_ptr<const Epetra_Map> other_columns; ///< nullptr if no rank has any
-  std::shared_ptr<const Epetra_Import> import;     ///< of them
 };
 
 /// A matrix in single precision. The largest size of an entry is the unit of the others, as single precision

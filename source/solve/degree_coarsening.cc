@@ -6,12 +6,13 @@
 #include "semicoarsening.h"
 
 #include <EpetraExt_MatrixMatrix.h>
-#include <Epetra_CrsGraph.h>
 #include <Epetra_Import.h>
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
 
 #include <map>
+#include <unordered_map>
+#include <vector>
 
 namespace dovetail {
 
@@ -38,36 +39,32 @@ bool on_any_rank(const Epetra_Comm &communicator, const bool here)
 
 } // namespace
 
-DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, Sums &&sums, const MakeModes &make_modes,
+DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, RowSums &&sums, const MakeModes &make_modes,
                                    const GroupFacts &facts, std::unique_ptr<Smoother> given_smoother,
                                    const MakeCoarse &make_coarse)
     : A(A), smoother(std::move(given_smoother))
 {
   give_back_freed_memory();
-  auto P = make_prolongation(std::move(sums));
-  if (P->NumGlobalCols() == 0) // all vertices are prescribed
+  prolongation = make_prolongation(std::move(sums));
+  if (prolongation->domain().NumGlobalElements() == 0) // all vertices are prescribed
     return;
-  const Epetra_MultiVector coarse_modes = [&]() {
-    const Modes modes = make_modes();
-    Epetra_MultiVector result(P->DomainMap(), modes->NumVectors());
-    for (unsigned int i = 0; i < coarse_rows.size(); ++i)
-      for (int mode = 0; mode < modes->NumVectors(); ++mode)
-        result[mode][i] = (*modes)[mode][coarse_rows[i]];
-    return result;
-  }();
-  std::vector<GroupFacts::Place> coarse_places;
-  if (const std::vector<GroupFacts::Place> places = facts.known_places(); !places.empty()) {
-    coarse_places.reserve(coarse_rows.size());
-    for (const int row : coarse_rows)
-      coarse_places.push_back(places[row]);
-  }
-  coarse_rows = std::vector<int>(); // = {} would keep the memory
+  const auto modes = make_modes(prolongation->domain(), &coarse_rows);
+  const std::vector<GroupFacts::Place> places = facts.known_places(&coarse_rows);
+  coarse_rows = Selection(); // = {} would keep the memory
   give_back_freed_memory();
-  auto A_1 = A.restricted(*P);
-  prolongation = std::make_unique<Prolongation>(*P);
-  P.reset();
+  auto A_1 = A.restricted(*prolongation);
   give_back_freed_memory();
-  coarse = make_coarse(std::move(A_1), coarse_modes, coarse_places);
+  coarse = make_coarse(std::move(A_1), *modes, places);
+}
+
+std::unique_ptr<Epetra_MultiVector> DegreeCoarsening::select(const Epetra_MultiVector &modes,
+                                                             const Epetra_Map &map, const Selection &rows)
+{
+  auto result = std::make_unique<Epetra_MultiVector>(map, modes.NumVectors());
+  for (unsigned int i = 0; i < rows.size(); ++i)
+    for (int mode = 0; mode < modes.NumVectors(); ++mode)
+      (*result)[mode][i] = modes[mode][rows[i]];
+  return result;
 }
 
 std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1, const Epetra_MultiVector &modes,
@@ -87,78 +84,101 @@ std::unique_ptr<ChebyshevSmoother> DegreeCoarsening::usual_smoother(const LevelO
 
 namespace {
 
-/// Replaces sums of own rows that are sums themselves.
+/// The sums of own rows, in which own rows that are sums themselves are replaced. Those of this kind are
+/// remembered.
 class OwnSums
 {
 public:
-  OwnSums(DegreeCoarsening::Sums &sums, const Epetra_Map &rows) : sums(sums), rows(rows), is_done(sums.size())
-  {
-    for (unsigned int row = 0; row < sums.size(); ++row)
-      expand(row);
-  }
+  OwnSums(const RowSums &sums, const Epetra_Map &rows) : sums(sums), rows(rows), is_done(sums.size()) {}
+  /// Until the next call.
+  const GroupFacts::Sum &operator[](int row);
 
 private:
+  bool is_itself(const int row, const int global_row) const { return sums.is_only(row, global_row); }
   void expand(int row);
+  template <typename Visit>
+  void for_sum(int row, const Visit &visit) const;
 
-  DegreeCoarsening::Sums &sums;
+  const RowSums &sums;
   const Epetra_Map &rows;
   std::vector<bool> is_done;
+  std::unordered_map<int, GroupFacts::Sum> replaced;
+  GroupFacts::Sum result;
 };
 
-bool is_itself(const DegreeCoarsening::Sums &sums, const int row, const int global_row)
+const GroupFacts::Sum &OwnSums::operator[](const int row)
 {
-  return sums[row].size() == 1 && sums[row][0].first == global_row;
+  expand(row);
+  result.clear();
+  for_sum(row, [this](const int column, const double weight) { result.emplace_back(column, weight); });
+  return result;
+}
+
+template <typename Visit>
+void OwnSums::for_sum(const int row, const Visit &visit) const
+{
+  if (const auto found = replaced.find(row); found != replaced.end()) {
+    for (const auto &[column, weight] : found->second)
+      visit(column, weight);
+    return;
+  }
+  const RowSums::Row sum = sums[row];
+  for (unsigned int k = 0; k < sum.n; ++k)
+    visit(static_cast<int>(sum.columns[k]), sum.weights[k]);
 }
 
 void OwnSums::expand(const int row)
 {
-  if (is_done[row] || is_itself(sums, row, rows.GID(row)))
+  if (is_done[row] || is_itself(row, rows.GID(row)))
     return;
   is_done[row] = true;
   bool is_final = true;
-  for (const auto &[column, weight] : sums[row])
-    if (const int own = rows.LID(column); own >= 0 && !is_itself(sums, own, column)) {
+  const RowSums::Row given = sums[row];
+  for (unsigned int k = 0; k < given.n; ++k)
+    if (const int column = given.columns[k], own = rows.LID(column); own >= 0 && !is_itself(own, column)) {
       expand(own);
       is_final = false;
     }
   if (is_final)
     return;
   std::map<int, double> sum;
-  for (const auto &[column, weight] : sums[row]) {
-    const int own = rows.LID(column);
+  for (unsigned int k = 0; k < given.n; ++k) {
+    const int column = given.columns[k], own = rows.LID(column);
+    const double weight = given.weights[k];
     if (own < 0)
       sum[column] += weight;
     else
-      for (const auto &[other, its_weight] : sums[own])
-        sum[other] += weight * its_weight;
+      for_sum(own, [&](const int other, const double its_weight) { sum[other] += weight * its_weight; });
   }
-  sums[row].assign(sum.begin(), sum.end());
+  replaced[row].assign(sum.begin(), sum.end());
 }
 
 } // namespace
 
 /// The sums of @p sums, sums of sums, … until only unknowns of the coarse matrix are left.
-std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(Sums &&given_sums) const
+std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(RowSums &&given_sums) const
 {
-  Sums sums = std::move(given_sums);
-  OwnSums(sums, A.rows());
   Epetra_IntVector kind(A.rows());
-  std::vector<int> lengths, columns;
-  std::vector<double> weights;
-  for (const auto &sum : sums)
-    lengths.push_back(sum.size());
-  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), lengths.data(), true);
-  for (unsigned int row = 0; row < sums.size(); ++row) {
-    columns.clear();
-    weights.clear();
-    for (const auto &[column, weight] : sums[row]) {
-      columns.push_back(column);
-      weights.push_back(weight);
+  std::unique_ptr<Epetra_CrsMatrix> result;
+  {
+    const RowSums sums = std::move(given_sums);
+    OwnSums own_sums(sums, A.rows());
+    std::vector<int> lengths, columns;
+    std::vector<double> weights;
+    for (unsigned int row = 0; row < sums.size(); ++row)
+      lengths.push_back(own_sums[row].size());
+    result = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), lengths.data(), true);
+    for (unsigned int row = 0; row < sums.size(); ++row) {
+      columns.clear();
+      weights.clear();
+      for (const auto &[column, weight] : own_sums[row]) {
+        columns.push_back(column);
+        weights.push_back(weight);
+      }
+      const int own = A.rows().GID(row);
+      kind[row] = columns.empty() ? is_fixed : sums.is_only(row, own) ? 0 : is_sum;
+      result->InsertGlobalValues(own, columns.size(), weights.data(), columns.data());
     }
-    const int own = A.rows().GID(row);
-    kind[row] = columns.empty() ? is_fixed : is_itself(sums, row, own) ? 0 : is_sum;
-    result->InsertGlobalValues(own, columns.size(), weights.data(), columns.data());
-    sums[row] = GroupFacts::Sum(); // = {} would keep the memory
   }
   result->FillComplete(A.rows(), A.rows());
 
@@ -177,43 +197,12 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(Sums &&given_sums) co
   return result;
 }
 
-namespace {
-
-/// A matrix whose rows are given: read(row, columns, weights). Of its graph, so that weights are held once.
-template <typename Read>
-std::unique_ptr<Epetra_CrsMatrix> matrix_of_rows(const Epetra_Map &rows, const Epetra_Map &coarse,
-                                                 const Read &read)
-{
-  std::vector<int> lengths, columns;
-  std::vector<double> weights;
-  for (int row = 0; row < rows.NumMyElements(); ++row) {
-    read(row, columns, weights);
-    lengths.push_back(columns.size());
-  }
-  Epetra_CrsGraph graph(Copy, rows, lengths.data(), true);
-  for (int row = 0; row < rows.NumMyElements(); ++row) {
-    read(row, columns, weights);
-    graph.InsertGlobalIndices(rows.GID(row), columns.size(), columns.data());
-  }
-  graph.FillComplete(coarse, rows);
-  graph.OptimizeStorage();
-  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
-  for (int row = 0; row < rows.NumMyElements(); ++row) {
-    read(row, columns, weights);
-    result->SumIntoGlobalValues(rows.GID(row), columns.size(), weights.data(), columns.data());
-  }
-  result->FillComplete(coarse, rows);
-  return result;
-}
-
-} // namespace
-
 /// P.
-std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::make_prolongation(Sums &&given_sums)
+std::unique_ptr<Prolongation> DegreeCoarsening::make_prolongation(RowSums &&given_sums)
 {
-  Sums sums = std::move(given_sums);
+  RowSums sums = std::move(given_sums);
   for (unsigned int row = 0; row < sums.size(); ++row)
-    if (is_itself(sums, row, A.rows().GID(row)))
+    if (sums.is_only(row, A.rows().GID(row)))
       coarse_rows.push_back(row);
   const Epetra_Map coarse(-1, static_cast<int>(coarse_rows.size()), 0, A.rows().Comm());
   Epetra_IntVector number(A.rows());
@@ -223,31 +212,35 @@ std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::make_prolongation(Sums &&giv
 
   // a condensed unknown is alone in its row of the matrix, and found afterwards from those it follows
   if (A.rows().Comm().NumProc() == 1) {
-    OwnSums(sums, A.rows());
-    return matrix_of_rows(A.rows(), coarse, [&](const int row, auto &columns, auto &weights) {
-      columns.clear();
-      weights.clear();
-      for (const auto &[column, weight] : sums[row])
-        if (!A.is_condensed(row) && number[A.rows().LID(column)] != is_fixed && weight != 0) {
-          columns.push_back(number[A.rows().LID(column)]);
-          weights.push_back(weight);
-        }
-    });
+    OwnSums own_sums(sums, A.rows());
+    return std::make_unique<Prolongation>(
+        A.rows(), coarse, [&](const int row, std::vector<int> &columns, std::vector<double> &weights) {
+          columns.clear();
+          weights.clear();
+          if (A.is_condensed(row))
+            return;
+          for (const auto &[column, weight] : own_sums[row])
+            if (const int its_number = number[A.rows().LID(column)]; its_number != is_fixed && weight != 0) {
+              columns.push_back(its_number);
+              weights.push_back(weight);
+            }
+        });
   }
   const auto all = follow(std::move(sums));
   const Epetra_IntVector column_number = column_values(*all, number);
-  return matrix_of_rows(A.rows(), coarse, [&](const int row, auto &columns, auto &weights) {
-    int n = 0, *local = nullptr;
-    double *values = nullptr;
-    all->ExtractMyRowView(row, n, values, local);
-    columns.clear();
-    weights.clear();
-    for (int k = 0; k < n && !A.is_condensed(row); ++k)
-      if (column_number[local[k]] != is_fixed && values[k] != 0) {
-        columns.push_back(column_number[local[k]]);
-        weights.push_back(values[k]);
-      }
-  });
+  return std::make_unique<Prolongation>(
+      A.rows(), coarse, [&](const int row, std::vector<int> &columns, std::vector<double> &weights) {
+        int n = 0, *local = nullptr;
+        double *values = nullptr;
+        all->ExtractMyRowView(row, n, values, local);
+        columns.clear();
+        weights.clear();
+        for (int k = 0; k < n && !A.is_condensed(row); ++k)
+          if (column_number[local[k]] != is_fixed && values[k] != 0) {
+            columns.push_back(column_number[local[k]]);
+            weights.push_back(values[k]);
+          }
+      });
 }
 
 void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const

@@ -7,10 +7,11 @@
 
 #include "chebyshev_smoother.h"
 #include "level_operator.h"
-#include "prolongation.h"
 #include "smoothed_aggregation.h"
 
 #include <dovetail/solve/group_solver.h>
+#include <dovetail/solve/prolongation.h>
+#include <dovetail/solve/row_sums.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
@@ -18,7 +19,6 @@
 
 #include <functional>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -36,27 +36,28 @@ namespace dovetail {
 class DegreeCoarsening
 {
 public:
-  /// Of each own row: the rows (global) and weights it is a sum of; empty: a fixed value; itself with weight
-  /// one: an unknown of A_1.
-  using Sums = std::vector<std::vector<std::pair<int, double>>>;
-
   /// Levels for A_1.
   using MakeCoarse = std::function<std::unique_ptr<Cycle>(Cycle::Finest A_1, const Epetra_MultiVector &modes,
                                                           const std::vector<GroupFacts::Place> &places)>;
   static std::unique_ptr<Cycle> make_usual_coarse(Cycle::Finest A_1, const Epetra_MultiVector &modes,
                                                   const std::vector<GroupFacts::Place> &places);
 
-  using Modes = std::shared_ptr<const Epetra_MultiVector>;
-  using MakeModes = std::function<Modes()>;
+  /// Near-null space of A at some own rows, to which a map belongs.
+  using MakeModes =
+      std::function<std::unique_ptr<Epetra_MultiVector>(const Epetra_Map &map, const Selection *rows)>;
+  /// That part of @p modes.
+  static std::unique_ptr<Epetra_MultiVector> select(const Epetra_MultiVector &modes, const Epetra_Map &map,
+                                                    const Selection &rows);
 
   /// @param A matrix of the functions of the higher degree
-  /// @param sums are given back as soon as they have been read, with their memory
-  /// @param make_modes near-null space of A, of which the part on the unknowns of A_1 is kept, that of A_1;
-  /// called after that
+  /// @param sums of each own row: the rows (global) and weights it is a sum of; none: a fixed value; itself
+  /// with weight one: an unknown of A_1. Their memory is given back as soon as they have been read.
+  /// @param make_modes called after that, for the unknowns of A_1
   /// @param facts places of the rows, if they are known
   /// @param smoother of A
-  DegreeCoarsening(const LevelOperator &A, Sums &&sums, const MakeModes &make_modes, const GroupFacts &facts,
-                   std::unique_ptr<Smoother> smoother, const MakeCoarse &make_coarse = make_usual_coarse);
+  DegreeCoarsening(const LevelOperator &A, RowSums &&sums, const MakeModes &make_modes,
+                   const GroupFacts &facts, std::unique_ptr<Smoother> smoother,
+                   const MakeCoarse &make_coarse = make_usual_coarse);
 
   /// Around diag(A), for functions of this degree.
   static std::unique_ptr<ChebyshevSmoother> usual_smoother(const LevelOperator &A, unsigned int degree);
@@ -64,12 +65,12 @@ public:
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
 
 private:
-  std::unique_ptr<Epetra_CrsMatrix> follow(Sums &&sums) const;
-  std::unique_ptr<Epetra_CrsMatrix> make_prolongation(Sums &&sums);
+  std::unique_ptr<Epetra_CrsMatrix> follow(RowSums &&sums) const;
+  std::unique_ptr<Prolongation> make_prolongation(RowSums &&sums);
   void correct(Epetra_Vector &x, const Epetra_Vector &b) const;
 
   const LevelOperator &A;
-  std::vector<int> coarse_rows;               ///< own rows of A that are unknowns of A_1
+  Selection coarse_rows;                      ///< own rows of A that are unknowns of A_1
   std::unique_ptr<Prolongation> prolongation; ///< P
   std::unique_ptr<Cycle> coarse;
   std::unique_ptr<Smoother> smoother;

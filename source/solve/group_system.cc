@@ -18,7 +18,7 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
 {
   static_cast<GroupTraits &>(all_facts) = group;
   all_facts.has_multipliers = !group.multiplier_blocks.empty();
-  all_facts.near_null_space = [this]() { return near_null_space(); };
+  all_facts.near_null_space = [this](const Selection *rows) { return near_null_space(rows); };
   all_facts.field_of_row = [this]() { return field_of_row(); };
   all_facts.stiffness_of_row = [this]() { return stiffness_of_row(); };
   all_facts.n_blocks = group.blocks.size();
@@ -29,7 +29,7 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
   if (group.positions)
-    all_facts.places = [this]() { return places(); };
+    all_facts.places = [this](const Selection *rows) { return places(rows); };
 }
 
 void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
@@ -132,10 +132,11 @@ std::vector<double> GroupSystem::stiffness_of_row() const
 unsigned int GroupSystem::largest_number_of_modes() const
 {
   const std::vector<int> field = field_of_block();
+  const Selection none;
   unsigned int largest = 0;
   for (unsigned int i = 0; i < field.size(); ++i)
     if (std::find(field.begin(), field.begin() + i, field[i]) == field.begin() + i)
-      largest = std::max<unsigned int>(largest, group.near_null_space(group.blocks[i], true).size());
+      largest = std::max<unsigned int>(largest, group.near_null_space(group.blocks[i], true, &none).size());
   return largest;
 }
 
@@ -145,7 +146,7 @@ unsigned int GroupSystem::largest_number_of_modes() const
 /// 3D: 16 iterations for both at contrast 1, 18 against 23 at 1e6). Bodies that can come apart need their own
 /// modes (two blocks with an elastic joint: 13 iterations against up to 37). Bodies that are not coupled
 /// share vectors, so a chain of any length needs two sets.
-GroupSystem::Modes GroupSystem::near_null_space() const
+GroupSystem::Modes GroupSystem::near_null_space(const Selection *rows) const
 {
   const unsigned int largest_number = 24;
   const unsigned int n_of_block = largest_number_of_modes();
@@ -153,16 +154,32 @@ GroupSystem::Modes GroupSystem::near_null_space() const
   const unsigned int n_sets = *std::max_element(set_of.begin(), set_of.end()) + 1;
   const bool is_shared = n_sets * n_of_block > largest_number ||
                          (!group.allows_jumps && contrast() <= GroupFacts::large_contrast);
-  const unsigned int n_own = merged->numbering().first_local_of(group.blocks.size());
-  Modes modes(is_shared ? n_of_block : n_sets * n_of_block, std::vector<double>(n_own, 0.));
+  const unsigned int n_rows =
+      rows != nullptr ? rows->size() : merged->numbering().first_local_of(group.blocks.size());
+  Modes modes(is_shared ? n_of_block : n_sets * n_of_block, std::vector<double>(n_rows, 0.));
+  unsigned int first_row = 0;
   for (unsigned int i = 0; i < group.blocks.size(); ++i) {
-    const auto block_modes = group.near_null_space(group.blocks[i], is_shared);
+    const Selection selected = rows != nullptr ? of_block(i, *rows) : Selection();
+    const auto block_modes =
+        group.near_null_space(group.blocks[i], is_shared, rows != nullptr ? &selected : nullptr);
     for (unsigned int mode = 0; mode < block_modes.size(); ++mode)
       std::copy(block_modes[mode].begin(), block_modes[mode].end(),
-                modes[is_shared ? mode : set_of[i] * n_of_block + mode].begin() +
-                    merged->numbering().first_local_of(i));
+                modes[is_shared ? mode : set_of[i] * n_of_block + mode].begin() + first_row);
+    first_row += block_modes.empty() ? 0 : block_modes[0].size();
   }
   return modes;
+}
+
+/// Those of the i-th block, from its first row on.
+Selection GroupSystem::of_block(const unsigned int i, const Selection &rows) const
+{
+  const unsigned int begin = merged->numbering().first_local_of(i),
+                     end = merged->numbering().first_local_of(i + 1);
+  Selection result(std::lower_bound(rows.begin(), rows.end(), begin),
+                   std::lower_bound(rows.begin(), rows.end(), end));
+  for (unsigned int &row : result)
+    row -= begin;
+  return result;
 }
 
 /// Numbers for the blocks of the group, from 0 on, different for those that are coupled: to each in turn the
@@ -204,39 +221,33 @@ std::vector<int> GroupSystem::field_of_row() const
   return result;
 }
 
-std::vector<GroupFacts::Place> GroupSystem::places() const
+std::vector<GroupFacts::Place> GroupSystem::places(const Selection *rows) const
 {
   std::vector<GroupFacts::Place> result;
-  for (const unsigned int block : group.blocks) {
-    const auto positions = group.positions(block);
+  for (unsigned int i = 0; i < group.blocks.size(); ++i) {
+    const Selection selected = rows != nullptr ? of_block(i, *rows) : Selection();
+    const auto positions = group.positions(group.blocks[i], rows != nullptr ? &selected : nullptr);
     result.reserve(result.size() + positions.size());
     for (const auto &position : positions)
-      result.push_back({block, position});
+      result.push_back({group.blocks[i], position});
   }
   return result;
 }
 
 /// Rows are those of the bodies alone.
-std::vector<GroupFacts::Sum> GroupSystem::linear_part() const
+RowSums GroupSystem::linear_part() const
 {
   std::vector<unsigned int> position(matrix->n_block_rows()); // in the group
   for (unsigned int i = 0; i < group.blocks.size(); ++i)
     position[group.blocks[i]] = i;
   const RowNumbering rows(matrix->owned_unknowns(), group.blocks, matrix->get_mpi_communicator());
-  std::vector<GroupFacts::Sum> sums;
-  sums.reserve(rows.n_local());
-  for (const unsigned int block : group.blocks) {
-    auto of_block = group.linear_part(block);
-    for (SolveGroup::Sum &unknown_sum : of_block) {
-      sums.emplace_back();
-      sums.back().reserve(unknown_sum.size());
-      for (const auto &[dof, weight] : unknown_sum) {
-        const auto [dof_block, index] = matrix->get_row_indices().global_to_local(dof);
-        sums.back().emplace_back(rows.row(position[dof_block], index), weight);
-      }
-      unknown_sum = SolveGroup::Sum(); // gives the memory back, which = {} does not
-    }
-  }
+  RowSums sums;
+  for (const unsigned int block : group.blocks)
+    sums.append(group.linear_part(block));
+  sums.renumber([&](const RowSums::Index dof) {
+    const auto [block, index] = matrix->get_row_indices().global_to_local(dof);
+    return rows.row(position[block], index);
+  });
   return sums;
 }
 

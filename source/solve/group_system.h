@@ -39,11 +39,12 @@ public:
   void scale_multipliers(GroupVector &x) const; ///< solution or right-hand side of scaled()
 
 private:
-  Modes near_null_space() const;
-  std::vector<GroupFacts::Sum> linear_part() const;
+  Modes near_null_space(const Selection *rows) const;
+  Selection of_block(unsigned int i, const Selection &rows) const;
+  RowSums linear_part() const;
   std::vector<int> field_of_block() const;
   std::vector<int> field_of_row() const;
-  std::vector<GroupFacts::Place> places() const;
+  std::vector<GroupFacts::Place> places(const Selection *rows) const;
   unsigned int largest_number_of_modes() const;
   std::vector<double> mean_diagonals() const;
   double contrast() const;

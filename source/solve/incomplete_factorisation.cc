@@ -52,7 +52,7 @@ IncompleteFactorisation::BlockRow IncompleteFactorisation::block_row(const unsig
 {
   const RowPattern::Group group = pattern->group(g);
   const int n = group.n_rows;
-  const float *const inverse = &entries[first[g]];
+  const float *const inverse = entries.data() + first[g];
   return {group.first_row, n, inverse, group.n_own - group.n_lower - n, group.columns + group.n_lower + n,
           inverse + n * n};
 }
@@ -70,7 +70,7 @@ void IncompleteFactorisation::copy_upper(const CompactMatrix &A, const double sh
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
     const std::size_t n = group.n_rows, begin = group.first_entry + group.n_lower * n;
-    std::copy(&A.values[begin], &A.values[begin] + (group.n_own - group.n_lower) * n, &entries[first[g]]);
+    std::copy_n(A.values.data() + begin, (group.n_own - group.n_lower) * n, entries.data() + first[g]);
     for (std::size_t i = 0; i < n; ++i) {
       float &diagonal = entries[first[g] + i * n + i];
       diagonal = diagonal == 0 ? 1 : static_cast<float>((1 + shift) * diagonal); // of an empty row
@@ -88,7 +88,7 @@ void IncompleteFactorisation::factorise()
   std::vector<float> products;                      // D_k^-1 U_k
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const BlockRow k = block_row(g);
-    invert(&entries[first[g]], k.n_rows);
+    invert(entries.data() + first[g], k.n_rows);
     products.assign(static_cast<std::size_t>(k.n_columns) * k.n_rows, 0);
     with_known_number(k.n_rows, [&](const auto n) {
       for (int q = 0; q < k.n_columns; ++q) {
@@ -102,7 +102,7 @@ void IncompleteFactorisation::factorise()
         while (end < k.n_columns && group_of_row[k.columns[end]] == i)
           ++end;
         const RowPattern::Group other = pattern->group(i);
-        float *target = &entries[first[i]];
+        float *target = entries.data() + first[i];
         for (int q = other.n_lower; q < other.n_own; ++q, target += other.n_rows)
           if (const int here = position[other.columns[q]]; here >= 0)
             for (int p = begin; p < end; ++p) {

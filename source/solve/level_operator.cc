@@ -54,32 +54,38 @@ void LevelEntries::diagonal(Epetra_Vector &values) const
 }
 
 /// Not by ML's Epetra_PtAP (Trilinos 13.2), which errs where P has columns of other ranks.
-std::unique_ptr<Epetra_CrsMatrix> MatrixLevel::restricted(const Epetra_CrsMatrix &P) const
+std::unique_ptr<Epetra_CrsMatrix> restrict_matrix(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P)
 {
   return transposed_product(P, product(A, P));
 }
 
-std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, const Epetra_CrsMatrix &P)
+std::unique_ptr<Epetra_CrsMatrix> MatrixLevel::restricted(const Prolongation &P) const
+{
+  return restrict_matrix(A, *P.matrix());
+}
+
+std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, const Prolongation &P)
 {
   std::vector<int> rows, columns;
   std::vector<double> entries;
-  const auto read_row = [&](const Epetra_CrsMatrix &matrix, const int row) {
+  Prolongation::Rows rows_of_P(P);
+  const auto read_row = [&](const int row) {
     int n = 0, *local = nullptr;
     double *values = nullptr;
-    matrix.ExtractMyRowView(row, n, values, local);
+    S.ExtractMyRowView(row, n, values, local);
     columns.clear();
     entries.clear();
     for (int k = 0; k < n; ++k)
       if (values[k] != 0) {
-        columns.push_back(matrix.GCID(local[k]));
+        columns.push_back(S.GCID(local[k]));
         entries.push_back(values[k]);
       }
   };
   for (int row = 0; row < S.NumMyRows(); ++row) {
-    read_row(S, row);
+    read_row(row);
     const bool is_coupled =
         std::any_of(columns.begin(), columns.end(), [&](const int column) { return column != S.GRID(row); });
-    if (is_coupled || (!columns.empty() && P.NumMyEntries(row) > 0)) // an unknown may have no entry in P
+    if (is_coupled || (!columns.empty() && rows_of_P[row].n > 0)) // an unknown may have no entry in P
       rows.push_back(row);
   }
   const int n_rows = rows.size();
@@ -88,20 +94,23 @@ std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, c
     global_rows.push_back(S.GRID(row));
   const Epetra_Map map(-1, n_rows, global_rows.data(), 0, S.Comm());
   if (map.NumGlobalElements() == 0) {
-    auto nothing = std::make_unique<Epetra_CrsMatrix>(Copy, P.DomainMap(), 0);
+    auto nothing = std::make_unique<Epetra_CrsMatrix>(Copy, P.domain(), 0);
     nothing->FillComplete();
     return nothing;
   }
   Epetra_CrsMatrix few_of_S(Copy, map, 0), few_of_P(Copy, map, 0);
   for (const int row : rows) {
-    read_row(S, row);
+    read_row(row);
     few_of_S.InsertGlobalValues(S.GRID(row), columns.size(), entries.data(), columns.data());
-    read_row(P, row);
-    few_of_P.InsertGlobalValues(P.GRID(row), columns.size(), entries.data(), columns.data());
+    const Prolongation::Row row_of_P = rows_of_P[row];
+    columns.clear();
+    for (int k = 0; k < row_of_P.n; ++k)
+      columns.push_back(P.columns().global(row_of_P.columns[k]));
+    few_of_P.InsertGlobalValues(S.GRID(row), row_of_P.n, row_of_P.weights, columns.data());
   }
   few_of_S.FillComplete(map, map);
-  few_of_P.FillComplete(P.DomainMap(), map);
-  return transposed_product(few_of_P, product(few_of_S, few_of_P));
+  few_of_P.FillComplete(P.domain(), map);
+  return restrict_matrix(few_of_S, few_of_P);
 }
 
 void AugmentedLevel::vmult(Epetra_Vector &y, const Epetra_Vector &x) const
@@ -116,15 +125,15 @@ void AugmentedLevel::diagonal(Epetra_Vector &values) const
   add_diagonal(R, values);
 }
 
-std::unique_ptr<Epetra_CrsMatrix> AugmentedLevel::restricted(const Epetra_CrsMatrix &P) const
+std::unique_ptr<Epetra_CrsMatrix> AugmentedLevel::restricted(const Prolongation &P) const
 {
   const auto of_A = MatrixLevel::restricted(P);
-  const Epetra_CrsMatrix RP = product(R, P);
+  const Epetra_CrsMatrix RP = product(R, *P.matrix());
   const auto of_R = transposed_product(RP, RP);
   Epetra_CrsMatrix *sum = nullptr;
   EpetraExt::MatrixMatrix::Add(*of_A, false, 1., *of_R, false, 1., sum);
   std::unique_ptr<Epetra_CrsMatrix> result(sum);
-  result->FillComplete(P.DomainMap(), P.DomainMap());
+  result->FillComplete(P.domain(), P.domain());
   return result;
 }
 

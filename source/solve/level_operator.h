@@ -7,6 +7,8 @@
 
 #include "compact_matrix.h"
 
+#include <dovetail/solve/prolongation.h>
+
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Vector.h>
 
@@ -30,7 +32,7 @@ public:
 class LevelOperator : public LevelProducts
 {
 public:
-  virtual std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const = 0; ///< P^T A P
+  virtual std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const = 0; ///< P^T A P
   /// Whether the unknown of an own row follows from others, so that it is alone in its row.
   virtual bool is_condensed(unsigned int row) const = 0;
 };
@@ -41,16 +43,19 @@ class LevelEntries : public LevelProducts
 public:
   /// @param A by reference
   explicit LevelEntries(const Epetra_CrsMatrix &A) : A(&A) {}
-  explicit LevelEntries(CompactMatrix A) : compact(std::make_unique<CompactMatrix>(std::move(A))) {}
+  explicit LevelEntries(CompactMatrix A) : compact(std::make_shared<const CompactMatrix>(std::move(A))) {}
 
   const Epetra_Map &rows() const override { return compact ? compact->rows() : A->OperatorDomainMap(); }
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override;
   void diagonal(Epetra_Vector &values) const override;
-  CompactMatrix single_precision() const { return compact ? *compact : CompactMatrix(*A); }
+  std::shared_ptr<const CompactMatrix> single_precision() const
+  {
+    return compact ? compact : std::make_shared<const CompactMatrix>(*A);
+  }
 
 private:
   const Epetra_CrsMatrix *A = nullptr;
-  std::unique_ptr<CompactMatrix> compact; ///< instead
+  std::shared_ptr<const CompactMatrix> compact; ///< instead
 };
 
 class MatrixLevel : public LevelOperator
@@ -61,7 +66,7 @@ public:
   const Epetra_Map &rows() const override { return A.OperatorDomainMap(); }
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override { A.Multiply(false, x, y); }
   void diagonal(Epetra_Vector &values) const override { A.ExtractDiagonalCopy(values); }
-  std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const override;
+  std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override;
   bool is_condensed(const unsigned int row) const override { return A.NumMyEntries(row) <= 1; }
 
 private:
@@ -77,14 +82,16 @@ public:
 
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override;
   void diagonal(Epetra_Vector &values) const override;
-  std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const override;
+  std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override;
 
 private:
   const Epetra_CrsMatrix &R;
 };
 
+/// P^T A P
+std::unique_ptr<Epetra_CrsMatrix> restrict_matrix(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P);
 /// P^T S P, where S is symmetric and most of its rows are zero, which take no memory here.
-std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, const Epetra_CrsMatrix &P);
+std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, const Prolongation &P);
 
 /// y += R^T R x
 void add_product(const Epetra_CrsMatrix &R, const Epetra_Vector &x, Epetra_Vector &y);

@@ -49,7 +49,7 @@ public:
     entries->ExtractDiagonalCopy(values);
     cells.add_diagonal(values);
   }
-  std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P) const override
+  std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override
   {
     return cells.restricted(P, *restrict_few_rows(*entries, P));
   }
@@ -113,7 +113,8 @@ void MatrixFree::make(const GroupOperator &K)
   ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
   ranks.run("multigrid", [&]() {
     cycle = coarsen_degree(
-        *level, facts, [this]() { return make_modes(facts, level->rows()); },
+        *level, facts,
+        [this](const Epetra_Map &map, const Selection *rows) { return make_modes(facts, map, rows); },
         DegreeCoarsening::usual_smoother(*level, facts.degree));
   });
 }

@@ -130,19 +130,21 @@ void Multigrid::make_levels()
   of_finest = nullptr;
   finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix)
                                  : std::make_unique<AugmentedLevel>(*matrix, *added_rows);
+  const auto part_of_modes = [this](const Epetra_Map &map, const Selection *rows) {
+    return rows != nullptr ? DegreeCoarsening::select(*modes, map, *rows)
+                           : std::make_unique<Epetra_MultiVector>(*modes);
+  };
   if (facts.degree > 1 && facts.linear_part) {
     auto smoother = DegreeCoarsening::usual_smoother(*finest, facts.degree);
     of_finest = smoother.get();
     if (means != Means::usual)
       of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
-    by_degree = coarsen_degree(
-        *finest, facts, [this]() { return modes; }, std::move(smoother));
+    by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother));
   } else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
-    by_degree = leaders->coarsen(
-        *finest, facts, [this]() { return modes; }, nullptr,
-        [this](Cycle::Finest A_1, const auto &...level) {
-          return make_cycle_of_degree_one(std::move(A_1), level...);
-        });
+    by_degree = leaders->coarsen(*finest, facts, part_of_modes, nullptr,
+                                 [this](Cycle::Finest A_1, const auto &...level) {
+                                   return make_cycle_of_degree_one(std::move(A_1), level...);
+                                 });
   else
     cycle = make_cycle_of_degree_one(*matrix, *modes,
                                      means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>()

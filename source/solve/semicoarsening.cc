@@ -531,7 +531,7 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     if (coarse.T->NumGlobalCols() > largest_growth * matrix.NumGlobalRows())
       break;
     auto P = smoothed(coarse, *without_far_couplings(matrix, nodes, couplings), *modes);
-    auto next = MatrixLevel(matrix).restricted(*P);
+    auto next = restrict_matrix(matrix, *P);
     add_level(make_smoother, std::move(P), std::move(next));
     owned_modes = std::move(coarse.modes);
     modes = owned_modes.get();

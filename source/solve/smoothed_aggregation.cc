@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
-#include <type_traits>
 #include <utility>
 
 namespace dovetail {
@@ -73,27 +72,12 @@ private:
   double *values = nullptr;
 };
 
-/// Calls @p action(length), with a constant for the constant vector and for the rigid-body modes of 2D and
-/// 3D, so that the compiler knows the number of passes of loops.
-template <typename Action>
-void with_known(const unsigned int length, const Action &action)
-{
-  if (length == 1)
-    action(std::integral_constant<unsigned int, 1>());
-  else if (length == 3)
-    action(std::integral_constant<unsigned int, 3>());
-  else if (length == 6)
-    action(std::integral_constant<unsigned int, 6>());
-  else
-    action(length);
-}
-
 /// y += a x
 template <typename Length>
 inline void add_multiple(const double a, const double *DEAL_II_RESTRICT x, double *DEAL_II_RESTRICT y,
                          const Length length)
 {
-  for (unsigned int k = 0; k < length; ++k)
+  for (int k = 0; k < length; ++k)
     y[k] += a * x[k];
 }
 
@@ -101,9 +85,7 @@ inline void add_multiple(const double a, const double *DEAL_II_RESTRICT x, doubl
 class RowSum
 {
 public:
-  RowSum(const unsigned int n_columns, const unsigned int length) : length(length), position(n_columns, none)
-  {
-  }
+  RowSum(const unsigned int n_columns, const int length) : length(length), position(n_columns, none) {}
 
   void clear();
   /// Adds @p factor times a row whose blocks begin at columns that are multiples of their length.
@@ -116,7 +98,7 @@ public:
 
 private:
   static constexpr unsigned int none = std::numeric_limits<unsigned int>::max();
-  const unsigned int length;
+  const int length;
   std::vector<unsigned int> position; ///< by first column, in the entries
 };
 
@@ -130,14 +112,14 @@ void RowSum::clear()
 
 void RowSum::add(const double factor, const SparseRow &row)
 {
-  with_known(length, [&](const auto n) {
+  with_known_number(length, [&](const auto n) {
     for (int k = 0; k < row.n; k += n) {
-      Assert(row.columns[k + n - 1] == row.columns[k] + static_cast<int>(n) - 1, dealii::ExcInternalError());
+      Assert(row.columns[k + n - 1] == row.columns[k] + n - 1, dealii::ExcInternalError());
       unsigned int &first = position[row.columns[k]];
       if (first == none) {
         first = entries.size();
         blocks.push_back(row.columns[k]);
-        for (unsigned int i = 0; i < n; ++i)
+        for (int i = 0; i < n; ++i)
           entries.push_back(0);
       }
       add_multiple(factor, row.values + k, &entries[first], n);
@@ -179,7 +161,7 @@ std::unique_ptr<Epetra_CrsMatrix> make_tentative(const Epetra_CrsMatrix &A, cons
     int n = 0;
     double *values = nullptr;
     T->ExtractMyRowView(row, n, values);
-    std::copy_n(&aggregates.basis[static_cast<std::size_t>(row) * n_modes], n, values);
+    std::copy_n(aggregates.basis.data() + static_cast<std::size_t>(row) * n_modes, n, values);
   }
   T->FillComplete(coarse_rows, A.OperatorDomainMap());
   return T;
@@ -328,9 +310,9 @@ void BlockSums::find_places(const SparseRow &p, const RowSum &q)
 void BlockSums::add(const SparseRow &p, const RowSum &q)
 {
   find_places(p, q);
-  with_known(length, [&](const auto n) {
+  with_known_number(length, [&](const auto n) {
     for (const Place &place : places)
-      for (unsigned int i = 0; i < n; ++i)
+      for (int i = 0; i < n; ++i)
         add_multiple(p.values[place.k + i], &q.entries[place.l],
                      &rows[place.row].entries[place.first + i * n], n);
   });
@@ -420,10 +402,11 @@ std::unique_ptr<Epetra_CrsMatrix> make_coarse_matrix(const Epetra_CrsMatrix &A, 
 
 } // namespace
 
-std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Epetra_Map &rows)
+std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Epetra_Map &map,
+                                               const Selection *rows)
 {
-  const auto near_null_space = facts.near_null_space();
-  auto modes = std::make_unique<Epetra_MultiVector>(rows, near_null_space.size());
+  const auto near_null_space = facts.near_null_space(rows);
+  auto modes = std::make_unique<Epetra_MultiVector>(map, near_null_space.size());
   for (unsigned int mode = 0; mode < near_null_space.size(); ++mode)
     std::copy(near_null_space[mode].begin(), near_null_space[mode].end(), (*modes)[mode]);
   return modes;

@@ -35,14 +35,14 @@ bool is_contrast_large(const std::vector<double> &stiffness, const Epetra_Comm &
 }
 
 /// P: the sums of those rows that follow rows of much softer bodies.
-std::unique_ptr<Epetra_CrsMatrix> make_followers(const Epetra_Map &rows, const SoftLeaders::Sums &sums,
+std::unique_ptr<Epetra_CrsMatrix> make_followers(const Epetra_Map &rows, const RowSums &sums,
                                                  const std::vector<double> &stiffness)
 {
   Epetra_CrsMatrix all(Copy, rows, 0);
   for (unsigned int row = 0; row < sums.size(); ++row)
-    for (const auto &[column, weight] : sums[row])
-      if (column != rows.GID(row))
-        all.InsertGlobalValues(rows.GID(row), 1, &weight, &column);
+    for (unsigned int k = 0; k < sums[row].n; ++k)
+      if (const int column = sums[row].columns[k]; column != rows.GID(row))
+        all.InsertGlobalValues(rows.GID(row), 1, &sums[row].weights[k], &column);
   all.FillComplete(rows, rows);
   Epetra_Vector of_rows(rows), of_columns(all.ColMap());
   std::copy(stiffness.begin(), stiffness.end(), of_rows.Values());
@@ -113,13 +113,14 @@ LeadersFirst::LeadersFirst(const LevelOperator &A, const std::vector<int> &leade
     : A(A), leaders(leaders), other(std::move(other))
 {
   const Epetra_Map of_leaders(-1, static_cast<int>(leaders.size()), 0, A.rows().Comm());
-  Epetra_CrsMatrix injection(Copy, A.rows(), 1);
-  for (unsigned int i = 0; i < leaders.size(); ++i) {
-    const int column = of_leaders.GID(i);
-    const double one = 1;
-    injection.InsertGlobalValues(A.rows().GID(leaders[i]), 1, &one, &column);
-  }
-  injection.FillComplete(of_leaders, A.rows());
+  std::vector<int> number(A.rows().NumMyElements(), -1);
+  for (unsigned int i = 0; i < leaders.size(); ++i)
+    number[leaders[i]] = of_leaders.GID(i);
+  const Prolongation injection(A.rows(), of_leaders,
+                               [&](const int row, std::vector<int> &columns, std::vector<double> &weights) {
+                                 columns.assign(number[row] < 0 ? 0 : 1, number[row]);
+                                 weights.assign(columns.size(), 1.);
+                               });
   factors = std::make_unique<Factors>(A.restricted(injection));
   if (!this->other) {
     Epetra_Vector diagonal(A.rows());
@@ -160,7 +161,7 @@ void LeadersFirst::solve_for_leaders(double *x, const double *b, const bool is_z
 } // namespace
 
 std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Epetra_Map &rows,
-                                               const Sums *linear_part)
+                                               const RowSums *linear_part)
 {
   const int most_leaders = 50000;
   const double largest_ratio = 1; // of followers to leaders: on a finer side hardly a P u_s is zero
@@ -169,28 +170,31 @@ std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Ep
   const std::vector<double> stiffness = facts.stiffness_of_row();
   if (!is_contrast_large(stiffness, rows.Comm()))
     return nullptr;
-  const Sums sums = linear_part != nullptr ? *linear_part : facts.linear_part();
+  const RowSums sums = linear_part != nullptr ? *linear_part : facts.linear_part();
   auto result = std::make_unique<SoftLeaders>();
   result->P = make_followers(rows, sums, stiffness);
   if (result->P->NumGlobalNonzeros() == 0)
     return nullptr;
   result->Q = make_reverse(*result->P);
-  result->reversed = sums;
   std::array<int, 2> counts{}, sums_of_counts{}; // of leaders and followers
+  GroupFacts::Sum sum;
   for (int row = 0; row < rows.NumMyElements(); ++row) {
-    if (result->P->NumMyEntries(row) > 0) {
-      result->reversed[row] = {{rows.GID(row), 1.}};
-      ++counts[1];
-    }
     int n = 0, *columns = nullptr;
     double *values = nullptr;
     result->Q->ExtractMyRowView(row, n, values, columns);
-    if (n > 0) {
-      result->leaders.push_back(row);
-      result->reversed[row].clear();
-    }
+    sum.clear();
     for (int k = 0; k < n; ++k)
-      result->reversed[row].emplace_back(result->Q->GCID(columns[k]), values[k]);
+      sum.emplace_back(result->Q->GCID(columns[k]), values[k]);
+    if (n > 0)
+      result->leaders.push_back(row);
+    if (result->P->NumMyEntries(row) > 0) {
+      ++counts[1];
+      if (n == 0)
+        sum.emplace_back(rows.GID(row), 1.);
+    } else if (n == 0)
+      for (unsigned int k = 0; k < sums[row].n; ++k)
+        sum.emplace_back(sums[row].columns[k], sums[row].weights[k]);
+    result->reversed.add_row(sum);
   }
   counts[0] = result->leaders.size();
   rows.Comm().SumAll(counts.data(), sums_of_counts.data(), counts.size());
@@ -241,15 +245,18 @@ std::unique_ptr<DegreeCoarsening> SoftLeaders::coarsen(const LevelOperator &A, c
                                                        const DegreeCoarsening::MakeCoarse &make_coarse) const
 {
   return std::make_unique<DegreeCoarsening>(
-      A, Sums(reversed), [&]() { return reversed_modes(*make_modes()); }, facts,
-      std::make_unique<LeadersFirst>(A, leaders, std::move(other)), make_coarse);
+      A, RowSums(reversed),
+      [&](const Epetra_Map &map, const Selection *rows) {
+        return DegreeCoarsening::select(*reversed_modes(*make_modes(A.rows(), nullptr)), map, *rows);
+      },
+      facts, std::make_unique<LeadersFirst>(A, leaders, std::move(other)), make_coarse);
 }
 
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
                                                  const DegreeCoarsening::MakeModes &make_modes,
                                                  std::unique_ptr<Smoother> smoother)
 {
-  SoftLeaders::Sums sums = facts.linear_part();
+  RowSums sums = facts.linear_part();
   if (const auto leaders = SoftLeaders::find(facts, A.rows(), &sums))
     return leaders->coarsen(A, facts, make_modes, std::move(smoother), DegreeCoarsening::make_usual_coarse);
   return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother));

@@ -31,12 +31,10 @@ namespace dovetail {
 class SoftLeaders
 {
 public:
-  using Sums = DegreeCoarsening::Sums;
-
   /// Collective. nullptr if no body follows one that is much softer, or if too many unknowns lead.
   /// @param linear_part that of the facts, if it is there already
   static std::unique_ptr<SoftLeaders> find(const GroupFacts &facts, const Epetra_Map &rows,
-                                           const Sums *linear_part = nullptr);
+                                           const RowSums *linear_part = nullptr);
 
   /// Levels for A in which the leaders follow. @param other the smoother of A beside the factors; nullptr:
   /// the rows that are alone are solved.
@@ -49,7 +47,7 @@ private:
   /// With y in place of u_d.
   std::unique_ptr<Epetra_MultiVector> reversed_modes(const Epetra_MultiVector &modes) const;
 
-  Sums reversed;                          ///< the leaders follow
+  RowSums reversed;                       ///< the leaders follow
   std::unique_ptr<Epetra_CrsMatrix> P, Q; ///< of the unknowns that lead and follow; other rows are empty
   std::vector<int> leaders;               ///< own rows
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/solve/prolongation.h>
 #include <dovetail/system/cellwise_tangent.h>
 
 #include <deal.II/base/mpi.h>
@@ -85,10 +86,14 @@ void CellwiseTangent<dim>::collect_columns()
     cells->for_each_unknown(collect);
   for (const auto &tie : ties)
     tie->for_each_unknown(collect);
-  std::vector<int> all(own_rows->MyGlobalElements(),
-                       own_rows->MyGlobalElements() + own_rows->NumMyElements());
-  all.insert(all.end(), others.begin(), others.end());
-  columns = std::make_shared<Epetra_Map>(-1, static_cast<int>(all.size()), all.data(), 0, communicator);
+  if (communicator.NumProc() == 1)
+    columns = own_rows; // of consecutive numbers, which takes no memory
+  else {
+    std::vector<int> all(own_rows->MyGlobalElements(),
+                         own_rows->MyGlobalElements() + own_rows->NumMyElements());
+    all.insert(all.end(), others.begin(), others.end());
+    columns = std::make_shared<Epetra_Map>(-1, static_cast<int>(all.size()), all.data(), 0, communicator);
+  }
   import = std::make_shared<Epetra_Import>(*columns, *own_rows);
   for (auto &[d, cells] : operators)
     cells->number([&](const auto dof) { return columns->LID(row(dof)); });
@@ -506,53 +511,86 @@ std::vector<FurtherRow> rows_of(const Epetra_CrsMatrix &matrix, const SumOfSmall
   return rows;
 }
 
-/// The rows of @p matrix by their @p numbers, with the local columns of @p P.
-std::unordered_map<int, std::pair<std::vector<int>, std::vector<double>>>
-rows_by_columns_of(const Epetra_CrsMatrix &P, const Epetra_CrsMatrix &matrix, const std::vector<int> &numbers)
+/// The rows of C P of unknowns that follow others, on one rank.
+class FollowingRows
 {
-  std::unordered_map<int, std::pair<std::vector<int>, std::vector<double>>> result;
-  for (unsigned int k = 0; k < numbers.size(); ++k) {
+public:
+  /// @p constrained: the unknowns of the rows of @p follow
+  FollowingRows(const Epetra_CrsMatrix &follow, const std::vector<int> &constrained, Prolongation::Rows &P);
+
+  Prolongation::Row operator[](const int unknown) const
+  {
+    const auto &[columns, weights] = rows.at(unknown);
+    return {static_cast<int>(columns.size()), columns.data(), weights.data()};
+  }
+
+private:
+  std::unordered_map<int, std::pair<std::vector<int>, std::vector<double>>> rows;
+};
+
+FollowingRows::FollowingRows(const Epetra_CrsMatrix &follow, const std::vector<int> &constrained,
+                             Prolongation::Rows &P)
+{
+  std::map<int, double> sum;
+  for (unsigned int k = 0; k < constrained.size(); ++k) {
     int n = 0, *local = nullptr;
     double *values = nullptr;
-    matrix.ExtractMyRowView(k, n, values, local);
-    auto &[columns, weights] = result[numbers[k]];
-    weights.assign(values, values + n);
-    for (int i = 0; i < n; ++i)
-      columns.push_back(P.LCID(matrix.GCID(local[i])));
+    follow.ExtractMyRowView(k, n, values, local);
+    sum.clear();
+    for (int i = 0; i < n; ++i) {
+      const Prolongation::Row row = P[follow.DomainMap().LID(follow.GCID(local[i]))];
+      for (int j = 0; j < row.n; ++j)
+        sum[row.columns[j]] += values[i] * row.weights[j];
+    }
+    auto &[columns, weights] = rows[constrained[k]];
+    for (const auto &[column, weight] : sum) {
+      columns.push_back(column);
+      weights.push_back(weight);
+    }
   }
-  return result;
 }
 
 } // namespace
 
 template <int dim>
-std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Epetra_CrsMatrix &P,
+std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Prolongation &P,
                                                                    const Epetra_CrsMatrix &summand) const
 {
-  // one rank adds to P what follows, in place of a copy
-  const bool is_alone = own_rows->Comm().NumProc() == 1;
-  const std::shared_ptr<const Epetra_CrsMatrix> all =
-      is_alone ? std::shared_ptr<const Epetra_CrsMatrix>(&P, [](const Epetra_CrsMatrix *) {}) : complete(P);
-  std::unordered_map<int, std::pair<std::vector<int>, std::vector<double>>> following;
-  if (is_alone)
-    following = rows_by_columns_of(P, of_constrained(P), constrained);
-  const auto row_of_P = [&](const int index) {
-    typename CellOperator<dim>::Row result{};
-    if (is_alone && is_condensed[index]) {
-      const auto &[local, weights] = following.at(index);
-      return typename CellOperator<dim>::Row{static_cast<int>(local.size()), local.data(), weights.data()};
-    }
-    int *local = nullptr;
-    double *weights = nullptr;
-    all->ExtractMyRowView(index, result.n, weights, local);
-    result.columns = local;
-    result.weights = weights;
-    return result;
-  };
-  SumOfSmall sum(P.DomainMap(), {&all->ColMap(), &summand.ColMap()});
-  std::vector<int> number(all->NumMyCols()), numbers; // of a column of C P
+  if (own_rows->Comm().NumProc() > 1) {
+    const auto all = complete(*P.matrix());
+    return restricted(
+        [&](const int index) {
+          typename CellOperator<dim>::Row result{};
+          int *local = nullptr;
+          double *weights = nullptr;
+          all->ExtractMyRowView(index, result.n, weights, local);
+          result.columns = local;
+          result.weights = weights;
+          return result;
+        },
+        P.domain(), all->ColMap(), summand);
+  }
+  Prolongation::Rows rows_of_P(P);
+  const FollowingRows following(*follow, constrained, rows_of_P);
+  return restricted(
+      [&](const int index) {
+        const Prolongation::Row row = is_condensed[index] ? following[index] : rows_of_P[index];
+        return typename CellOperator<dim>::Row{row.n, row.columns, row.weights};
+      },
+      P.domain(), P.domain(), summand);
+}
+
+/// @p row_of_P: those of C P at the unknowns of the cells, with local numbers of @p columns_of_P.
+template <int dim>
+std::unique_ptr<Epetra_CrsMatrix>
+CellwiseTangent<dim>::restricted(const typename CellOperator<dim>::Prolongation &row_of_P,
+                                 const Epetra_Map &coarse, const Epetra_Map &columns_of_P,
+                                 const Epetra_CrsMatrix &summand) const
+{
+  SumOfSmall sum(coarse, {&columns_of_P, &summand.ColMap()});
+  std::vector<int> number(columns_of_P.NumMyElements()), numbers; // of a column of C P
   for (unsigned int k = 0; k < number.size(); ++k)
-    number[k] = sum.number(all->GCID(k));
+    number[k] = sum.number(columns_of_P.GID(k));
   const auto find_numbers = [&](const std::vector<int> &local) {
     numbers.clear();
     for (const int column : local)

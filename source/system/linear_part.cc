@@ -8,6 +8,8 @@
 #include <bitset>
 #include <cmath>
 #include <map>
+#include <utility>
+#include <vector>
 
 namespace dovetail {
 
@@ -136,43 +138,123 @@ NodeSums make_node_sums(const CellLayout<dim> &layout, const unsigned int compon
                                : interpolate_in_simplex<dim>(nodes, shape, is_long);
 }
 
-} // namespace
+/// The sums of the nodes of cells, which many cells share.
+template <int dim>
+class KnownSums
+{
+public:
+  struct Sum
+  {
+    std::vector<unsigned int> nodes;
+    unsigned int first_weight; ///< in the result
+    bool is_itself;
+  };
+
+  KnownSums(const Domain<dim> &domain, const Block &block)
+      : domain(domain), block(block), field(domain.fields()[block.field_index])
+  {
+  }
+
+  const Sum &operator[](const unsigned int number) const { return sums[number]; }
+  /// Calls @p visit(own unknown, number of its sum, the unknown of a node) for those of all cells.
+  /// @param result gets the weights of new ones
+  template <typename Visit>
+  void for_each_node(RowSums &result, const Visit &visit);
+
+private:
+  unsigned int first_of(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell, RowSums &result);
+
+  const Domain<dim> &domain;
+  const Block &block;
+  const Field &field;
+  std::map<unsigned long, unsigned int> first; ///< that of the first node, by long edges
+  std::vector<Sum> sums;
+};
 
 template <int dim>
-std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>>
-linear_part(const Domain<dim> &domain, const Block &block)
+unsigned int KnownSums<dim>::first_of(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell,
+                                      RowSums &result)
 {
-  const Field &field = domain.fields()[block.field_index];
+  const LongEdges is_long = long_edges<dim>(cell);
+  const auto [place, is_new] = first.try_emplace(is_long.to_ulong(), sums.size());
+  if (!is_new)
+    return place->second;
+  const NodeSums node_sums =
+      make_node_sums<dim>(domain.layout(), field.first_component, domain.cell_shape(), is_long);
+  std::vector<double> weights;
+  for (unsigned int a = 0; a < node_sums.size(); ++a) {
+    sums.push_back({{}, 0, node_sums[a].size() == 1 && node_sums[a][0].first == a});
+    weights.clear();
+    for (const auto &[node, weight] : node_sums[a]) {
+      sums.back().nodes.push_back(node);
+      weights.push_back(weight);
+    }
+    sums.back().first_weight = result.add_weights(weights);
+  }
+  return place->second;
+}
+
+template <int dim>
+template <typename Visit>
+void KnownSums<dim>::for_each_node(RowSums &result, const Visit &visit)
+{
   const CellLayout<dim> &layout = domain.layout();
-  std::map<unsigned long, NodeSums> known; // by long edges
-  std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>> sums(block.owned.n_elements());
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
-      const LongEdges is_long = long_edges<dim>(cell);
-      NodeSums &node_sums = known[is_long.to_ulong()];
-      if (node_sums.empty())
-        node_sums = make_node_sums<dim>(layout, field.first_component, domain.cell_shape(), is_long);
+      const unsigned int first_sum = first_of(cell, result);
       domain.cell_dofs(cell, dofs);
       for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
-        for (unsigned int a = 0; a < node_sums.size(); ++a) {
-          const auto dof = dofs[layout.index(c, a)];
-          if (!block.owned.is_element(dof - block.begin))
-            continue;
-          auto &sum = sums[block.owned.index_within_set(dof - block.begin)];
-          if (sum.empty() || sum[0].first == dof) { // one cell in which its edge is short is enough
-            sum.clear();
-            for (const auto &[node, weight] : node_sums[a])
-              sum.emplace_back(dofs[layout.index(c, node)], weight);
-          }
-        }
+        for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
+          if (const auto dof = dofs[layout.index(c, a)]; block.owned.is_element(dof - block.begin))
+            visit(block.owned.index_within_set(dof - block.begin), first_sum + a,
+                  [&](const unsigned int node) { return dofs[layout.index(c, node)]; });
     }
-  return sums;
 }
 
-template std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>>
-linear_part(const Domain<2> &domain, const Block &block);
-template std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>>
-linear_part(const Domain<3> &domain, const Block &block);
+} // namespace
+
+/// One cell in which an edge is short is enough.
+template <int dim>
+RowSums linear_part(const Domain<dim> &domain, const Block &block,
+                    const dealii::AffineConstraints<double> &constraints)
+{
+  const unsigned int none = dealii::numbers::invalid_unsigned_int;
+  RowSums result;
+  KnownSums<dim> known(domain, block);
+  std::vector<unsigned int> chosen(block.owned.n_elements(), none); // of the known ones
+  known.for_each_node(result, [&](const unsigned int i, const unsigned int number, const auto &) {
+    if (chosen[i] == none || known[chosen[i]].is_itself)
+      chosen[i] = number;
+  });
+  std::size_t n_columns = 0;
+  for (unsigned int i = 0; i < chosen.size(); ++i)
+    n_columns += chosen[i] == none ? 0 : known[chosen[i]].nodes.size();
+  result.reserve(chosen.size(), n_columns);
+  unsigned int row = 0;
+  for (const auto i : block.owned) {
+    unsigned int &number = chosen[row++];
+    if (constraints.is_constrained(block.begin + i)) {
+      number = none;
+      if (const auto *entries = constraints.get_constraint_entries(block.begin + i))
+        result.add_row(*entries);
+      else
+        result.add_row(0, 0);
+    } else if (number == none)
+      result.add_row(0, 0);
+    else
+      result.add_row(known[number].nodes.size(), known[number].first_weight);
+  }
+  known.for_each_node(result, [&](const unsigned int i, const unsigned int number, const auto &unknown) {
+    if (chosen[i] != number)
+      return;
+    std::transform(known[number].nodes.begin(), known[number].nodes.end(), result.columns_of(i), unknown);
+    chosen[i] = none;
+  });
+  return result;
+}
+
+template RowSums linear_part(const Domain<2> &, const Block &, const dealii::AffineConstraints<double> &);
+template RowSums linear_part(const Domain<3> &, const Block &, const dealii::AffineConstraints<double> &);
 
 } // namespace dovetail

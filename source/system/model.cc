@@ -558,12 +558,12 @@ unsigned int Model<dim>::degree() const
 }
 
 template <int dim>
-std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block,
-                                                             const bool about_one_point) const
+std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block, const bool about_one_point,
+                                                             const std::vector<unsigned int> *unknowns) const
 {
   const Domain<dim> &domain = *domains[block.domain_index];
   const Domain<dim> &reference = about_one_point ? *domains[0] : domain;
-  return rigid_motions(domain, block, reference.centre(), reference.typical_length());
+  return rigid_motions(domain, block, reference.centre(), reference.typical_length(), unknowns);
 }
 
 template class Model<2>;

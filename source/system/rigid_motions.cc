@@ -28,6 +28,18 @@ std::vector<double> constant(const Domain<dim> &domain, const Block &block, cons
   return mode;
 }
 
+template <typename Value>
+std::vector<Value> select(std::vector<Value> all, const std::vector<unsigned int> *numbers)
+{
+  if (numbers == nullptr)
+    return all;
+  std::vector<Value> result;
+  result.reserve(numbers->size());
+  for (const unsigned int i : *numbers)
+    result.push_back(all[i]);
+  return result;
+}
+
 } // namespace
 
 template <int dim>
@@ -65,13 +77,17 @@ std::vector<Place<dim>> places_of_unknowns(const Domain<dim> &domain, const Bloc
 
 template <int dim>
 std::vector<std::vector<double>> rigid_motions(const Domain<dim> &domain, const Block &block,
-                                               const dealii::Point<dim> &centre, const double length)
+                                               const dealii::Point<dim> &centre, const double length,
+                                               const std::vector<unsigned int> *unknowns)
 {
   const Field &field = domain.fields()[block.field_index];
   if (field.n_components == 1)
-    return {constant(domain, block, field.first_component)};
+    return {select(constant(domain, block, field.first_component), unknowns)};
 
-  const std::vector<Place<dim>> places = places_of_unknowns(domain, block);
+  const std::vector<Place<dim>> places =
+      select(unknowns != nullptr && unknowns->empty() ? std::vector<Place<dim>>()
+                                                      : places_of_unknowns(domain, block),
+             unknowns);
   const unsigned int n_modes = dim == 2 ? 3 : 6;
   std::vector<std::vector<double>> modes(n_modes, std::vector<double>(places.size(), 0.));
   for (unsigned int i = 0; i < places.size(); ++i) {
@@ -93,8 +109,10 @@ std::vector<std::vector<double>> rigid_motions(const Domain<dim> &domain, const 
 template std::vector<Place<2>> places_of_unknowns(const Domain<2> &, const Block &);
 template std::vector<Place<3>> places_of_unknowns(const Domain<3> &, const Block &);
 template std::vector<std::vector<double>> rigid_motions(const Domain<2> &, const Block &,
-                                                        const dealii::Point<2> &, double);
+                                                        const dealii::Point<2> &, double,
+                                                        const std::vector<unsigned int> *);
 template std::vector<std::vector<double>> rigid_motions(const Domain<3> &, const Block &,
-                                                        const dealii::Point<3> &, double);
+                                                        const dealii::Point<3> &, double,
+                                                        const std::vector<unsigned int> *);
 
 } // namespace dovetail

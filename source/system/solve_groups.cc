@@ -14,22 +14,6 @@ namespace dovetail {
 
 namespace {
 
-/// Where constrained unknowns are the sum of those they follow.
-template <int dim>
-std::vector<SolveGroup::Sum> constrained_linear_part(const Model<dim> &model, const BlockSystem<dim> &system,
-                                                     const unsigned int block_number)
-{
-  const Block &block = model.numbering->blocks()[block_number];
-  auto sums = linear_part(*model.domains[block.domain_index], block);
-  for (unsigned int i = 0; i < sums.size(); ++i)
-    if (const auto dof = block.begin + block.owned.nth_index_in_set(i);
-        system.all_constraints().is_constrained(dof)) {
-      const auto *entries = system.all_constraints().get_constraint_entries(dof);
-      sums[i] = entries == nullptr ? SolveGroup::Sum() : SolveGroup::Sum(entries->begin(), entries->end());
-    }
-  return sums;
-}
-
 /// Why the tangent of the cells must be a matrix; empty if products do.
 template <int dim>
 std::string why_entries(const Model<dim> &model, const std::vector<std::string> &fields,
@@ -65,20 +49,23 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.degree = model.degree();
     group.allows_jumps = std::any_of(fields.begin(), fields.end(),
                                      [&model](const auto &field) { return model.allows_jumps(field); });
-    group.near_null_space = [&model](const unsigned int block, const bool about_one_point) {
-      return model.near_null_space(model.numbering->blocks()[block], about_one_point);
+    group.near_null_space = [&model](const unsigned int number, const bool about_one_point,
+                                     const Selection *unknowns) {
+      return model.near_null_space(model.numbering->blocks()[number], about_one_point, unknowns);
     };
-    group.positions = [&model](const unsigned int number) {
+    group.positions = [&model](const unsigned int number, const Selection *unknowns) {
       const Block &block = model.numbering->blocks()[number];
-      std::vector<std::array<double, 3>> positions;
-      for (const Place<dim> &place : places_of_unknowns(*model.domains[block.domain_index], block)) {
-        positions.emplace_back();
-        std::copy(place.position.begin_raw(), place.position.end_raw(), positions.back().begin());
+      const auto places = places_of_unknowns(*model.domains[block.domain_index], block);
+      std::vector<std::array<double, 3>> positions(unknowns != nullptr ? unknowns->size() : places.size());
+      for (unsigned int i = 0; i < positions.size(); ++i) {
+        const Place<dim> &place = places[unknowns != nullptr ? (*unknowns)[i] : i];
+        std::copy(place.position.begin_raw(), place.position.end_raw(), positions[i].begin());
       }
       return positions;
     };
-    group.linear_part = [&model, system](const unsigned int block) {
-      return constrained_linear_part(model, system(), block);
+    group.linear_part = [&model, system](const unsigned int number) {
+      const Block &block = model.numbering->blocks()[number];
+      return linear_part(*model.domains[block.domain_index], block, system().all_constraints());
     };
     group.is_of_body = [&model](const unsigned int number) {
       return !model.numbering->blocks()[number].is_of_multipliers;

@@ -8,8 +8,10 @@
 //
 // ranks: 1, 2, 3
 
-#include "../../source/solve/prolongation.h"
+#include "../../source/solve/compact_matrix.h"
 #include "../system/scene_model.h"
+
+#include <dovetail/solve/prolongation.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -87,7 +87,7 @@ void check(const double compliance)
   group.name = "chain";
   group.blocks = {0};
   group.multiplier_blocks = {1};
-  group.near_null_space = [&](unsigned int, bool) {
+  group.near_null_space = [&](unsigned int, bool, const Selection *) {
     return std::vector<std::vector<double>>(1, std::vector<double>(owned[0].n_elements(), 1.));
   };
   group.dropped = [&](unsigned int) {

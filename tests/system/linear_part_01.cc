@@ -43,18 +43,18 @@ void check(const std::string &name, const unsigned int degree, const std::string
   const auto sums = linear_part(*model.domains[0], model.numbering->blocks()[0]);
 
   const std::function<double(unsigned int)> value = [&](const unsigned int i) {
-    if (sums[i].size() == 1 && sums[i][0].first == i)
+    if (sums.is_only(i, i))
       return double(x(i));
     double result = 0;
-    for (const auto &[j, weight] : sums[i])
-      result += weight * value(j);
+    for (unsigned int k = 0; k < sums[i].n; ++k)
+      result += sums[i].weights[k] * value(sums[i].columns[k]);
     return result;
   };
   double error = 0;
   unsigned int n_remaining = 0;
   for (unsigned int i = 0; i < sums.size(); ++i) {
     error = std::max(error, std::abs(value(i) - x(i)));
-    n_remaining += sums[i].size() == 1 && sums[i][0].first == i;
+    n_remaining += sums.is_only(i, i);
   }
   report(name + ", degree " + std::to_string(degree) + ", values", error, 1e-13);
   report(name + ", degree " + std::to_string(degree) + ", unknowns", n_remaining == n_expected);

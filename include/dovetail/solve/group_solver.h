@@ -7,6 +7,7 @@
 
 #include <dovetail/scene/catalogue.h>
 #include <dovetail/solve/part_operator.h>
+#include <dovetail/solve/row_sums.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/trilinos_vector.h>
@@ -23,6 +24,8 @@ class Epetra_CrsMatrix;
 namespace dovetail {
 
 using GroupVector = dealii::TrilinosWrappers::MPI::Vector;
+/// Numbers of some own rows or unknowns, ascending. A pointer to none stands for all.
+using Selection = std::vector<unsigned int>;
 
 /// K of a group. Each rank owns a contiguous range of rows: the unknowns of its bodies, body after body, then
 /// its multipliers.
@@ -71,13 +74,14 @@ struct GroupFacts : GroupTraits
   bool has_multipliers = false;
   bool is_positive_definite() const { return is_symmetric && !has_multipliers; }
 
-  /// [mode][own row of GroupOperator::bodies()]: what the bodies hardly resist. Collective.
-  std::function<std::vector<std::vector<double>>()> near_null_space;
+  /// [mode][row of a selection of the own ones of GroupOperator::bodies()]: what the bodies hardly resist.
+  /// Collective.
+  std::function<std::vector<std::vector<double>>(const Selection *rows)> near_null_space;
   /// Of each own row of the bodies: the global rows, and the weights, that it is the sum of in a function of
   /// degree one; itself if it is an unknown of such a function; none if it is prescribed. May be missing.
   /// Collective.
-  using Sum = std::vector<std::pair<int, double>>;
-  std::function<std::vector<Sum>()> linear_part;
+  std::function<RowSums()> linear_part;
+  using Sum = std::vector<std::pair<int, double>>; ///< one of them
   /// Of each own row of the bodies: the number of its field, from 0.
   std::function<std::vector<int>()> field_of_row;
   /// Of each own row of the bodies: the mean of the diagonal entries of its block. May be missing.
@@ -88,14 +92,17 @@ struct GroupFacts : GroupTraits
   /// Collective.
   std::function<double()> contrast;
   static constexpr double large_contrast = 1e3; ///< from here on bodies hardly share a mode
-  /// Of each own row of the bodies: the number of its block, and where its node is. May be missing.
+  /// Of some own rows of the bodies: the number of the block, and where the node is. May be missing.
   struct Place
   {
     unsigned int block = 0;
     std::array<double, 3> position{};
   };
-  std::function<std::vector<Place>()> places;
-  std::vector<Place> known_places() const { return places ? places() : std::vector<Place>(); }
+  std::function<std::vector<Place>(const Selection *rows)> places;
+  std::vector<Place> known_places(const Selection *rows = nullptr) const
+  {
+    return places ? places(rows) : std::vector<Place>();
+  }
 };
 
 /// How large a group is, for an estimate of what it costs.

@@ -26,17 +26,19 @@ struct SolveGroup : GroupTraits
   std::vector<unsigned int> blocks;            ///< of the bodies
   std::vector<unsigned int> multiplier_blocks; ///< of interfaces, and of constraints within bodies
   bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
-  /// Near-null space of a block at this rank's unknowns, [mode][local unknown], as part of that of all blocks
-  /// together or by itself; asked for only if a solver does.
-  std::function<std::vector<std::vector<double>>(unsigned int block, bool about_one_point)> near_null_space;
+  /// Near-null space of a block at some of this rank's unknowns, [mode][unknown], as part of that of all
+  /// blocks together or by itself; asked for only if a solver does.
+  std::function<std::vector<std::vector<double>>(unsigned int block, bool about_one_point,
+                                                 const Selection *unknowns)>
+      near_null_space;
   /// Of each of this rank's unknowns of a block: the unknowns of the whole system, and the weights, that it
   /// is the sum of in a function of degree one: those at the vertices of its cell, or those that it follows
   /// by a constraint; none if it is prescribed, itself if it is a vertex. Asked for only if a solver does;
   /// may be missing, which costs time only.
-  using Sum = std::vector<std::pair<dealii::types::global_dof_index, double>>;
-  std::function<std::vector<Sum>(unsigned int block)> linear_part;
-  /// Where the nodes of this rank's unknowns of a block are. Asked for only if a solver does; may be missing.
-  std::function<std::vector<std::array<double, 3>>(unsigned int block)> positions;
+  std::function<RowSums(unsigned int block)> linear_part;
+  /// Where the nodes of some of this rank's unknowns of a block are. Asked for only if a solver does; may be
+  /// missing.
+  std::function<std::vector<std::array<double, 3>>(unsigned int block, const Selection *unknowns)> positions;
   /// If is_symmetric: whether the matrix still is, as far as this rank knows. If missing, it is.
   std::function<bool()> is_still_symmetric;
   /// The name of the field of a block of the bodies. If missing, all have the same.

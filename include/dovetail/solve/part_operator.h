@@ -15,6 +15,8 @@
 
 namespace dovetail {
 
+class Prolongation;
+
 /// A summand of a square matrix that knows products and no entries. Rows are those of the part; vectors have
 /// the own ones.
 class PartOperator
@@ -27,7 +29,7 @@ public:
                            bool of_symmetric_part) const = 0;
   virtual void add_diagonal(Epetra_Vector &values) const = 0;
   /// P^T K P + @p summand, of the symmetric part of K. Collective.
-  virtual std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P,
+  virtual std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P,
                                                        const Epetra_CrsMatrix &summand) const = 0;
   /// Of each own row: whether its unknown follows from others or is prescribed, so that the row is empty.
   virtual const std::vector<bool> &condensed() const = 0;

@@ -57,7 +57,7 @@ public:
   void add_product(double factor, const Epetra_Vector &x, Epetra_Vector &y,
                    bool of_symmetric_part) const override;
   void add_diagonal(Epetra_Vector &values) const override;
-  std::unique_ptr<Epetra_CrsMatrix> restricted(const Epetra_CrsMatrix &P,
+  std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P,
                                                const Epetra_CrsMatrix &summand) const override;
   const std::vector<bool> &condensed() const override { return is_condensed; }
   const std::set<std::pair<unsigned int, unsigned int>> &coupled_blocks() const override
@@ -79,6 +79,9 @@ private:
                 const std::vector<double> &replacement) const;
   Epetra_CrsMatrix of_constrained(const Epetra_CrsMatrix &P) const;
   std::shared_ptr<const Epetra_CrsMatrix> complete(const Epetra_CrsMatrix &P) const;
+  std::unique_ptr<Epetra_CrsMatrix> restricted(const typename CellOperator<dim>::Prolongation &row_of_P,
+                                               const Epetra_Map &coarse, const Epetra_Map &columns_of_P,
+                                               const Epetra_CrsMatrix &summand) const;
 
   const Model<dim> &model;
   const RowNumbering &rows;

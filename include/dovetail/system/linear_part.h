@@ -8,15 +8,15 @@
 #include <dovetail/domain/domain.h>
 #include <dovetail/domain/numbering.h>
 
-#include <deal.II/base/types.h>
+#include <dovetail/solve/row_sums.h>
 
-#include <utility>
-#include <vector>
+#include <deal.II/lac/affine_constraints.h>
 
 namespace dovetail {
 
 /// Of each owned unknown of the block of a field: the unknowns, and the weights, that it is the sum of in a
-/// function of degree one, those at the vertices of its cell.
+/// function of degree one, those at the vertices of its cell. A constrained unknown is the sum of those it
+/// follows.
 ///
 /// Along the long edges of a quadrilateral or hexahedron the functions keep their degree, so that an unknown
 /// inside such an edge is the sum of itself. What varies along it between vertices costs so little energy
@@ -24,7 +24,7 @@ namespace dovetail {
 /// times as long in x as in y and z, a node at (1/2, 1/2, 0) is the mean of those at (1/2, 0, 0) and
 /// (1/2, 1, 0). A sum may name an unknown that is a sum itself, of another cell.
 template <int dim>
-std::vector<std::vector<std::pair<dealii::types::global_dof_index, double>>>
-linear_part(const Domain<dim> &domain, const Block &block);
+RowSums linear_part(const Domain<dim> &domain, const Block &block,
+                    const dealii::AffineConstraints<double> &constraints = {});
 
 } // namespace dovetail

@@ -63,10 +63,11 @@ public:
   bool allows_jumps(const std::string &field) const; ///< some interface lets its sides come apart
   unsigned int degree() const;                       ///< the largest of the domains
 
-  /// Near-null space of the block of a field of a domain at this rank's owned unknowns (in their order): the
+  /// Near-null space of the block of a field of a domain at some of this rank's unknowns, by default all: the
   /// constant for scalars; for vectors translations and rotations scaled to order one, about the centre of
   /// the domain or, if @p about_one_point, about one point for all of them.
-  std::vector<std::vector<double>> near_null_space(const Block &block, bool about_one_point) const;
+  std::vector<std::vector<double>> near_null_space(const Block &block, bool about_one_point,
+                                                   const std::vector<unsigned int> *unknowns = nullptr) const;
 
   double pairing_seconds = 0; ///< search and shape functions, this rank
   double search_seconds = 0;  ///< the search alone, this rank

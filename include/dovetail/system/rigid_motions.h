@@ -23,10 +23,11 @@ struct Place
 template <int dim>
 std::vector<Place<dim>> places_of_unknowns(const Domain<dim> &domain, const Block &block);
 
-/// At this rank's unknowns of a block, in their order: the constant for scalars; for vectors translations and
-/// then rotations about @p centre, with positions in units of @p length / 2.
+/// At some of this rank's unknowns of a block, by default all, in their order: the constant for scalars; for
+/// vectors translations and then rotations about @p centre, with positions in units of @p length / 2.
 template <int dim>
 std::vector<std::vector<double>> rigid_motions(const Domain<dim> &domain, const Block &block,
-                                               const dealii::Point<dim> &centre, double length);
+                                               const dealii::Point<dim> &centre, double length,
+                                               const std::vector<unsigned int> *unknowns = nullptr);
 
 } // namespace dovetail

@@ -474,13 +474,19 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   std::array<double, 3> counts{}, sums{}; // of nodes that see a far one, of all, and of rows together
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[2] += nodes.first_row[i + 1] - nodes.first_row[i];
-    for (const unsigned int j : all[i])
-      if (seen.body[i] == seen.body[j] && distance(seen.position[i], seen.position[j]) <=
-                                              largest_ratio * std::max(shortest[i], shortest[j])) {
+    bool sees_far = false;
+    for (const unsigned int j : all[i]) {
+      if (seen.body[i] != seen.body[j])
+        continue;
+      const bool is_near =
+          distance(seen.position[i], seen.position[j]) <= largest_ratio * std::max(shortest[i], shortest[j]);
+      sees_far = sees_far || !is_near;
+      if (is_near) {
         near[i].push_back(j);
         counts[2] += seen.n_rows[j];
       }
-    counts[0] += near[i].size() < all[i].size();
+    }
+    counts[0] += sees_far ? 1 : 0;
   }
   counts[1] = nodes.size();
   A.Comm().SumAll(counts.data(), sums.data(), counts.size());

@@ -42,7 +42,7 @@ struct Couplings
 
   NodeGraph all, near;
   std::vector<unsigned int> node_of_column; ///< of A
-  double share_of_far = 0;                  ///< of the nodes of all ranks: with a coupling that is not short
+  double share_of_far = 0;                  ///< of the nodes of all ranks: with a long one within a body
   double rows_together = 0; ///< mean of all ranks: of a node and those that short couplings connect with it
 };
 
@@ -69,7 +69,7 @@ public:
 /// When to take Semicoarsening in place of SmoothedAggregation.
 enum class Semicoarsen {
   if_cheap,     ///< if that reduces the number of unknowns by about two or more
-  if_stretched, ///< if more than a tenth of the nodes have couplings that are not short
+  if_stretched, ///< if more than a tenth of the nodes have long couplings in their body
   always        ///< no aggregate has nodes of two bodies
 };
 

@@ -235,28 +235,7 @@ void TieOperator<dim>::add_tangent(const double factor, const TieOperator &other
   finish_tangent();
 }
 
-namespace {
-
-/// Sums over the blocks of a symmetric matrix, where T_ji is the transpose of T_ij, or of one that has other
-/// blocks below its diagonal.
-template <int n>
-struct BlockProduct
-{
-  const double *block, *mirrored; ///< T_ij, and T_ji transposed
-
-  void add(const double *x_i, const double *x_j, double *y_i, double *y_j, const bool is_diagonal) const
-  {
-    for (unsigned int c = 0; c < n; ++c)
-      for (unsigned int d = 0; d < n; ++d)
-        y_i[c] += block[c * n + d] * x_j[d];
-    for (unsigned int c = 0; !is_diagonal && c < n; ++c)
-      for (unsigned int d = 0; d < n; ++d)
-        y_j[d] += mirrored[c * n + d] * x_i[c];
-  }
-};
-
-} // namespace
-
+/// Each block counts twice, above and below the diagonal.
 template <int dim>
 template <int n>
 void TieOperator<dim>::multiply(const double *x, double *y, const bool of_symmetric_part) const
@@ -266,19 +245,32 @@ void TieOperator<dim>::multiply(const double *x, double *y, const bool of_symmet
     for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
       for (unsigned int c = 0; c < n; ++c)
         of_nodes[i * n + c] += nodes[i].factors[k] * x[nodes[i].index[k * n + c]];
+  const bool is_mean = of_symmetric_part && !lower.empty();
   const double *block = upper.data(), *mirrored = lower.empty() ? block : lower.data();
-  std::array<double, n * n> mean;
-  for (unsigned int i = 0; i < nodes.size(); ++i)
+  std::array<double, n> x_i, y_i, y_j;
+  std::array<double, n * n> above, below; // T_ij, and T_ji transposed
+  for (unsigned int i = 0; i < nodes.size(); ++i) {
+    std::copy_n(&of_nodes[i * n], n, x_i.begin());
+    y_i.fill(0);
     for (unsigned int k = first_block[i]; k < first_block[i + 1]; ++k, block += n * n, mirrored += n * n) {
       const unsigned int j = column[k];
-      BlockProduct<n> product{block, mirrored};
-      if (of_symmetric_part && !lower.empty()) {
-        for (unsigned int e = 0; e < n * n; ++e)
-          mean[e] = (block[e] + mirrored[e]) / 2;
-        product = {mean.data(), mean.data()};
+      const double *const x_j = &of_nodes[j * n];
+      for (unsigned int e = 0; e < n * n; ++e) {
+        above[e] = is_mean ? (block[e] + mirrored[e]) / 2 : block[e];
+        below[e] = is_mean ? above[e] : mirrored[e];
       }
-      product.add(&of_nodes[i * n], &of_nodes[j * n], &sums[i * n], &sums[j * n], i == j);
+      y_j.fill(0);
+      for (unsigned int c = 0; c < n; ++c)
+        for (unsigned int d = 0; d < n; ++d) {
+          y_i[c] += above[c * n + d] * x_j[d];
+          y_j[d] += below[c * n + d] * x_i[c];
+        }
+      for (unsigned int d = 0; j != i && d < n; ++d)
+        sums[j * n + d] += y_j[d];
     }
+    for (unsigned int c = 0; c < n; ++c)
+      sums[i * n + c] += y_i[c];
+  }
   for (unsigned int i = 0; i < nodes.size(); ++i)
     for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
       for (unsigned int c = 0; c < n; ++c)

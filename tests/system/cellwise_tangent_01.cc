@@ -11,6 +11,8 @@
 
 #include "scene_model.h"
 
+#include <dovetail/solve/prolongation.h>
+
 #include <Epetra_CrsMatrix.h>
 
 using namespace test;
@@ -103,9 +105,10 @@ Epetra_Vector product(const Epetra_CrsMatrix &P, const Epetra_CrsMatrix &A, cons
 }
 
 /// Of P^T K P v with and without entries, relative to the largest one.
-double difference(const Epetra_CrsMatrix &P, const Epetra_CrsMatrix &all, const Epetra_CrsMatrix &others,
-                  const PartOperator &cells)
+double difference(const Prolongation &prolongation, const Epetra_CrsMatrix &all,
+                  const Epetra_CrsMatrix &others, const PartOperator &cells)
 {
+  const Epetra_CrsMatrix P = *prolongation.matrix();
   Epetra_CrsMatrix nothing(Copy, P.DomainMap(), 0);
   nothing.FillComplete();
   Epetra_Vector v(P.DomainMap());
@@ -113,7 +116,7 @@ double difference(const Epetra_CrsMatrix &P, const Epetra_CrsMatrix &all, const 
     v[i] = noise(P.DomainMap().GID(i));
   const Epetra_Vector expected = product(P, all, v);
   Epetra_Vector error = product(P, others, v), of_cells(P.DomainMap());
-  cells.restricted(P, nothing)->Multiply(false, v, of_cells);
+  cells.restricted(prolongation, nothing)->Multiply(false, v, of_cells);
   error.Update(1., of_cells, -1., expected, 1.);
   double largest = 0, largest_error = 0;
   expected.NormInf(&largest);
@@ -152,7 +155,7 @@ void check(const Case &of, const unsigned int degree)
     if (const unsigned int part = K.part_of(b); b == 0 && of.is_symmetric) {
       const Epetra_CrsMatrix &all = entries.system.tangent().part(part, part).trilinos_matrix(),
                              &others = K.part(part, part).trilinos_matrix();
-      const Epetra_CrsMatrix P = aggregate(all.RowMap(), K.part_operator(part)->condensed());
+      const Prolongation P(aggregate(all.RowMap(), K.part_operator(part)->condensed()));
       report(name + ", P^T K P", difference(P, all, others, *K.part_operator(part)), 1e-12);
     }
   }

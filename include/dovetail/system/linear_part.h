@@ -24,7 +24,8 @@ namespace dovetail {
 /// times as long in x as in y and z, a node at (1/2, 1/2, 0) is the mean of those at (1/2, 0, 0) and
 /// (1/2, 1, 0). A sum may name an unknown that is a sum itself, of another cell.
 template <int dim>
-RowSums linear_part(const Domain<dim> &domain, const Block &block,
-                    const dealii::AffineConstraints<double> &constraints = {});
+RowSums
+linear_part(const Domain<dim> &domain, const Block &block,
+            const dealii::AffineConstraints<double> &constraints = dealii::AffineConstraints<double>());
 
 } // namespace dovetail

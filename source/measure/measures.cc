@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_points.h>
+#include <dovetail/domain/equal_cells.h>
 #include <dovetail/domain/quadrature.h>
 #include <dovetail/measure/flux_oscillation.h>
 #include <dovetail/measure/gaps.h>
@@ -195,34 +196,57 @@ void measure_errors(const Domain<dim> &domain, const Vector &solution, const dou
   }
 }
 
+/// Whether the unknowns of a field are its values at the nodes.
+template <int dim>
+bool has_values_as_unknowns(const Domain<dim> &domain, const Field &field)
+{
+  return field.n_components == 1 && domain.layout().is_continuous(field.first_component);
+}
+
 /// Adds "maximum" and "minimum" of each field over the nodes, and of a scalar its "range", their difference.
 template <int dim>
-void measure_extremes(const Domain<dim> &domain, const Vector &solution, ordered_json &result)
+void measure_extremes(const Model<dim> &model, const Domain<dim> &domain, const Vector &solution,
+                      ordered_json &result)
 {
   const unsigned int n_fields = domain.fields().size();
   std::vector<double> largest(n_fields, -std::numeric_limits<double>::max()), minus_smallest = largest;
+  std::vector<unsigned int> others;
+  const auto &blocks = model.numbering->blocks();
+  for (unsigned int b = 0; b < blocks.size(); ++b) {
+    if (blocks[b].is_of_multipliers || model.domains[blocks[b].domain_index].get() != &domain)
+      continue;
+    const unsigned int f = blocks[b].field_index;
+    if (has_values_as_unknowns(domain, domain.fields()[f])) {
+      largest[f] = solution.block(b).max();
+      minus_smallest[f] = -solution.block(b).min();
+    } else
+      others.push_back(f);
+  }
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns, component_values, squares;
-  for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned()) {
-      domain.cell_dofs(cell, dofs);
-      gather(solution, dofs, unknowns);
-      for (unsigned int f = 0; f < n_fields; ++f) {
-        const Field &field = domain.fields()[f];
-        squares.clear();
-        for (unsigned int c = 0; c < field.n_components; ++c) {
-          domain.layout().nodal_values(field.first_component + c, unknowns, component_values);
-          squares.resize(component_values.size(), 0.);
-          for (unsigned int a = 0; a < squares.size(); ++a)
-            squares[a] += component_values[a] * component_values[a];
-        }
-        for (unsigned int a = 0; a < squares.size(); ++a) {
-          const double value = field.n_components == 1 ? component_values[a] : std::sqrt(squares[a]);
-          largest[f] = std::max(largest[f], value);
-          minus_smallest[f] = std::max(minus_smallest[f], -value);
-        }
+  const auto visit = [&](const auto &cell) {
+    domain.cell_dofs(cell, dofs);
+    gather(solution, dofs, unknowns);
+    for (const unsigned int f : others) {
+      const Field &field = domain.fields()[f];
+      squares.clear();
+      for (unsigned int c = 0; c < field.n_components; ++c) {
+        domain.layout().nodal_values(field.first_component + c, unknowns, component_values);
+        squares.resize(component_values.size(), 0.);
+        for (unsigned int a = 0; a < squares.size(); ++a)
+          squares[a] += component_values[a] * component_values[a];
+      }
+      for (unsigned int a = 0; a < squares.size(); ++a) {
+        const double value = field.n_components == 1 ? component_values[a] : std::sqrt(squares[a]);
+        largest[f] = std::max(largest[f], value);
+        minus_smallest[f] = std::max(minus_smallest[f], -value);
       }
     }
+  };
+  if (!others.empty())
+    for (const auto &cell : domain.dof_handler().active_cell_iterators())
+      if (cell->is_locally_owned())
+        visit(cell);
   const MPI_Comm communicator = solution.block(0).get_mpi_communicator();
   dealii::Utilities::MPI::max(largest, communicator, largest);
   dealii::Utilities::MPI::max(minus_smallest, communicator, minus_smallest);
@@ -240,12 +264,17 @@ double volume(const Domain<dim> &domain, const MPI_Comm &communicator)
 {
   dealii::FEValues<dim> values(domain.mapping(), domain.scalar_element(), domain.cell_quadrature(),
                                dealii::update_JxW_values | domain.measure.update_flags());
-  double sum = 0;
+  EqualCells<dim> cells(domain.mapping());
+  double sum = 0, of_cell = 0;
   for (const auto &cell : domain.mesh().active_cell_iterators())
     if (cell->is_locally_owned()) {
-      values.reinit(cell);
-      for (const unsigned int q : values.quadrature_point_indices())
-        sum += domain.measure(values, q);
+      if (domain.measure.is_axisymmetric() || !cells.is_equal(cell)) {
+        values.reinit(cell);
+        of_cell = 0;
+        for (const unsigned int q : values.quadrature_point_indices())
+          of_cell += domain.measure(values, q);
+      }
+      sum += of_cell;
     }
   return sum_over_ranks(sum, communicator);
 }
@@ -424,7 +453,7 @@ ordered_json measure_domains(const Model<dim> &model, const Vector &solution, co
     result["dofs"] = domain->dof_handler().n_dofs();
     result["volume"] = volume(*domain, model.communicator);
     measure_errors(*domain, solution, t, result);
-    measure_extremes(*domain, solution, result);
+    measure_extremes(model, *domain, solution, result);
     all[domain->name] = result;
   }
   return all;

@@ -290,6 +290,8 @@ const double *Tape::values(const unsigned int formula, const std::vector<double>
 
 void Tape::evaluate(Node &node)
 {
+  if (node.operation == Operation::constant && node.values.size() == n)
+    return;
   node.values.resize(n);
   double *const value = node.values.data();
   const double *const a = nodes[node.operation > Operation::variable ? node.first : 0].values.data(),

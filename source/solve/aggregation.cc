@@ -3,6 +3,8 @@
 
 #include "aggregation.h"
 
+#include <deal.II/base/exceptions.h>
+
 #include <Epetra_Map.h>
 
 #include <algorithm>
@@ -17,14 +19,17 @@ namespace {
 class CoupledNodes
 {
 public:
+  /// @pre A is complete
   CoupledNodes(const Epetra_CrsMatrix &A, const int rows_per_node)
-      : A(A), rows_per_node(rows_per_node), own_row(A.NumMyCols())
+      : n_nodes(A.NumMyRows() / rows_per_node), rows_per_node(rows_per_node), own_row(A.NumMyCols())
   {
     for (int column = 0; column < A.NumMyCols(); ++column)
       own_row[column] = A.Importer() == nullptr ? column : A.LRID(A.GCID(column));
+    const int error = A.ExtractCrsDataPointers(begin, columns, values);
+    AssertThrow(error == 0, dealii::ExcMessage("The rows of a matrix do not follow each other in memory."));
   }
 
-  int size() const { return A.NumMyRows() / rows_per_node; }
+  int size() const { return n_nodes; }
   int node_of(const int row) const { return row / rows_per_node; }
   bool is_coupled(int row) const; ///< or prescribed
   /// Calls @p visit(other) for each entry that couples the node with another one.
@@ -37,18 +42,16 @@ private:
   template <typename Visit>
   void for_entries(int row, const Visit &visit) const;
 
-  const Epetra_CrsMatrix &A;
-  const int rows_per_node;
+  const int n_nodes, rows_per_node;
   std::vector<int> own_row; ///< of each column
+  int *begin = nullptr, *columns = nullptr;
+  double *values = nullptr;
 };
 
 template <typename Visit>
 void CoupledNodes::for_entries(const int row, const Visit &visit) const
 {
-  int n = 0, *columns = nullptr;
-  double *values = nullptr;
-  A.ExtractMyRowView(row, n, values, columns);
-  for (int k = 0; k < n; ++k)
+  for (int k = begin[row]; k < begin[row + 1]; ++k)
     if (values[k] != 0)
       visit(own_row[columns[k]]);
 }
@@ -63,9 +66,10 @@ bool CoupledNodes::is_coupled(const int row) const
 template <typename Visit>
 void CoupledNodes::for_others(const int node, const Visit &visit) const
 {
-  for (int row = node * rows_per_node; row < (node + 1) * rows_per_node; ++row)
+  const int first = node * rows_per_node, end = first + rows_per_node;
+  for (int row = first; row < end; ++row)
     for_entries(row, [&](const int column) {
-      if (column >= 0 && node_of(column) != node)
+      if (column >= 0 && (column < first || column >= end))
         visit(node_of(column));
     });
 }
@@ -91,12 +95,14 @@ Sets::Sets(const CoupledNodes &nodes) : of_node(nodes.size(), -1), nodes(nodes)
 {
   for (const double least_share : {1., 1. / 3})
     for (int node = 0; node < nodes.size(); ++node) {
+      if (of_node[node] >= 0)
+        continue;
       unsigned int n_others = 0, n_free = 0;
       nodes.for_others(node, [&](const int other) {
         ++n_others;
         n_free += of_node[other] < 0 ? 1 : 0;
       });
-      if (of_node[node] < 0 && n_others > 0 && n_free >= least_share * n_others)
+      if (n_others > 0 && n_free >= least_share * n_others)
         begin(node);
     }
   const std::vector<int> first = of_node;

@@ -386,6 +386,15 @@ void BlockMatrix::visit_products(const unsigned int p, const unsigned int q, con
                                  const VisitProduct &visit) const
 {
   const Epetra_CrsMatrix &matrix = part(p, q).trilinos_matrix();
+  if (numberings[p].blocks().size() == 1 && numberings[q].blocks().size() == 1) { // one pair
+    const unsigned int r = numberings[p].blocks()[0], c = numberings[q].blocks()[0];
+    Vector::BlockType product(owned[r], get_mpi_communicator());
+    const Epetra_Vector own(View, matrix.DomainMap(), x.block(c).trilinos_vector()[0]);
+    Epetra_Vector result(View, matrix.RangeMap(), product.trilinos_vector()[0]);
+    matrix.Multiply(false, own, result);
+    visit(r, c, product);
+    return;
+  }
   const Epetra_Vector factors = ghosted(p, q, x);
   std::vector<unsigned int> block_of_column;
   for (int k = 0; k < matrix.NumMyCols(); ++k)

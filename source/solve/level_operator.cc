@@ -47,10 +47,18 @@ void LevelEntries::vmult(Epetra_Vector &y, const Epetra_Vector &x) const
 
 void LevelEntries::diagonal(Epetra_Vector &values) const
 {
+  int *begin = nullptr, *columns = nullptr;
+  double *entries = nullptr;
   if (compact)
     compact->diagonal(values);
-  else
+  else if (A->Importer() != nullptr || A->ExtractCrsDataPointers(begin, columns, entries) != 0)
     A->ExtractDiagonalCopy(values);
+  else // columns are rows, in ascending order
+    for (int row = 0; row < values.MyLength(); ++row) {
+      const int *const first = columns + begin[row], *const end = columns + begin[row + 1],
+                       *const found = std::lower_bound(first, end, row);
+      values[row] = found != end && *found == row ? entries[found - columns] : 0;
+    }
 }
 
 /// Not by ML's Epetra_PtAP (Trilinos 13.2), which errs where P has columns of other ranks.

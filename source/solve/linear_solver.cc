@@ -192,7 +192,7 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
     if (is_done)
       break;
   }
-  ended_at = norm <= std::max(2 * goal, rounding(system.plain(), x)) ? 0 : norm / size;
+  ended_at = norm <= 2 * goal || norm <= rounding(system.plain(), x) ? 0 : norm / size;
   system.scale_multipliers(x);
   return n_iterations;
 }

@@ -185,6 +185,12 @@ void for_rows_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &Q, c
   }
 }
 
+/// The column of the diagonal.
+int own_column(const Epetra_CrsMatrix &A, const int row)
+{
+  return A.Importer() == nullptr ? row : A.LCID(A.GRID(row)); // which takes longer
+}
+
 /// The columns of A T, where a row of T has one block. In a matrix that is made of its graph values are held
 /// once; those that are inserted are copied when it is filled.
 Epetra_CrsGraph graph_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &T, const int block_length,
@@ -192,28 +198,25 @@ Epetra_CrsGraph graph_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatr
 {
   const SparseRows rows_of_A(A), rows_of_T(T);
   std::vector<int> blocks, last_row(T.NumMyCols(), -1), lengths(A.NumMyRows(), 0), columns;
-  const auto find_blocks = [&](const int row, const int mark) {
+  for (int row = 0; row < A.NumMyRows(); ++row) {
     const SparseRow entries = rows_of_A[row];
-    blocks.clear();
+    const std::size_t first_block = blocks.size();
     for (int k = 0; k < entries.n; ++k)
       if (const SparseRow other = rows_of_T[entries.columns[k]];
-          entries.values[k] != 0 && other.n > 0 && last_row[other.columns[0]] != mark) {
-        last_row[other.columns[0]] = mark;
+          entries.values[k] != 0 && other.n > 0 && last_row[other.columns[0]] != row) {
+        last_row[other.columns[0]] = row;
         blocks.push_back(other.columns[0]);
       }
-  };
-  for (int row = 0; row < A.NumMyRows(); ++row) {
-    find_blocks(row, row);
-    lengths[row] = blocks.size() * block_length;
+    std::sort(blocks.begin() + first_block, blocks.end());
+    lengths[row] = (blocks.size() - first_block) * block_length;
   }
   Epetra_CrsGraph graph(Copy, A.RowMap(), T.ColMap(), lengths.data(), true);
+  auto block = blocks.cbegin();
   for (int row = 0; row < A.NumMyRows(); ++row) {
-    find_blocks(row, A.NumMyRows() + row);
-    std::sort(blocks.begin(), blocks.end());
     columns.clear();
-    for (const int first : blocks)
+    for (; static_cast<int>(columns.size()) < lengths[row]; ++block)
       for (int i = 0; i < block_length; ++i)
-        columns.push_back(first + i);
+        columns.push_back(*block + i);
     graph.InsertMyIndices(row, columns.size(), columns.data());
   }
   graph.FillComplete(own_T.DomainMap(), own_T.RangeMap());
@@ -234,7 +237,7 @@ std::unique_ptr<Epetra_CrsMatrix> smooth_tentative(const Epetra_CrsMatrix &A, co
     const double factor = diagonal[row] > 0 ? -w / diagonal[row] : 0;
     for (double &entry : sum.entries)
       entry *= factor;
-    sum.add(1., rows_of_Q[A.LCID(A.GRID(row))]);
+    sum.add(1., rows_of_Q[own_column(A, row)]);
     int n = 0, *columns = nullptr;
     double *values = nullptr;
     P->ExtractMyRowView(row, n, values, columns);
@@ -380,7 +383,7 @@ std::unique_ptr<Epetra_CrsMatrix> make_coarse_matrix(const Epetra_CrsMatrix &A, 
     const SparseRows rows_of_Q(*Q);
     BlockSums sums(all, block_length);
     for_rows_of_product(A, *Q, block_length, [&](const int row, const RowSum &sum) {
-      sums.add(rows_of_Q[A.LCID(A.GRID(row))], sum);
+      sums.add(rows_of_Q[own_column(A, row)], sum);
     });
     result = make_matrix(sums, all, own, block_length);
   }

@@ -165,7 +165,7 @@ std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Ep
 {
   const int most_leaders = 50000;
   const double largest_ratio = 1; // of followers to leaders: on a finer side hardly a P u_s is zero
-  if (!facts.linear_part || !facts.stiffness_of_row)
+  if (!facts.linear_part || !facts.stiffness_of_row || facts.n_blocks < 2) // one body is as stiff as itself
     return nullptr;
   const std::vector<double> stiffness = facts.stiffness_of_row();
   if (!is_contrast_large(stiffness, rows.Comm()))

@@ -32,6 +32,9 @@ KeptPositions<dim>::KeptPositions(const Domain<dim> &domain, const BlockMatrix &
       has_one_part = has_one_part && matrix.part_of(b) == matrix.part_of(blocks[0].number);
     }
   part = matrix.part_of(blocks[0].number);
+  const Epetra_CrsMatrix &entries = matrix.part(part, part).trilinos_matrix();
+  for (int row = 0; row < entries.NumMyRows() && columns_are_rows; ++row)
+    columns_are_rows = entries.LCID(entries.GRID(row)) == row;
   all_rows.resize(n_local);
   positions.resize(nodes.size() * nodes.size());
 }
@@ -62,15 +65,18 @@ template <int dim>
 bool KeptPositions<dim>::find_rows(const std::vector<Index> &dofs, int *row_of_dof, int *column_of_dof) const
 {
   const Epetra_CrsMatrix &entries = matrix.part(part, part).trilinos_matrix();
+  const BlockOfDofs *block = &blocks[0];
   for (unsigned int i = 0; i < n_local; ++i) {
-    const BlockOfDofs &block = *std::find_if(blocks.begin(), blocks.end(), [&](const BlockOfDofs &candidate) {
-      return dofs[i] >= candidate.begin && dofs[i] < candidate.end;
-    });
-    const dealii::IndexSet &own = matrix.owned_unknowns()[block.number];
-    if (!own.is_element(dofs[i] - block.begin))
+    if (dofs[i] < block->begin || dofs[i] >= block->end)
+      block = &*std::find_if(blocks.begin(), blocks.end(), [&](const BlockOfDofs &candidate) {
+        return dofs[i] >= candidate.begin && dofs[i] < candidate.end;
+      });
+    const dealii::IndexSet &own = matrix.owned_unknowns()[block->number];
+    const Index number = own.index_within_set(dofs[i] - block->begin);
+    if (number == dealii::numbers::invalid_dof_index)
       return false;
-    row_of_dof[i] = block.first_row + own.index_within_set(dofs[i] - block.begin);
-    column_of_dof[i] = entries.LCID(entries.GRID(row_of_dof[i]));
+    row_of_dof[i] = block->first_row + number;
+    column_of_dof[i] = columns_are_rows ? row_of_dof[i] : entries.LCID(entries.GRID(row_of_dof[i]));
   }
   return true;
 }
@@ -83,22 +89,32 @@ bool KeptPositions<dim>::find(const std::vector<Index> &dofs, int *row_of_dof, s
   std::vector<int> &column_of_dof = columns;
   if (!has_one_part || !entries.exist || !find_rows(dofs, row_of_dof, column_of_dof.data()))
     return false;
-  for (const auto &node : nodes)
+  // whether the entries of all components of two nodes stand behind that of the first ones
+  const auto has_all = [&](const auto &node, const auto &other, const int position) {
+    const unsigned int n_rows = node.size(), n_columns = other.size();
+    bool result = true;
+    for (unsigned int k = 1; k < n_rows * n_columns && result; ++k) {
+      const int row = row_of_dof[node[k / n_columns]], place = entries.first[row] + position + k % n_columns;
+      result =
+          place < entries.first[row + 1] && entries.columns[place] == column_of_dof[other[k % n_columns]];
+    }
+    return result;
+  };
+  for (const auto &node : nodes) {
+    const int row = row_of_dof[node[0]];
+    const int *const begin = entries.columns + entries.first[row], *const end = entries.columns +
+                                                                                entries.first[row + 1];
     for (const auto &other : nodes) {
-      const int row = row_of_dof[node[0]];
-      const int *begin = entries.columns + entries.first[row],
-                *end = entries.columns + entries.first[row + 1];
-      const auto position = std::lower_bound(begin, end, column_of_dof[other[0]]) - begin;
-      for (const unsigned int i : node)
-        for (unsigned int k = 0; k < other.size(); ++k) {
-          const int place = entries.first[row_of_dof[i]] + position + k;
-          if (place >= entries.first[row_of_dof[i] + 1] || entries.columns[place] != column_of_dof[other[k]])
-            return false;
-        }
-      if (position > std::numeric_limits<std::uint16_t>::max())
+      const int column = column_of_dof[other[0]];
+      std::ptrdiff_t position = *kept; // where it was in the cell before, perhaps
+      if (position >= end - begin || begin[position] != column)
+        position = std::lower_bound(begin, end, column) - begin;
+      if (position >= end - begin || begin[position] != column ||
+          position > std::numeric_limits<std::uint16_t>::max() || !has_all(node, other, position))
         return false;
       *kept++ = position;
     }
+  }
   return true;
 }
 

@@ -54,6 +54,7 @@ private:
   const unsigned int n_local;                   ///< unknowns of a cell
   std::vector<std::vector<unsigned int>> nodes; ///< their components of one field
   unsigned int part = 0;
+  bool columns_are_rows = true; ///< the numbers of the rows are those of their own columns
   bool has_one_part = true;
   struct BlockOfDofs ///< of the domain
   {

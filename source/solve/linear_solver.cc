@@ -106,15 +106,15 @@ bool LinearSolver::Group::is_direct_by_size() const
 {
   const GroupFacts &facts = system.facts();
   const bool is_cheaper = facts.is_positive_definite();
-  const unsigned long largest = facts.dim == 2 ? (is_cheaper ? 400000 : 60000) : (is_cheaper ? 12000 : 6000);
+  const unsigned long largest = facts.dim == 2 ? (is_cheaper ? 100000 : 60000) : (is_cheaper ? 12000 : 6000);
   return owner.type == name_of_direct || (owner.type == automatic && facts.n_unknowns <= largest);
 }
 
-/// Products win over a matrix where rows are long: measured in 3D from degree 2 on, in 2D from degree 3 on.
+/// Products win over a matrix where rows are long: from degree 2 on.
 bool LinearSolver::Group::is_matrix_free_by_degree() const
 {
   const GroupFacts &facts = system.facts();
-  return facts.why_entries.empty() && facts.degree >= (facts.dim == 3 ? 2u : 3u);
+  return facts.why_entries.empty() && facts.degree >= 2;
 }
 
 void LinearSolver::Group::set_matrix(const Matrix &matrix)

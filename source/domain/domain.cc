@@ -109,7 +109,7 @@ void Domain<dim>::choose_elements()
     degree_of_mapping = 2;
     cell_mapping = mapping_of_curved_cells(*triangulation);
   } else {
-    degree_of_mapping = is_straight(*triangulation) ? 1 : degree;
+    degree_of_mapping = degree == 1 || is_straight(*triangulation) ? 1 : degree;
     cell_mapping = std::make_unique<dealii::MappingQ<dim>>(degree_of_mapping);
   }
   cell_layout = std::make_unique<CellLayout<dim>>(fields(), degree, simplices);

@@ -100,6 +100,8 @@ std::vector<double> GroupSystem::mean_diagonals() const
 /// each of which is a little stiffer than the one before, only neighbours matter.
 double GroupSystem::contrast() const
 {
+  if (group.blocks.size() == 1)
+    return 1;
   const std::vector<double> means = mean_diagonals();
   double largest = 1;
   for (unsigned int i = 0; i < means.size(); ++i)

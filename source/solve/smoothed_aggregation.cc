@@ -231,7 +231,7 @@ std::unique_ptr<Epetra_CrsMatrix> smooth_tentative(const Epetra_CrsMatrix &A, co
   const auto Q = rows_for_columns(A, T);
   const SparseRows rows_of_Q(*Q);
   Epetra_Vector diagonal(A.RowMap());
-  A.ExtractDiagonalCopy(diagonal);
+  LevelEntries(A).diagonal(diagonal);
   auto P = std::make_unique<Epetra_CrsMatrix>(Copy, graph_of_product(A, *Q, block_length, T));
   for_rows_of_product(A, *Q, block_length, [&](const int row, RowSum &sum) {
     const double factor = diagonal[row] > 0 ? -w / diagonal[row] : 0;

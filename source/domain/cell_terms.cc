@@ -505,26 +505,36 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
   std::vector<dealii::Tensor<1, dim>> &gradients = size_of_gradient;
   gradients.assign(n, {});
   for (unsigned int d = 0; d < n; ++d)
-    for (unsigned int b = 0; has_operator(d) && b < layout.n_nodes(d); ++b) {
-      const double x = std::abs(unknowns[layout.index(d, b)]);
-      values[d] += std::abs(point.shape_values()[layout.first_shape(d) + b]) * x;
-      for (unsigned int L = 0; L < dim; ++L)
-        gradients[d][L] += std::abs(point.shape_gradients()[layout.first_shape(d) + b][L]) * x;
+    if (has_operator(d)) {
+      const double *const x = &unknowns[layout.first(d)], *const phi =
+                                                              &point.shape_values()[layout.first_shape(d)];
+      const dealii::Tensor<1, dim> *const grad_phi = &point.shape_gradients()[layout.first_shape(d)];
+      for (unsigned int b = 0, n_nodes = layout.n_nodes(d); b < n_nodes; ++b) {
+        values[d] += std::abs(phi[b] * x[b]);
+        for (unsigned int L = 0; L < dim; ++L)
+          gradients[d][L] += std::abs(grad_phi[b][L] * x[b]);
+      }
     }
   for (const auto &[c, d, index, coupling] : pairs_without_entries) {
     dealii::Tensor<1, dim> flux;
-    double source = std::abs(response.source_by_value[index]) * values[d];
+    double source =
+        coupling.source_by_value || has_force ? std::abs(response.source_by_value[index]) * values[d] : 0;
     for (unsigned int J = 0; J < dim; ++J) {
-      flux[J] = std::abs(response.by_value[index][J]) * values[d];
-      source += std::abs(response.source_by_gradient[index][J]) * gradients[d][J];
-      for (unsigned int L = 0; L < dim; ++L)
+      if (coupling.flux_by_value)
+        flux[J] = std::abs(response.by_value[index][J]) * values[d];
+      if (coupling.source_by_gradient)
+        source += std::abs(response.source_by_gradient[index][J]) * gradients[d][J];
+      for (unsigned int L = 0; coupling.flux_by_gradient && L < dim; ++L)
         flux[J] += std::abs(response.by_gradient[index][J][L]) * gradients[d][L];
     }
-    for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
-      double size = source * std::abs(point.shape_values()[layout.first_shape(c) + a]);
+    double *const sizes = &product_sizes[layout.first(c)];
+    const double *const phi = &point.shape_values()[layout.first_shape(c)];
+    const dealii::Tensor<1, dim> *const grad_phi = &point.shape_gradients()[layout.first_shape(c)];
+    for (unsigned int a = 0, n_nodes = layout.n_nodes(c); a < n_nodes; ++a) {
+      double size = source * std::abs(phi[a]);
       for (unsigned int J = 0; J < dim; ++J)
-        size += flux[J] * std::abs(point.shape_gradients()[layout.first_shape(c) + a][J]);
-      product_sizes[layout.index(c, a)] += size * JxW;
+        size += flux[J] * std::abs(grad_phi[a][J]);
+      sizes[a] += size * JxW;
     }
   }
   for (unsigned int c = 0; has_force && c < dim; ++c) // the next cell begins with what laws leave at zero

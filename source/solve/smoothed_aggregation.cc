@@ -10,11 +10,13 @@
 #include <Epetra_CrsGraph.h>
 #include <Epetra_Export.h>
 #include <Epetra_Import.h>
+#include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
 
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace dovetail {
@@ -97,6 +99,8 @@ public:
   std::vector<double> entries;
 
 private:
+  void add_scalars(double factor, const SparseRow &row);
+
   static constexpr unsigned int none = std::numeric_limits<unsigned int>::max();
   const int length;
   std::vector<unsigned int> position; ///< by first column, in the entries
@@ -110,8 +114,24 @@ void RowSum::clear()
   entries.clear();
 }
 
+/// By columns that stand alone.
+inline void RowSum::add_scalars(const double factor, const SparseRow &row)
+{
+  for (int k = 0; k < row.n; ++k) {
+    unsigned int &place = position[row.columns[k]];
+    if (place == none) {
+      place = entries.size();
+      blocks.push_back(row.columns[k]);
+      entries.push_back(factor * row.values[k]);
+    } else
+      entries[place] += factor * row.values[k];
+  }
+}
+
 void RowSum::add(const double factor, const SparseRow &row)
 {
+  if (length == 1)
+    return add_scalars(factor, row);
   with_known_number(length, [&](const auto n) {
     for (int k = 0; k < row.n; k += n) {
       Assert(row.columns[k + n - 1] == row.columns[k] + n - 1, dealii::ExcInternalError());
@@ -140,41 +160,87 @@ std::shared_ptr<const Epetra_CrsMatrix> rows_for_columns(const Epetra_CrsMatrix 
   return result;
 }
 
-/// T
-std::unique_ptr<Epetra_CrsMatrix> make_tentative(const Epetra_CrsMatrix &A, const Aggregation &aggregates)
+/// The rows of T for the columns of A, each of which is one block. The columns of T are those of this rank,
+/// and after them those of other ranks that it needs, in ascending order.
+class TentativeRows
 {
-  const int n_modes = aggregates.modes->NumVectors();
-  const Epetra_Map coarse_rows(-1, aggregates.modes->MyLength(), 0, A.Comm());
-  std::vector<int> lengths, columns(n_modes);
-  for (const int aggregate : aggregates.of_row)
-    lengths.push_back(aggregate < 0 ? 0 : n_modes);
-  Epetra_CrsGraph graph(Copy, A.RowMap(), coarse_rows, lengths.data(), true);
-  for (int row = 0; row < A.NumMyRows(); ++row) {
-    std::iota(columns.begin(), columns.end(), aggregates.of_row[row] * n_modes);
-    if (aggregates.of_row[row] >= 0)
-      graph.InsertMyIndices(row, n_modes, columns.data());
+public:
+  /// @param aggregates by reference
+  TentativeRows(const Epetra_CrsMatrix &A, const Aggregation &aggregates);
+
+  SparseRow operator[](const int column) const
+  {
+    const int first = first_column[column];
+    return first < 0 ? SparseRow()
+                     : SparseRow{n_modes, &numbers[first], basis + std::size_t(column) * n_modes};
   }
-  graph.FillComplete(coarse_rows, A.OperatorDomainMap());
-  graph.OptimizeStorage();
-  auto T = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
+  const Epetra_Map &own() const { return own_columns; }
+  const Epetra_Map &columns() const { return all_columns; }
+
+private:
+  void add_other_ranks(const Epetra_CrsMatrix &A, const Aggregation &aggregates);
+
+  const int n_modes;
+  const Epetra_Map own_columns;
+  Epetra_Map all_columns;
+  std::vector<int> first_column; ///< by column of A; negative: none
+  std::vector<int> numbers;      ///< of all columns: 0, 1, 2, ...
+  std::vector<double> imported;
+  const double *basis;
+};
+
+TentativeRows::TentativeRows(const Epetra_CrsMatrix &A, const Aggregation &aggregates)
+    : n_modes(aggregates.modes->NumVectors()), own_columns(-1, aggregates.modes->MyLength(), 0, A.Comm()),
+      all_columns(own_columns), basis(aggregates.basis.data())
+{
+  if (A.Importer() != nullptr)
+    add_other_ranks(A, aggregates);
+  else
+    for (const int aggregate : aggregates.of_row)
+      first_column.push_back(aggregate < 0 ? -1 : aggregate * n_modes);
+  numbers.resize(all_columns.NumMyElements());
+  std::iota(numbers.begin(), numbers.end(), 0);
+}
+
+void TentativeRows::add_other_ranks(const Epetra_CrsMatrix &A, const Aggregation &aggregates)
+{
+  Epetra_IntVector of_rows(A.RowMap()), of_columns(A.ColMap());
+  Epetra_MultiVector basis_of_rows(A.RowMap(), n_modes), basis_of_columns(A.ColMap(), n_modes);
   for (int row = 0; row < A.NumMyRows(); ++row) {
-    int n = 0;
-    double *values = nullptr;
-    T->ExtractMyRowView(row, n, values);
-    std::copy_n(aggregates.basis.data() + static_cast<std::size_t>(row) * n_modes, n, values);
+    const int aggregate = aggregates.of_row[row];
+    of_rows[row] = aggregate < 0 ? -1 : own_columns.GID(aggregate * n_modes);
+    for (int mode = 0; mode < n_modes; ++mode)
+      basis_of_rows[mode][row] = aggregates.basis[std::size_t(row) * n_modes + mode];
   }
-  T->FillComplete(coarse_rows, A.OperatorDomainMap());
-  return T;
+  of_columns.Import(of_rows, *A.Importer(), Insert);
+  basis_of_columns.Import(basis_of_rows, *A.Importer(), Insert);
+  std::set<int> others;
+  for (int column = 0; column < A.NumMyCols(); ++column)
+    if (of_columns[column] >= 0 && !own_columns.MyGID(of_columns[column]))
+      others.insert(of_columns[column]);
+  std::vector<int> all(own_columns.MyGlobalElements(),
+                       own_columns.MyGlobalElements() + own_columns.NumMyElements());
+  for (const int first : others)
+    for (int mode = 0; mode < n_modes; ++mode)
+      all.push_back(first + mode);
+  all_columns = Epetra_Map(-1, static_cast<int>(all.size()), all.data(), 0, A.Comm());
+  imported.resize(std::size_t(A.NumMyCols()) * n_modes);
+  for (int column = 0; column < A.NumMyCols(); ++column) {
+    first_column.push_back(of_columns[column] < 0 ? -1 : all_columns.LID(of_columns[column]));
+    for (int mode = 0; mode < n_modes; ++mode)
+      imported[std::size_t(column) * n_modes + mode] = basis_of_columns[mode][column];
+  }
+  basis = imported.data();
 }
 
 /// Calls @p visit(row, sum) with the own rows of A Q.
 /// @pre A has a diagonal
-template <typename Visit>
-void for_rows_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &Q, const int block_length,
-                         const Visit &visit)
+template <typename Rows, typename Visit>
+void for_rows_of_product(const Epetra_CrsMatrix &A, const Rows &rows_of_Q, const int n_columns,
+                         const int block_length, const Visit &visit)
 {
-  const SparseRows rows_of_A(A), rows_of_Q(Q);
-  RowSum sum(Q.NumMyCols(), block_length);
+  const SparseRows rows_of_A(A);
+  RowSum sum(n_columns, block_length);
   for (int row = 0; row < A.NumMyRows(); ++row) {
     sum.clear();
     const SparseRow entries = rows_of_A[row];
@@ -193,16 +259,15 @@ int own_column(const Epetra_CrsMatrix &A, const int row)
 
 /// The columns of A T, where a row of T has one block. In a matrix that is made of its graph values are held
 /// once; those that are inserted are copied when it is filled.
-Epetra_CrsGraph graph_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &T, const int block_length,
-                                 const Epetra_CrsMatrix &own_T)
+Epetra_CrsGraph graph_of_product(const Epetra_CrsMatrix &A, const TentativeRows &T, const int block_length)
 {
-  const SparseRows rows_of_A(A), rows_of_T(T);
-  std::vector<int> blocks, last_row(T.NumMyCols(), -1), lengths(A.NumMyRows(), 0), columns;
+  const SparseRows rows_of_A(A);
+  std::vector<int> blocks, last_row(T.columns().NumMyElements(), -1), lengths(A.NumMyRows(), 0), columns;
   for (int row = 0; row < A.NumMyRows(); ++row) {
     const SparseRow entries = rows_of_A[row];
     const std::size_t first_block = blocks.size();
     for (int k = 0; k < entries.n; ++k)
-      if (const SparseRow other = rows_of_T[entries.columns[k]];
+      if (const SparseRow other = T[entries.columns[k]];
           entries.values[k] != 0 && other.n > 0 && last_row[other.columns[0]] != row) {
         last_row[other.columns[0]] = row;
         blocks.push_back(other.columns[0]);
@@ -210,7 +275,7 @@ Epetra_CrsGraph graph_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatr
     std::sort(blocks.begin() + first_block, blocks.end());
     lengths[row] = (blocks.size() - first_block) * block_length;
   }
-  Epetra_CrsGraph graph(Copy, A.RowMap(), T.ColMap(), lengths.data(), true);
+  Epetra_CrsGraph graph(Copy, A.RowMap(), T.columns(), lengths.data(), true);
   auto block = blocks.cbegin();
   for (int row = 0; row < A.NumMyRows(); ++row) {
     columns.clear();
@@ -219,32 +284,30 @@ Epetra_CrsGraph graph_of_product(const Epetra_CrsMatrix &A, const Epetra_CrsMatr
         columns.push_back(*block + i);
     graph.InsertMyIndices(row, columns.size(), columns.data());
   }
-  graph.FillComplete(own_T.DomainMap(), own_T.RangeMap());
+  graph.FillComplete(T.own(), A.OperatorDomainMap());
   graph.OptimizeStorage();
   return graph;
 }
 
 /// (I - w D^-1 A) T
-std::unique_ptr<Epetra_CrsMatrix> smooth_tentative(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &T,
+std::unique_ptr<Epetra_CrsMatrix> smooth_tentative(const Epetra_CrsMatrix &A, const TentativeRows &T,
                                                    const int block_length, const double w)
 {
-  const auto Q = rows_for_columns(A, T);
-  const SparseRows rows_of_Q(*Q);
   Epetra_Vector diagonal(A.RowMap());
   LevelEntries(A).diagonal(diagonal);
-  auto P = std::make_unique<Epetra_CrsMatrix>(Copy, graph_of_product(A, *Q, block_length, T));
-  for_rows_of_product(A, *Q, block_length, [&](const int row, RowSum &sum) {
+  auto P = std::make_unique<Epetra_CrsMatrix>(Copy, graph_of_product(A, T, block_length));
+  for_rows_of_product(A, T, T.columns().NumMyElements(), block_length, [&](const int row, RowSum &sum) {
     const double factor = diagonal[row] > 0 ? -w / diagonal[row] : 0;
     for (double &entry : sum.entries)
       entry *= factor;
-    sum.add(1., rows_of_Q[own_column(A, row)]);
+    sum.add(1., T[own_column(A, row)]);
     int n = 0, *columns = nullptr;
     double *values = nullptr;
     P->ExtractMyRowView(row, n, values, columns);
     for (int k = 0; k < n; k += block_length)
       std::copy_n(&sum.entries[sum.place_of(columns[k])], block_length, values + k);
   });
-  P->FillComplete(T.DomainMap(), T.RangeMap());
+  P->FillComplete(T.own(), A.OperatorDomainMap());
   return P;
 }
 
@@ -382,7 +445,7 @@ std::unique_ptr<Epetra_CrsMatrix> make_coarse_matrix(const Epetra_CrsMatrix &A, 
   {
     const SparseRows rows_of_Q(*Q);
     BlockSums sums(all, block_length);
-    for_rows_of_product(A, *Q, block_length, [&](const int row, const RowSum &sum) {
+    for_rows_of_product(A, rows_of_Q, Q->NumMyCols(), block_length, [&](const int row, const RowSum &sum) {
       sums.add(rows_of_Q[own_column(A, row)], sum);
     });
     result = make_matrix(sums, all, own, block_length);
@@ -429,7 +492,7 @@ SmoothedAggregation::SmoothedAggregation(Finest A, const Epetra_MultiVector &mod
     if (n_coarse == 0 || n_coarse > largest_growth * matrix.NumGlobalRows())
       break;
     const double eigenvalue = largest_eigenvalue_with_diagonal(LevelEntries(matrix));
-    auto P = smooth_tentative(matrix, *make_tentative(matrix, aggregates), n_modes, 4. / 3 / eigenvalue);
+    auto P = smooth_tentative(matrix, TentativeRows(matrix, aggregates), n_modes, 4. / 3 / eigenvalue);
     aggregates.basis = std::vector<double>(); // = {} would keep the memory
     auto coarse = make_coarse_matrix(matrix, *P, n_modes);
     add_level(make_smoother, std::move(P), std::move(coarse), eigenvalue);

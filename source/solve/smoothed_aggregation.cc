@@ -99,8 +99,6 @@ public:
   std::vector<double> entries;
 
 private:
-  void add_scalars(double factor, const SparseRow &row);
-
   static constexpr unsigned int none = std::numeric_limits<unsigned int>::max();
   const int length;
   std::vector<unsigned int> position; ///< by first column, in the entries
@@ -114,24 +112,8 @@ void RowSum::clear()
   entries.clear();
 }
 
-/// By columns that stand alone.
-inline void RowSum::add_scalars(const double factor, const SparseRow &row)
-{
-  for (int k = 0; k < row.n; ++k) {
-    unsigned int &place = position[row.columns[k]];
-    if (place == none) {
-      place = entries.size();
-      blocks.push_back(row.columns[k]);
-      entries.push_back(factor * row.values[k]);
-    } else
-      entries[place] += factor * row.values[k];
-  }
-}
-
 void RowSum::add(const double factor, const SparseRow &row)
 {
-  if (length == 1)
-    return add_scalars(factor, row);
   with_known_number(length, [&](const auto n) {
     for (int k = 0; k < row.n; k += n) {
       Assert(row.columns[k + n - 1] == row.columns[k] + n - 1, dealii::ExcInternalError());

@@ -701,10 +701,18 @@ void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
         if (!std::isfinite(value))
           finite(value, domain.section.subsection("Source"), field_of_component(domain, c),
                  cell_values.quadrature_point(q), t);
-        const double f = value * domain.measure(cell_values, q);
-        given_of_cell[c] += f;
-        for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
-          add(layout.index(c, a), -f * cell_values.shape_value(layout.shape_of_node(c, a), q), residual);
+        source_at_points[q] *= tables.JxW[q];
+        given_of_cell[c] += source_at_points[q];
+      }
+      for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
+        const double *const phi = &cell_values.shape_value(layout.shape_of_node(c, a), 0); // at all points
+        double sum = 0, size = 0;
+        for (unsigned int q = 0; q < source_at_points.size(); ++q) {
+          sum += source_at_points[q] * phi[q];
+          size += std::abs(source_at_points[q] * phi[q]);
+        }
+        residual[layout.index(c, a)] -= sum;
+        force_sizes[layout.index(c, a)] += size;
       }
     }
 }

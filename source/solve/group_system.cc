@@ -26,6 +26,8 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
     const std::vector<int> field = field_of_block(); // the units of several differ
     return *std::max_element(field.begin(), field.end()) == 0 ? contrast() : 1;
   };
+  if (group.present_shape)
+    all_facts.shape = group.present_shape();
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
   if (group.positions)
@@ -40,6 +42,8 @@ void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
     all.insert(all.end(), group.multiplier_blocks.begin(), group.multiplier_blocks.end());
     merged = std::make_unique<MergedMatrix>(*matrix, all);
     all_facts.n_unknowns = merged->numbering().size();
+    if (group.present_shape)
+      all_facts.shape = group.present_shape();
   }
   merged->update();
   if (group.is_still_symmetric)

@@ -30,6 +30,7 @@ public:
   /// The matrix has new entries.
   void set_matrix(const BlockMatrix &matrix);
   void forget_matrix();
+  void limit_iterations(const double most) { all_facts.most_iterations = most; }
   /// Between set_matrix and the first use of scaled(). Collective.
   void make_scaled();
 

@@ -20,6 +20,8 @@ const NoteName of_solver("linear solver", "another solver takes over from the on
 const std::string automatic = "automatic", name_of_direct = "direct", name_of_multigrid = "multigrid",
                   name_of_matrix_free = "matrix-free";
 
+const double many_iterations = 100;
+
 /// A solver of a group, and whether it has seen the present values of the matrix.
 struct Member
 {
@@ -55,6 +57,7 @@ struct LinearSolver::Group
   void set_matrix(const Matrix &matrix);
   void forget_matrix();
   bool is_direct_by_size() const;
+  double iterations_of_direct() const;
   bool is_matrix_free_by_degree() const;
   bool needs_entries() const { return takes_direct() || chosen.solver->needs_entries(); }
   bool lacks_entries() const { return is_direct && system.plain().cells() != nullptr; }
@@ -64,6 +67,7 @@ struct LinearSolver::Group
   bool is_rounding(double residual, const GroupVector &x) const;
   bool solve_directly(GroupVector &x, const GroupVector &b);
   std::optional<unsigned int> solve(GroupVector &x, const GroupVector &b);
+  void be_patient();
   bool takes_direct() const { return is_decided ? is_direct : is_direct_by_size(); }
   std::string description() const;
 
@@ -73,7 +77,9 @@ struct LinearSolver::Group
   bool is_direct = false;
   bool is_decided = false;
   bool iteration_failed = false;
-  double ended_at = 0; ///< the relative residual of the last iteration
+  bool was_slow = false;   ///< and did not fail
+  bool is_patient = false; ///< since the direct solver is no help
+  double ended_at = 0;     ///< the relative residual of the last iteration
 };
 
 Member LinearSolver::Group::make(const std::string &name) const
@@ -100,14 +106,30 @@ void LinearSolver::Group::refuse(const std::string &name, const std::string &rea
                                  ". Take one of: " + others + ".");
 }
 
+/// As long as so many iterations takes the direct solver, by nested dissection (George 1973). It factorises a
+/// body from the smallest cross-section on, which m nodes across and n nodes in all make about (m n)^(1/2)
+/// large: (m n)^(3/2) operations. Measured: doc/theory/linear_solvers.md.
+double LinearSolver::Group::iterations_of_direct() const
+{
+  const GroupFacts &facts = system.facts();
+  const double n = facts.n_unknowns, share = facts.is_positive_definite() ? 1 : 2;
+  if (facts.dim == 2)
+    return share * std::log2(n + 1);
+  const double across = facts.shape.nodes_across > 0 ? facts.shape.nodes_across : std::cbrt(n) / 3;
+  return share * 0.01 * std::sqrt(n) * std::pow(across, 1.5);
+}
+
 /// Factorisation wins while the fill is small, and longer for L D L^T: the table of
-/// doc/theory/linear_solvers.md.
+/// doc/theory/linear_solvers.md. In flat bodies the fill is small, and aggregates longer than the thickness
+/// leave much to the iteration.
 bool LinearSolver::Group::is_direct_by_size() const
 {
   const GroupFacts &facts = system.facts();
   const bool is_cheaper = facts.is_positive_definite();
   const unsigned long largest = facts.dim == 2 ? (is_cheaper ? 100000 : 60000) : (is_cheaper ? 12000 : 6000);
-  return owner.type == name_of_direct || (owner.type == automatic && facts.n_unknowns <= largest);
+  const bool is_flat = facts.shape.distance_by_thickness > 0.7 && iterations_of_direct() < many_iterations;
+  return owner.type == name_of_direct ||
+         (owner.type == automatic && (facts.n_unknowns <= largest || is_flat));
 }
 
 /// Products win over a matrix where rows are long: from degree 2 on.
@@ -123,6 +145,8 @@ void LinearSolver::Group::set_matrix(const Matrix &matrix)
   chosen.is_prepared = direct.is_prepared = false;
   if (!is_decided)
     is_direct = is_direct_by_size();
+  if (!is_patient)
+    system.limit_iterations(std::max(many_iterations, iterations_of_direct()));
   is_decided = true;
   if (is_direct)
     chosen.solver->forget();
@@ -134,6 +158,12 @@ void LinearSolver::Group::forget_matrix()
   direct.solver->forget();
   system.forget_matrix();
   is_decided = iteration_failed;
+}
+
+void LinearSolver::Group::be_patient()
+{
+  is_patient = true;
+  system.limit_iterations(std::numeric_limits<double>::infinity());
 }
 
 bool LinearSolver::Group::prepare(Member &member, const GroupOperator &K)
@@ -231,7 +261,6 @@ bool LinearSolver::Group::solve_directly(GroupVector &x, const GroupVector &b)
 std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const GroupVector &b)
 {
   const double largest_usable = 1e-4;
-  ++owner.n_solves;
   if (is_direct) {
     if (solve_directly(x, b))
       return 1;
@@ -241,14 +270,16 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
     if (owner.type == name_of_direct && !iteration_failed)
       refuse(name_of_direct, shortage);
     owner.all_notes.push_back(of_solver(system.facts().name + " is not solved directly: " + shortage));
-    if (iteration_failed)
+    if (iteration_failed && !was_slow)
       return {};
-    is_direct = false;
+    iteration_failed = is_direct = false;
+    be_patient();
     chosen = make(name_of_multigrid); // the matrix is there
   }
   const auto n_iterations = iterate(x, b);
   if (n_iterations && ended_at == 0)
     return n_iterations;
+  was_slow = chosen.solver->expected_iterations() > 0;
 
   const GroupVector iterated(x);
   std::ostringstream words;
@@ -256,6 +287,8 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
   words << "the iteration for " << system.facts().name;
   if (n_iterations)
     words << " ended at a relative residual of " << ended_at << " in place of " << owner.present_tolerance;
+  else if (was_slow)
+    words << " was slow: it expected " << std::lround(chosen.solver->expected_iterations()) << " iterations";
   else
     words << " failed";
   x = 0;
@@ -271,6 +304,10 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
   }
   const std::string shortage = direct.solver->shortage();
   words << ", and MUMPS failed" << (shortage.empty() ? "" : ": " + shortage);
+  if (was_slow) {
+    be_patient();
+    return solve(x, b);
+  }
   if (!n_iterations || ended_at > largest_usable) {
     owner.all_notes.push_back(of_solver(words.str()));
     return {};
@@ -283,7 +320,9 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
 std::string LinearSolver::Group::description() const
 {
   return system.facts().name + ": " + (takes_direct() ? direct : chosen).solver->description() +
-         (takes_direct() && iteration_failed ? ", after the iteration failed" : "");
+         (!takes_direct() || !iteration_failed ? ""
+          : was_slow                           ? ", after the iteration was slow"
+                                               : ", after the iteration failed");
 }
 
 LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups, const Choice choice)
@@ -363,8 +402,10 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
       system.plain().gather(rest, b);
     }
     std::optional<unsigned int> block_group = 0;
-    if (b.l2_norm() > 0)
+    if (b.l2_norm() > 0) {
+      ++n_solves;
       block_group = groups[g]->solve(x, b);
+    }
     if (!block_group)
       return {};
     n_iterations += *block_group;

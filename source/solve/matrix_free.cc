@@ -12,6 +12,7 @@
 // M. Kronbichler, K. Kormann: A generic interface for parallel cell-based finite element operator
 // application, 2012.
 
+#include "outlook.h"
 #include "soft_leaders.h"
 #include "upkeep.h"
 
@@ -91,6 +92,7 @@ public:
 
 private:
   void make(const GroupOperator &K);
+  Upkeep::GivesUp patience(double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
                        const Upkeep::GivesUp &gives_up);
 
@@ -127,7 +129,20 @@ unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const Gro
       [&](GroupVector &z, const GroupVector &r, const Upkeep::GivesUp &gives_up) {
         return iterate(K, z, r, goal, gives_up);
       },
-      [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, {}); });
+      [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, patience(goal)); });
+}
+
+/// With new levels.
+Upkeep::GivesUp MatrixFree::patience(const double goal)
+{
+  expected = 0;
+  return [this, goal, outlook = Outlook()](const unsigned int n, const double residual) mutable {
+    outlook.see(n, residual);
+    if (!outlook.is_time_to_look() || !outlook.is_hopeless(goal, facts.most_iterations))
+      return false;
+    expected = outlook.iterations_to(goal);
+    return true;
+  };
 }
 
 unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,

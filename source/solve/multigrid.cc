@@ -14,6 +14,7 @@
 //     end
 
 #include "degree_coarsening.h"
+#include "outlook.h"
 #include "semicoarsening.h"
 #include "soft_leaders.h"
 #include "upkeep.h"
@@ -199,26 +200,19 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
   if (facts.has_multipliers) // whose Schur complement may be what is slow
     return iterate(K, x, b, goal, {});
 
-  const unsigned int n_between_checks = 8;
   const double usual_decades = 10;
-  double largest = 0, smallest = 0; // of the residuals, which grow at first where bodies are stiff
-  unsigned int n_of_largest = 0;
+  Outlook outlook;
   Means next = means;
+  expected = 0;
   const auto gives_up = [&](const unsigned int n, const double residual) {
-    if (residual >= largest) {
-      largest = smallest = residual;
-      n_of_largest = n;
-    }
-    smallest = std::min(smallest, residual);
-    if (n == 0 || n % n_between_checks != 0)
+    outlook.see(n, residual);
+    if (!outlook.is_time_to_look())
       return false;
-    const double decades = std::log10(largest / smallest);
-    const auto expected = [&](const unsigned int n_counted) {
-      return decades > 0 ? n_counted * usual_decades / decades : std::numeric_limits<double>::infinity();
-    };
-    const bool is_slow = means_for(expected(n - n_of_largest)) > means;
-    next = is_slow ? means_for(expected(n)) : means;
-    return is_slow;
+    const bool is_slow = means_for(outlook.iterations_since_largest(usual_decades)) > means;
+    next = is_slow ? means_for(outlook.iterations(usual_decades)) : means;
+    const bool is_hopeless = !is_slow && outlook.is_hopeless(goal, facts.most_iterations);
+    expected = is_hopeless ? outlook.iterations_to(goal) : 0;
+    return is_slow || is_hopeless;
   };
   return solve_in_two_attempts(
       K, x, b, [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, gives_up); },

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 
 namespace dovetail {
@@ -31,6 +32,57 @@ std::string why_entries(const Model<dim> &model, const std::vector<std::string> 
       return reason;
   }
   return "";
+}
+
+/// The boundary ids of a domain at which it is tied to another one, and goes on there.
+template <int dim>
+std::set<dealii::types::boundary_id> tied_ids(const Model<dim> &model, const Domain<dim> &domain)
+{
+  std::set<dealii::types::boundary_id> result;
+  for (const auto &interface : model.interfaces)
+    for (const auto &side : interface->sides)
+      if (side.domain == &domain)
+        result.insert(side.boundary_ids.begin(), side.boundary_ids.end());
+  return result;
+}
+
+template <int dim>
+double area_by_vertices(const typename dealii::Triangulation<dim>::face_iterator &face)
+{
+  if constexpr (dim == 3)
+    return dealii::cross_product_3d(face->vertex(face->n_vertices() - 1) - face->vertex(0),
+                                    face->vertex(2) - face->vertex(1))
+               .norm() /
+           2;
+  return 0;
+}
+
+/// From the volume V and the area A of the free boundary, and the nodes in both: a plate is 2 V/A thick.
+template <int dim>
+BodyShape shape_of(const Model<dim> &model, const std::vector<unsigned int> &blocks)
+{
+  double n_nodes = 0;
+  std::vector<double> mine(3), all(3); // V, A, the nodes in A
+  for (const unsigned int b : blocks) {
+    const Block &block = model.numbering->blocks()[b];
+    const Domain<dim> &domain = *model.domains[block.domain_index];
+    n_nodes += static_cast<double>(block.end - block.begin) / dim;
+    for (const auto &cell : domain.dof_handler().active_cell_iterators())
+      if (cell->is_locally_owned())
+        mine[0] += cell->measure();
+    const auto tied = tied_ids(model, domain);
+    for (const auto &face : domain.boundary_faces())
+      if (face.cell->is_locally_owned() && tied.count(face.id) == 0) {
+        const auto its_face = face.cell->face(face.number);
+        mine[1] += area_by_vertices<dim>(its_face);
+        mine[2] += domain.degree * domain.degree * (its_face->n_vertices() == 3 ? 0.5 : 1);
+      }
+  }
+  dealii::Utilities::MPI::sum(mine, model.communicator, all);
+  const double volume = all[0], area = all[1], nodes_of_area = all[2];
+  if (!(area > 0 && volume > 0))
+    return {};
+  return {2 * n_nodes / nodes_of_area, std::sqrt(area / nodes_of_area) * area / (2 * volume)};
 }
 
 } // namespace
@@ -91,6 +143,10 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
         return model.is_symmetric(field);
       };
     group.why_entries = why_entries(model, fields, group);
+    if (dim == 3 && std::all_of(group.blocks.begin(), group.blocks.end(), [&](const unsigned int b) {
+          return model.domains[blocks[b].domain_index]->fields()[blocks[b].field_index].n_components > 1;
+        }))
+      group.present_shape = [&model, blocks = group.blocks]() { return shape_of(model, blocks); };
     group.field = [&model](const unsigned int block) { return model.numbering->blocks()[block].field; };
     groups.push_back(std::move(group));
   }

@@ -14,6 +14,7 @@
 
 #include <array>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -57,6 +58,14 @@ public:
   virtual const std::vector<double> *augmentation() const { return nullptr; }
 };
 
+/// How many nodes lie across bodies, and how far apart they are beside the thickness. About: of a plate 1/2
+/// means square cells.
+struct BodyShape
+{
+  double nodes_across = 0;          ///< 0: not known
+  double distance_by_thickness = 0; ///< of nodes along a free boundary, on average
+};
+
 /// What describes a group of fields that is solved at once.
 struct GroupTraits
 {
@@ -66,6 +75,7 @@ struct GroupTraits
   unsigned long n_unknowns = 0; ///< of all ranks
   bool is_symmetric = true;     ///< and, but for multipliers, positive definite; may change with K
   std::string why_entries;      ///< why the cells' part of K must have entries; empty if products do
+  BodyShape shape;              ///< of bodies in space that resist to be bent
 };
 
 /// What is known of a group beside its operator. The functions may be called in GroupSolver::prepare.
@@ -98,6 +108,8 @@ struct GroupFacts : GroupTraits
     unsigned int block = 0;
     std::array<double, 3> position{};
   };
+  /// solve() may fail as soon as it expects more: another solver costs less then.
+  double most_iterations = std::numeric_limits<double>::infinity();
   std::function<std::vector<Place>(const Selection *rows)> places;
   std::vector<Place> known_places(const Selection *rows = nullptr) const
   {
@@ -160,6 +172,8 @@ public:
   /// Why the last prepare() failed, "its factors need about 9 MiB, and 8 MiB are free", if K was too large
   /// for this solver; else empty. The same on all ranks.
   virtual std::string shortage() const { return ""; }
+  /// How many iterations the last solve() expected, if it has failed for that reason; else 0.
+  double expected_iterations() const { return expected; }
   /// How many eigenvalues of the K that was prepared are negative, if that is a by-product. The same on all
   /// ranks.
   virtual std::optional<unsigned long> n_negative_eigenvalues() const { return {}; }
@@ -175,6 +189,7 @@ public:
 
 protected:
   Preparations preparations;
+  double expected = 0; ///< iterations, of which there are too many
 };
 
 /// Adding one is adding a file: doc/how_to/add_a_solver.md.

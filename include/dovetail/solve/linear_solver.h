@@ -25,6 +25,8 @@ struct SolveGroup : GroupTraits
 {
   std::vector<unsigned int> blocks;            ///< of the bodies
   std::vector<unsigned int> multiplier_blocks; ///< of interfaces, and of constraints within bodies
+  /// BodyShape of the present mesh. Collective. If missing, it is not known.
+  std::function<BodyShape()> present_shape;
   bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
   /// Near-null space of a block at some of this rank's unknowns, [mode][unknown], as part of that of all
   /// blocks together or by itself; asked for only if a solver does.

@@ -20,7 +20,7 @@ const NoteName of_solver("linear solver", "another solver takes over from the on
 const std::string automatic = "automatic", name_of_direct = "direct", name_of_multigrid = "multigrid",
                   name_of_matrix_free = "matrix-free";
 
-const double many_iterations = 100;
+const double few_iterations = 14, many_iterations = 100;
 
 /// A solver of a group, and whether it has seen the present values of the matrix.
 struct Member
@@ -120,16 +120,18 @@ double LinearSolver::Group::iterations_of_direct() const
 }
 
 /// Factorisation wins while the fill is small, and longer for L D L^T: the table of
-/// doc/theory/linear_solvers.md. In flat bodies the fill is small, and aggregates longer than the thickness
-/// leave much to the iteration.
+/// doc/theory/linear_solvers.md. In thin bodies the fill is small, and in flat ones aggregates longer than
+/// the thickness leave much to the iteration.
 bool LinearSolver::Group::is_direct_by_size() const
 {
   const GroupFacts &facts = system.facts();
   const bool is_cheaper = facts.is_positive_definite();
   const unsigned long largest = facts.dim == 2 ? (is_cheaper ? 100000 : 60000) : (is_cheaper ? 12000 : 6000);
-  const bool is_flat = facts.shape.distance_by_thickness > 0.7 && iterations_of_direct() < many_iterations;
+  const bool is_flat = facts.shape.distance_by_thickness > 0.7,
+             is_thin = facts.shape.nodes_across > 0 &&
+                       iterations_of_direct() < (is_flat ? many_iterations : few_iterations);
   return owner.type == name_of_direct ||
-         (owner.type == automatic && (facts.n_unknowns <= largest || is_flat));
+         (owner.type == automatic && (facts.n_unknowns <= largest || is_thin));
 }
 
 /// Products win over a matrix where rows are long: from degree 2 on.

@@ -248,17 +248,17 @@ void TieOperator<dim>::multiply(const double *x, double *y, const bool of_symmet
   const bool is_mean = of_symmetric_part && !lower.empty();
   const double *block = upper.data(), *mirrored = lower.empty() ? block : lower.data();
   std::array<double, n> x_i, y_i, y_j;
-  std::array<double, n * n> above, below; // T_ij, and T_ji transposed
+  std::array<double, n * n> mean;
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     std::copy_n(&of_nodes[i * n], n, x_i.begin());
     y_i.fill(0);
     for (unsigned int k = first_block[i]; k < first_block[i + 1]; ++k, block += n * n, mirrored += n * n) {
       const unsigned int j = column[k];
       const double *const x_j = &of_nodes[j * n];
-      for (unsigned int e = 0; e < n * n; ++e) {
-        above[e] = is_mean ? (block[e] + mirrored[e]) / 2 : block[e];
-        below[e] = is_mean ? above[e] : mirrored[e];
-      }
+      for (unsigned int e = 0; is_mean && e < n * n; ++e)
+        mean[e] = (block[e] + mirrored[e]) / 2;
+      const double *const above = is_mean ? mean.data() : block;
+      const double *const below = is_mean ? mean.data() : mirrored; // transposed
       y_j.fill(0);
       for (unsigned int c = 0; c < n; ++c)
         for (unsigned int d = 0; d < n; ++d) {

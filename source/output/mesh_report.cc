@@ -347,16 +347,22 @@ void write_preview(const MeshFile &mesh, const unsigned int dim, const std::stri
     obstacle.raise("Start the program in a directory where you may write.");
 }
 
-/// Else its cells are the surfaces of bodies.
-bool lies_in_a_plane(const MeshFile &mesh)
+/// Why its cells must be the surfaces of bodies; empty if they may be a plane mesh.
+std::string obstacle_to_a_plane(const MeshFile &mesh)
 {
-  Point<3> low = mesh.nodes[mesh.cells.nodes[0]], high = low;
-  for (const unsigned int node : mesh.cells.nodes)
-    for (unsigned int d = 0; d < 3; ++d) {
-      low[d] = std::min(low[d], mesh.nodes[node][d]);
-      high[d] = std::max(high[d], mesh.nodes[node][d]);
-    }
-  return high[2] - low[2] <= 1e-6 * low.distance(high);
+  unsigned int low = mesh.cells.nodes[0], high = low;
+  double size = 0;
+  for (const unsigned int node : mesh.cells.nodes) {
+    if (mesh.nodes[node][2] < mesh.nodes[low][2])
+      low = node;
+    if (mesh.nodes[node][2] > mesh.nodes[high][2])
+      high = node;
+    size = std::max(size, mesh.nodes[node].distance(mesh.nodes[mesh.cells.nodes[0]]));
+  }
+  if (mesh.nodes[high][2] - mesh.nodes[low][2] <= 1e-6 * size)
+    return "";
+  return " Dimension = 2 needs equal z: node " + std::to_string(mesh.node_numbers[high]) +
+         " has another z than node " + std::to_string(mesh.node_numbers[low]) + ".";
 }
 
 /// Three dimensions if there is a cell of three, else two.
@@ -372,8 +378,8 @@ std::pair<MeshFile, unsigned int> read_in_its_dimension(const std::string &file_
       const std::string reason = in_two.what();
       throw MeshError(reason.find("three dimensions") == std::string::npos ? reason : in_three.what());
     }
-    if (!lies_in_a_plane(plane))
-      throw MeshError(in_three.what());
+    if (const std::string obstacle = obstacle_to_a_plane(plane); !obstacle.empty())
+      throw MeshError(in_three.what() + obstacle);
     return {std::move(plane), 2};
   }
 }

@@ -24,20 +24,23 @@ namespace {
 
 const NoteName of_output("output", "results cannot be written");
 
-/// Who reads probes.csv finds a column by its name.
+/// Who reads probes.csv finds a column by its name without the unit. @p others: what has one besides probes
 template <int dim>
-void check_columns(const Probes<dim> &probes)
+void check_columns(const Probes<dim> &probes, const std::vector<std::string> &others)
 {
-  std::map<std::string, std::string> probe_of; // by column
+  std::map<std::string, std::string> owner; // by column
+  for (const std::string &other : others)
+    owner.emplace(other, "the " + other.substr(0, other.find(' ')) + " of the step");
   const std::vector<NamesOfProbe> names = names_of_columns(probes);
   for (unsigned int i = 0; i < names.size(); ++i)
     for (const auto *of_kind : {&names[i].numbers, &names[i].places})
-      for (const std::string &name : *of_kind) {
+      for (const std::string &with_unit : *of_kind) {
         const auto &probe = probes.all()[i];
-        const auto [found, is_new] = probe_of.emplace(name, probe.name);
+        const std::string name = with_unit.substr(0, with_unit.rfind(" ["));
+        const auto [found, is_new] = owner.emplace(name, "the probe " + probe.name);
         probe.section->check(is_new, "",
-                             "has the column '" + name + "' in probes.csv, and the probe " + found->second +
-                                 " has it, too. Rename one of them.");
+                             "has the column '" + name + "' in probes.csv, and " + found->second +
+                                 " has it, too. Choose another name.");
       }
 }
 
@@ -78,8 +81,13 @@ Results<dim>::Results(const SceneText &text, const Section &output, const Model<
     energy_balance.emplace(model);
   }
   notes.read(output);
-  if (!output.documenting())
-    check_columns(probes);
+  if (output.documenting())
+    return;
+  std::vector<std::string> columns = {StepTable::first_word};
+  for (const char *part : {"kinetic", "elastic", "ties", "work", "scheme", "lost"})
+    if (energy_balance)
+      columns.push_back(std::string("energy ") + part);
+  check_columns(probes, columns);
 }
 
 template <int dim>

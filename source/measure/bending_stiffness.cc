@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_points.h>
+#include <dovetail/domain/measure_by_vertices.h>
 #include <dovetail/measure/bending_stiffness.h>
 
 #include <deal.II/base/mpi.h>
@@ -131,7 +132,7 @@ StiffnessShare stiffness_share(const Domain<dim> &domain, const Field &displacem
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (!cell->is_artificial()) {
       enter(cell, vertices);
-      const double volume = cell->measure();
+      const double volume = measure_by_vertices<dim>(cell);
       for (unsigned int a = 0; a < n_vertices; ++a) {
         at_vertex[cell->vertex_index(a)] +=
             volume * strain(displacement_gradient(vertices, a, displacements), is_large);

@@ -284,7 +284,7 @@ void Eigenmodes<dim>::prepare_inverse(const double shift)
   make();
   if (shift > 0)
     solver.prefer_direct(); // not definite
-  if (!solver.lacks_entries())
+  if (!solver.lacks_operator())
     return;
   solver.forget_matrix();
   step.system().choose_entries(solver.needs_entries());
@@ -300,7 +300,7 @@ typename Eigenmodes<dim>::Column Eigenmodes<dim>::solve(const Column &b)
   const Vector right_hand_side = scatter(b);
   Vector x = step.system().owned_vector();
   bool is_solved = solver.solve(x, right_hand_side, {group, group + 1}).has_value();
-  if (!is_solved && solver.lacks_entries()) {
+  for (unsigned int n = 0; n < 2 && !is_solved && solver.lacks_operator(); ++n) {
     prepare_inverse(shift_of_inverse);
     is_solved = solver.solve(x, right_hand_side, {group, group + 1}).has_value();
   }

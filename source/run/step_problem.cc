@@ -270,7 +270,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   auto n_iterations =
       guess ? solve_from_guess(dx) : linear_solver.solve(dx, system.negative_residual(), needed);
   guess.reset();
-  if (!n_iterations && linear_solver.lacks_entries()) {
+  while (!n_iterations && linear_solver.lacks_operator()) {
     make_entries(x);
     n_iterations = linear_solver.solve(dx, system.negative_residual(), needed);
   }
@@ -312,7 +312,7 @@ std::optional<unsigned int> StepProblem<dim>::solve_from_guess(Vector &dx)
   return n_iterations;
 }
 
-/// For a matrix with entries, where products of cells did not do.
+/// For a matrix with entries, where products of cells did not do, or for products, where factors do not fit.
 template <int dim>
 void StepProblem<dim>::make_place_for_entries()
 {
@@ -340,7 +340,7 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
   Vector rest = system.owned_vector(), correction = rest;
   double relative = system.linear_residual_norm(dx, rest);
   for (unsigned int pass = 0; pass < 2 && relative > (pass == 0 ? exact_linear_residual : usual); ++pass) {
-    if (pass == 1 && linear_solver.prefer_direct() && linear_solver.lacks_entries())
+    if (pass == 1 && linear_solver.prefer_direct() && linear_solver.lacks_operator())
       make_entries(x);
     const Stage &stage = stages[present_stage];
     if (!linear_solver.solve(
@@ -392,7 +392,7 @@ Vector StepProblem<dim>::solve_mass(const Vector &x, const Vector &right_hand_si
   Vector solution = system.owned_vector(), rest = right_hand_side, correction = rest;
   for (unsigned int pass = 0; pass < 3 && rest.l2_norm() > exact * right_hand_side.l2_norm(); ++pass) {
     bool is_solved = linear_solver.solve(correction, rest).has_value();
-    if (!is_solved && linear_solver.lacks_entries()) {
+    while (!is_solved && linear_solver.lacks_operator()) {
       make_place_for_entries();
       is_solved = assemble_mass(x) && linear_solver.solve(correction, rest).has_value();
     }
@@ -570,7 +570,7 @@ bool StepProblem<dim>::correct(const Vector &x, const Vector &trial, const doubl
   if (has_to_move)
     loads.add(1 - damping, *moving_loads);
   bool is_solved = linear_solver.solve(correction, loads, demand()).has_value();
-  if (!is_solved && linear_solver.lacks_entries()) {
+  while (!is_solved && linear_solver.lacks_operator()) {
     make_entries(x);
     is_solved = linear_solver.solve(correction, loads, demand()).has_value();
     system.assemble(trial, false);

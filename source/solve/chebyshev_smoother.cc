@@ -128,11 +128,11 @@ void ChebyshevSmoother::take_factorisation(const LevelEntries &matrix, const Ran
   const Agreement ranks{communicator_of(A), {}};
   range = its_range;
   std::shared_ptr<const CompactMatrix> in_single_precision; // once for all shifts
+  const bool has_matrix =
+      ranks.succeeds("smoother", [&]() { in_single_precision = matrix.single_precision(); });
   for (const double shift : {0.05, 0.3, 1.}) {
-    const bool is_made = ranks.succeeds("smoother", [&]() { // it may break down, or find no memory
+    const bool is_made = has_matrix && ranks.succeeds("smoother", [&]() { // it may break down
       M.reset();
-      if (!in_single_precision)
-        in_single_precision = matrix.single_precision();
       M = std::make_unique<IncompleteFactorisation>(*in_single_precision, shift);
     });
     if (is_made)

@@ -206,14 +206,16 @@ private:
   std::string missing;
 };
 
-/// With nested dissection (George 1973): in 3D n^2 operations and n^(4/3) entries of the factors.
+/// With nested dissection (George 1973): in 3D n^2 operations and n^(4/3) entries of the factors of a cube.
+/// Of a body with fewer nodes m across, (m n)^(3/2) and m n.
 std::optional<ExpectedCost> Direct::expected_cost(const GroupSize &size) const
 {
   const double share = facts.is_positive_definite() ? 1 : 2; // L U
-  const double n = size.n_unknowns,
-               n_factors = facts.dim == 3 ? 30 * std::pow(n, 4. / 3) : 10 * n * std::log2(n + 1);
-  return {{390 * size.n_entries + share * (facts.dim == 3 ? 1.6 * n * n : 6000 * n), 4 * share * n_factors,
-           8 * share * n_factors}};
+  const double n = size.n_unknowns, across_cube = std::cbrt(n / 3) / 3,
+               thin = facts.shape.nodes_across > 0 ? std::min(1., facts.shape.nodes_across / across_cube) : 1,
+               n_factors = facts.dim == 3 ? 30 * thin * std::pow(n, 4. / 3) : 10 * n * std::log2(n + 1),
+               operations = facts.dim == 3 ? 1.6 * std::pow(thin, 1.5) * n * n : 6000 * n;
+  return {{390 * size.n_entries + share * operations, 4 * share * n_factors, 8 * share * n_factors}};
 }
 
 void Direct::prepare(const GroupOperator &K, const Agreement &ranks)

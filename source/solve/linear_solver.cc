@@ -61,6 +61,7 @@ struct LinearSolver::Group
   bool is_matrix_free_by_degree() const;
   bool needs_entries() const { return takes_direct() || chosen.solver->needs_entries(); }
   bool lacks_entries() const { return is_direct && system.plain().cells() != nullptr; }
+  bool lacks_products() const { return wants_products && system.plain().cells() == nullptr; }
   bool prepare(Member &member, const GroupOperator &K);
   std::optional<unsigned int> iterate(GroupVector &x, const GroupVector &b);
   unsigned int iterate_to_residual(GroupVector &x, const GroupVector &b);
@@ -77,9 +78,10 @@ struct LinearSolver::Group
   bool is_direct = false;
   bool is_decided = false;
   bool iteration_failed = false;
-  bool was_slow = false;   ///< and did not fail
-  bool is_patient = false; ///< since the direct solver is no help
-  double ended_at = 0;     ///< the relative residual of the last iteration
+  bool was_slow = false;       ///< and did not fail
+  bool is_patient = false;     ///< since the direct solver is no help
+  bool wants_products = false; ///< likewise, and the iteration took products
+  double ended_at = 0;         ///< the relative residual of the last iteration
 };
 
 Member LinearSolver::Group::make(const std::string &name) const
@@ -131,7 +133,7 @@ bool LinearSolver::Group::is_direct_by_size() const
              is_thin = facts.shape.nodes_across > 0 &&
                        iterations_of_direct() < (is_flat ? many_iterations : few_iterations);
   return owner.type == name_of_direct ||
-         (owner.type == automatic && (facts.n_unknowns <= largest || is_thin));
+         (owner.type == automatic && !is_patient && (facts.n_unknowns <= largest || is_thin));
 }
 
 /// Products win over a matrix where rows are long: from degree 2 on.
@@ -145,6 +147,9 @@ void LinearSolver::Group::set_matrix(const Matrix &matrix)
 {
   system.set_matrix(matrix);
   chosen.is_prepared = direct.is_prepared = false;
+  if (lacks_products()) // nobody has made them, but entries
+    chosen = make(name_of_multigrid);
+  wants_products = false;
   if (!is_decided)
     is_direct = is_direct_by_size();
   if (!is_patient)
@@ -263,6 +268,8 @@ bool LinearSolver::Group::solve_directly(GroupVector &x, const GroupVector &b)
 std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const GroupVector &b)
 {
   const double largest_usable = 1e-4;
+  if (lacks_products())
+    return {};
   if (is_direct) {
     if (solve_directly(x, b))
       return 1;
@@ -276,7 +283,9 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
       return {};
     iteration_failed = is_direct = false;
     be_patient();
-    chosen = make(name_of_multigrid); // the matrix is there
+    wants_products = !chosen.solver->needs_entries();
+    if (lacks_products())
+      return {};
   }
   const auto n_iterations = iterate(x, b);
   if (n_iterations && ended_at == 0)
@@ -330,7 +339,9 @@ std::string LinearSolver::Group::description() const
 LinearSolver::LinearSolver(const Section &section, std::vector<SolveGroup> given_groups, const Choice choice)
     : section(section), types(all_types()),
       type(types[section.choose("Type", types, 0,
-                                "automatic: direct, multigrid or matrix-free, by size and degree [-]")]),
+                                "automatic: direct, multigrid or matrix-free, by size, shape and degree; "
+                                "where an iteration fails or is "
+                                "slow, direct takes over [-]")]),
       relative_tolerance(section.read<double>(
           "Relative tolerance", 1e-10,
           "Tolerance of the residual of the linear system, relative to its right-hand side [-]",
@@ -362,9 +373,10 @@ std::vector<bool> LinearSolver::needs_entries() const
   return result;
 }
 
-bool LinearSolver::lacks_entries() const
+bool LinearSolver::lacks_operator() const
 {
-  return std::any_of(groups.begin(), groups.end(), [](const auto &group) { return group->lacks_entries(); });
+  return std::any_of(groups.begin(), groups.end(),
+                     [](const auto &group) { return group->lacks_entries() || group->lacks_products(); });
 }
 
 void LinearSolver::set_matrix(const Matrix &new_matrix)

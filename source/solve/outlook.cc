@@ -37,7 +37,8 @@ double Outlook::iterations_since_largest(const double decades) const
 
 double Outlook::iterations_to(const double goal) const
 {
-  return n_of_largest + iterations_since_largest(std::log10(largest / goal));
+  const double least = std::max(goal, largest * std::numeric_limits<double>::epsilon());
+  return n_of_largest + iterations_since_largest(std::log10(largest / least));
 }
 
 bool Outlook::is_hopeless(const double goal, const double most) const

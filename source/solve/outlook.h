@@ -21,7 +21,7 @@ public:
   double iterations_since_largest(double decades) const;
   /// To the residual @p goal more than @p most, in all.
   bool is_hopeless(double goal, double most) const;
-  double iterations_to(double goal) const;
+  double iterations_to(double goal) const; ///< or to what rounding leaves at best
 
 private:
   double per_decade(unsigned int n_counted) const;

@@ -56,7 +56,7 @@ private:
   unsigned int find_weights();
 
   Prolongation &P;
-  std::vector<int> offsets, last_offsets = {-1};
+  std::vector<int> offsets, last_offsets;
   std::vector<float> weights, last_weights;
   std::unordered_multimap<std::size_t, unsigned int> known; ///< short lists of weights, by their bytes
 };
@@ -69,7 +69,8 @@ void Prolongation::Builder::add(const int row, const std::vector<int> &columns,
   offsets.clear();
   for (const int column : columns)
     offsets.push_back(P.exchange.number(column) - first_column);
-  const bool has_same_offsets = offsets == last_offsets, has_same_weights = weights == last_weights;
+  const bool is_first = P.groups.empty(), has_same_offsets = !is_first && offsets == last_offsets,
+             has_same_weights = !is_first && weights == last_weights;
   if (has_same_offsets && has_same_weights) {
     const Group &last = P.groups.back();
     if (columns.empty() || first_column == last.first_column + row - last.first_row)

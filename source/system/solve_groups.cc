@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/cell_operator.h>
+#include <dovetail/domain/measure_by_vertices.h>
 #include <dovetail/system/linear_part.h>
 #include <dovetail/system/rigid_motions.h>
 #include <dovetail/system/solve_groups.h>
@@ -69,7 +70,7 @@ BodyShape shape_of(const Model<dim> &model, const std::vector<unsigned int> &blo
     n_nodes += static_cast<double>(block.end - block.begin) / dim;
     for (const auto &cell : domain.dof_handler().active_cell_iterators())
       if (cell->is_locally_owned())
-        mine[0] += cell->measure();
+        mine[0] += measure_by_vertices<dim>(cell);
     const auto tied = tied_ids(model, domain);
     for (const auto &face : domain.boundary_faces())
       if (face.cell->is_locally_owned() && tied.count(face.id) == 0) {

@@ -51,14 +51,14 @@ Epetra_CrsMatrix make_matrix(const Epetra_Map &rows)
   return A;
 }
 
-/// From every third node, linearly.
+/// From every third node, linearly; the first node is prescribed.
 Epetra_CrsMatrix make_prolongation(const Epetra_Map &rows, const Epetra_Map &coarse)
 {
   Epetra_CrsMatrix P(Copy, rows, 2);
   for (int i = 0; i < rows.NumMyElements(); ++i) {
     const int node = rows.GID(i) / n_components, c = rows.GID(i) % n_components;
     for (int k = 0; k < 2; ++k)
-      if (const double weight = k == 0 ? 1 - node % 3 / 3. : node % 3 / 3.; weight > 0) {
+      if (const double weight = k == 0 ? 1 - node % 3 / 3. : node % 3 / 3.; weight > 0 && node > 0) {
         const int column = (node / 3 + k) * n_components + c;
         P.InsertGlobalValues(rows.GID(i), 1, &weight, &column);
       }

@@ -70,8 +70,8 @@ public:
 
   /// Of each group: whether its matrix must have all entries. If not, the tangent of cells may be products.
   std::vector<bool> needs_entries() const;
-  /// Whether a group that has failed waits for them.
-  bool lacks_entries() const;
+  /// Whether a group that has failed waits for them, or for products in their place.
+  bool lacks_operator() const;
 
   /// The matrix has new entries.
   void set_matrix(const Matrix &matrix);

@@ -222,7 +222,7 @@ void NonlinearStep<dim>::find_second_rates(const Vector &x)
   along -= rate;
   of_constrained.add(h, along);
   of_constrained *= 2 / (h * h);
-  const auto found = problem->second_rates(present_step.begin + just_after * h, x, rate, of_constrained);
+  const auto found = problem->second_rates(present_step.begin + just_after * h, x, rate, of_constrained, h);
   second_rates_at_start = found.value_or(of_constrained); // else the step fails by itself
   rates_at_start = rate;
   scheme->start_second_rates(*second_rates_at_start);

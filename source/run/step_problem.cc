@@ -419,20 +419,56 @@ void StepProblem<dim>::set_rates_alone(const Vector &x, const Vector &rate, cons
   system.set_rates(rates);
 }
 
+/// Whose equation knows displacements alone: it says nothing of the pressure, but limits how the body moves.
+template <int dim>
+bool StepProblem<dim>::is_of_incompressible(const unsigned int b) const
+{
+  const Block &block = model.numbering->blocks()[b];
+  if (block.is_of_multipliers)
+    return false;
+  const Domain<dim> &domain = *model.domains[block.domain_index];
+  const Field &field = domain.fields()[block.field_index];
+  return field.is_multiplier &&
+         !domain.material.coupling(field.first_component, field.first_component).source_by_value;
+}
+
+template <int dim>
+bool StepProblem<dim>::has_incompressible() const
+{
+  for (unsigned int b = 0; b < model.numbering->blocks().size(); ++b)
+    if (is_of_incompressible(b))
+      return true;
+  return false;
+}
+
 /// With the matrix c M + K, where c is as large as can be, an update is a/c of what has a mass; the forces of
-/// multipliers and pressures, and other fields, are found with it.
+/// multipliers and pressures, and other fields, are found with it. Where a body is incompressible, this
+/// update must not close what its volume is off by now, which is rounding. Accelerations, constant until the
+/// end of the step, have to keep the volume until then: B a = -2/h^2 of what @p without is off by there.
 template <int dim>
 std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vector &x, const Vector &rate,
-                                                     const Vector &of_constrained)
+                                                     const Vector &of_constrained, const double h)
 {
   const Phases::Scope scope(phases, "solve");
   if (!assemble_mass(x))
     return {};
   const double end = t;
+  Vector at_end = x;
+  bool is_defined = true;
+  const bool keeps_volume = has_incompressible();
+  if (keeps_volume) {
+    Vector without = x;
+    without.add(h, rate);
+    without.add(h * h / 2, of_constrained);
+    set_rates_alone(x, rate, of_constrained);
+    is_defined = system.assemble(without, false);
+    at_end = system.negative_residual();
+    at_end *= 2 / (h * h) / mass_alone;
+  }
   if (!system.is_outdated(now))
     system.set_time(now);
   set_rates_alone(x, rate, of_constrained);
-  const bool is_defined = system.assemble(x, false);
+  is_defined = system.assemble(x, false) && is_defined;
   Vector rest = system.negative_residual();
   system.set_time(end);
   if (!is_defined)
@@ -440,6 +476,8 @@ std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vec
   for (unsigned int b = 0; b < rest.n_blocks(); ++b)
     if (is_of_multipliers(b)) // else what bodies are apart at x would be closed at once
       rest.block(b) = 0;
+    else if (keeps_volume && is_of_incompressible(b))
+      rest.block(b) = at_end.block(b);
   Vector result = solve_mass(x, rest);
   result *= mass_alone;
   system.distribute_rate(result, true);
@@ -467,7 +505,9 @@ void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
         result.block(b) = 0;
     return result;
   };
-  const auto multiplies = [this](const unsigned int b) { return is_of_multipliers(b); };
+  const auto multiplies = [this](const unsigned int b) {
+    return is_of_multipliers(b) || is_of_incompressible(b);
+  };
   Vector x_change = x, rate_change = rate;
   system.follow(x_change);
   x_change -= x;
@@ -475,16 +515,19 @@ void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
   system.distribute_rate(rate_change, false);
   rate_change -= rate;
   rate_change = only(moves, rate_change);
-  if (!system.has_multipliers() && x_change.l2_norm() == 0 && rate_change.l2_norm() == 0)
+  if (!system.has_multipliers() && !has_incompressible() && x_change.l2_norm() == 0 &&
+      rate_change.l2_norm() == 0)
     return;
   x += x_change;
   rate += rate_change;
   if (!assemble_mass(x))
     return;
-  Vector product = rate;
-  system.tangent().vmult(product, rate);
-  product *= -1;
-  const Vector jumps = only(multiplies, product);
+  Vector jumps = rate;
+  system.tangent().vmult(jumps, rate);
+  jumps *= -1;
+  jumps = only(multiplies, jumps);
+  if (has_incompressible())
+    find_rates_of_volume(x, rate, jumps);
   Vector none = rate;
   none = 0;
   const auto project = [&](const Vector &change, const Vector *multiplied, Vector &to) {
@@ -503,6 +546,36 @@ void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
   project(x_change, nullptr, x_now);
   project(rate_change, &jumps, rate);
   x = x_now;
+}
+
+/// Of incompressible bodies, with what is prescribed and moves: the tangent knows of free unknowns alone.
+template <int dim>
+void StepProblem<dim>::find_rates_of_volume(const Vector &x, const Vector &rate, Vector &negative_rates)
+{
+  const double share = 1e-5, speed = rate.linfty_norm(); // of the smallest cell, what is moved at most
+  if (speed == 0)
+    return;
+  double size = std::numeric_limits<double>::infinity();
+  for (const auto &domain : model.domains)
+    for (const auto &cell : domain->mesh().active_cell_iterators())
+      if (cell->is_locally_owned())
+        size = std::min(size, cell->minimum_vertex_distance());
+  const double later = share * dealii::Utilities::MPI::min(size, model.communicator) / speed;
+  Vector none = rate, moved = x, change = x;
+  none = 0;
+  set_rates_alone(x, none, none);
+  const auto add = [&](const double sign) {
+    moved = x;
+    moved.add(sign * later, rate);
+    system.assemble(moved, false);
+    change.add(sign / (2 * later), system.negative_residual());
+  };
+  change = 0;
+  add(1);
+  add(-1);
+  for (unsigned int b = 0; b < change.n_blocks(); ++b)
+    if (is_of_incompressible(b))
+      negative_rates.block(b) = change.block(b);
 }
 
 /// Updates of different fields are compared in the ranges of their values, which a step does not shrink.

@@ -44,13 +44,14 @@ public:
   bool spread_prescribed_values(Vector &x);
 
   /// The second rates at a state @p x that moves with @p rate for which the equations of time @p now hold;
-  /// those of constrained unknowns are given. Later in the step its equations are assembled anew.
+  /// those of constrained unknowns are given. Later in the step, of the size @p h, its equations are
+  /// assembled anew.
   /// @pre begin_step(); the system's rates are set afterwards. @return nothing if a law is not defined at x.
   std::optional<Vector> second_rates(double now, const Vector &x, const Vector &rate,
-                                     const Vector &of_constrained);
+                                     const Vector &of_constrained, double h);
   /// Before the first step: change what moves in the state @p x and its @p rate, by as little as the mass
-  /// allows, such that it follows by constraints of ties and cells, and that multipliers of interfaces find
-  /// their equations solved. Momentum is kept. @pre likewise
+  /// allows, such that it follows by constraints of ties and cells, and that multipliers of interfaces and
+  /// pressures of incompressible bodies find their equations solved. Momentum is kept. @pre likewise
   void satisfy_ties(Vector &x, Vector &rate);
 
   /// Of a linear scene: about what the next solve(x, dx) will find. Taken if it leaves a smaller residual.
@@ -119,6 +120,9 @@ private:
   void give_tangent(); ///< to the linear solver, if it is new
   bool has_large_strain() const;
   bool is_scalar(unsigned int block) const;
+  bool is_of_incompressible(unsigned int block) const;
+  bool has_incompressible() const;
+  void find_rates_of_volume(const Vector &x, const Vector &rate, Vector &negative_rates);
   bool is_of_multipliers(const unsigned int b) const
   {
     return model.numbering->blocks()[b].is_of_multipliers;

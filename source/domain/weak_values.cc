@@ -3,16 +3,26 @@
 //
 // Prescribed values by Nitsche's method (Nitsche 1971), symmetric: terms at a point of the boundary, and the
 // penalty. Only the components that are prescribed have terms; delta A varies the gradient of the own field
-// alone, as in the ties.
+// alone and, without theta, the pressure of a mixed formulation, as in the ties.
 
 #include <dovetail/domain/cell_eigenvalues.h>
 #include <dovetail/domain/cell_terms.h>
+#include <dovetail/domain/pressure_of_flux.h>
 #include <dovetail/domain/quadrature.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace dovetail {
+
+template <int dim>
+std::optional<unsigned int> pressure_of_weak_values(const Domain<dim> &domain, const Field &field)
+{
+  for (unsigned int f = 0; f < domain.fields().size(); ++f)
+    if (domain.fields()[f].first_component == field.first_component)
+      return pressure_of_flux(domain, f);
+  return {};
+}
 
 /// At large strain no penalty that is frozen bounds the tangent: there the form is skew-symmetric.
 template <int dim>
@@ -37,6 +47,7 @@ bool CellTerms<dim>::add_weak_value(const Condition<dim> &condition,
   if (!point.evaluate(true))
     return false;
   const double theta = theta_of_weak_values(domain, field);
+  const std::optional<unsigned int> pressure = pressure_of_weak_values(domain, field);
   std::vector<double> is_prescribed(n_c, 0.), mismatch(n_c, 0.);
   for (const unsigned int c : condition.prescribed_components()) {
     is_prescribed[c] = at.JxW;
@@ -57,10 +68,45 @@ bool CellTerms<dim>::add_weak_value(const Condition<dim> &condition,
       for (unsigned int a = 0; a < n_nodes; ++a)
         add(layout.index(first + d, a), -variation * gradients[a] - by_value * phi[a], residual);
     }
+    for (unsigned int a = 0; pressure && a < layout.n_nodes(*pressure); ++a)
+      add(layout.index(*pressure, a),
+          -mismatch[c] * (at.N * point.response.by_value[(first + c) * n + *pressure]) *
+              at.shape_values[layout.first_shape(*pressure) + a],
+          residual);
   }
   if (tangent != nullptr)
     add_weak_tangent(field, is_prescribed, mismatch, at, gamma, *tangent);
   return true;
+}
+
+/// Test functions of @p shares of components times the second derivative H of the flux.
+template <int dim>
+void add_weak_curvature(const CellLayout<dim> &layout, const typename OpenBoundary<dim>::Point &at,
+                        const dealii::FullMatrix<double> &H, const std::vector<double> &shares,
+                        const bool varies_by_value, dealii::FullMatrix<double> &tangent)
+{
+  for (unsigned int c = 0; c < shares.size(); ++c) {
+    if (shares[c] == 0)
+      continue;
+    const double *phi_c = &at.shape_values[layout.first_shape(c)];
+    for (unsigned int d = 0; d < shares.size(); ++d)
+      for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
+        const dealii::Tensor<1, dim> &gradient_a = at.shape_gradients[layout.first_shape(c) + a];
+        dealii::Tensor<1, dim> g; // grad phi_a (and phi_a) times H, by gradient and by value of component d
+        double v = varies_by_value ? phi_c[a] * H(c * (1 + dim), d * (1 + dim)) : 0;
+        for (unsigned int L = 0; varies_by_value && L < dim; ++L)
+          g[L] = phi_c[a] * H(c * (1 + dim), d * (1 + dim) + 1 + L);
+        for (unsigned int J = 0; J < dim; ++J) {
+          v += gradient_a[J] * H(c * (1 + dim) + 1 + J, d * (1 + dim));
+          for (unsigned int L = 0; L < dim; ++L)
+            g[L] += gradient_a[J] * H(c * (1 + dim) + 1 + J, d * (1 + dim) + 1 + L);
+        }
+        const unsigned int s = layout.first_shape(d);
+        for (unsigned int b = 0; b < layout.n_nodes(d) && (v != 0 || g.norm_square() > 0); ++b)
+          tangent(layout.index(c, a), layout.index(d, b)) +=
+              shares[c] * (g * at.shape_gradients[s + b] + v * at.shape_values[s + b]);
+      }
+  }
 }
 
 /// The exact derivative; @p factor: the weight of the point for components that are prescribed, else 0.
@@ -73,6 +119,7 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
   const unsigned int first = field.first_component, n_c = field.n_components, n_nodes = layout.n_nodes(first);
   const double *phi = &at.shape_values[layout.first_shape(first)];
   const double theta = theta_of_weak_values(domain, field);
+  const std::optional<unsigned int> pressure = pressure_of_weak_values(domain, field);
   std::vector<double> flux_derivative; // dA_c.N / dx_(d,b)
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int d = 0; factor[c] != 0 && d < n; ++d) {
@@ -100,11 +147,14 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
           for (unsigned int b = 0; b < n_nodes; ++b)
             row[b] += gamma * factor[c] * phi[a] * phi[b];
       }
+      for (unsigned int a = 0; d == pressure && a < n_columns; ++a)
+        for (unsigned int b = 0; b < n_nodes; ++b)
+          tangent(layout.index(d, a), layout.index(first + c, b)) -= by_value * phi_d[a] * phi[b];
     }
 
   std::vector<dealii::Tensor<1, dim>> contraction(n);
   for (unsigned int c = 0; c < n_c; ++c)
-    contraction[first + c] = -theta * mismatch[c] * at.N;
+    contraction[first + c] = -mismatch[c] * at.N;
   unsigned int field_index = 0;
   while (domain.fields()[field_index].first_component != first)
     ++field_index;
@@ -112,24 +162,11 @@ void CellTerms<dim>::add_weak_tangent(const Field &field, const std::vector<doub
     return; // without it the updates converge linearly, as the mismatch vanishes
   dealii::FullMatrix<double> H;
   point.curvature(contraction, H);
-  for (unsigned int c = first; c < first + n_c; ++c)
-    for (unsigned int d = 0; d < n; ++d)
-      for (unsigned int a = 0; a < n_nodes; ++a) {
-        const dealii::Tensor<1, dim> &gradient_a = at.shape_gradients[layout.first_shape(first) + a];
-        dealii::Tensor<1, dim> g; // grad phi_a (and phi_a) times H, by gradient and by value of component d
-        double v = n_c > 1 ? phi[a] * H(c * (1 + dim), d * (1 + dim)) : 0;
-        for (unsigned int L = 0; n_c > 1 && L < dim; ++L)
-          g[L] = phi[a] * H(c * (1 + dim), d * (1 + dim) + 1 + L);
-        for (unsigned int J = 0; J < dim; ++J) {
-          v += gradient_a[J] * H(c * (1 + dim) + 1 + J, d * (1 + dim));
-          for (unsigned int L = 0; L < dim; ++L)
-            g[L] += gradient_a[J] * H(c * (1 + dim) + 1 + J, d * (1 + dim) + 1 + L);
-        }
-        const unsigned int s = layout.first_shape(d);
-        for (unsigned int b = 0; b < layout.n_nodes(d) && (v != 0 || g.norm_square() > 0); ++b)
-          tangent(layout.index(c, a), layout.index(d, b)) +=
-              g * at.shape_gradients[s + b] + v * at.shape_values[s + b];
-      }
+  std::vector<double> shares(n, 0.); // of a component's test functions
+  std::fill_n(shares.begin() + first, n_c, theta);
+  if (pressure)
+    shares[*pressure] = 1;
+  add_weak_curvature(layout, at, H, shares, n_c > 1, tangent);
 }
 
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/pressure_of_flux.h>
 #include <dovetail/interface/interface.h>
 #include <dovetail/interface/looks.h>
-#include <dovetail/interface/pressure_of_flux.h>
 #include <dovetail/interface/side_ratios.h>
 #include <dovetail/scene/field_toggle.h>
 #include <dovetail/scene/undefined.h>
@@ -610,7 +610,7 @@ bool Interface<dim>::couples(const unsigned int row, const unsigned int column) 
   const auto [side, component] = side_and_component(column);
   for (const TiedField &tied : fields)
     if (contains(tied.first_component[row_side], tied.n_components, row_component) ||
-        pressure_of_flux(*this, tied, row_side) == row_component) {
+        pressure_of_flux(*sides[row_side].domain, tied.field[row_side]) == row_component) {
       const auto &side_field = sides[side].domain->fields();
       for (unsigned int g = 0; g < side_field.size(); ++g)
         if (contains(side_field[g].first_component, side_field[g].n_components, component))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/interface/pressure_of_flux.h>
+#include <dovetail/domain/pressure_of_flux.h>
 #include <dovetail/measure/interface_point.h>
 
 #include <cmath>
@@ -82,13 +82,17 @@ std::vector<double> InterfacePoint<dim>::flux_without_pressure(const TiedField &
 {
   const FieldAtPoint &at_point = fields[field.index];
   auto flux = at_point.flux;
+  bool has_pressure = false;
   for (const unsigned int side : {source, destination})
-    if (const auto p = pressure_of_flux(interface, field, side)) {
+    if (const auto p = pressure_of_flux(*interface.sides[side].domain, field.field[side])) {
+      has_pressure = true;
       const unsigned int n = points.state[side].value.size(), first = field.first_component[side];
       for (unsigned int c = 0; c < field.n_components; ++c)
         flux[side][c] -= points.response[side].by_value[(first + c) * n + *p] *
                          interface.pairing().N(side, q) * points.state[side].value[*p];
     }
+  if (!has_pressure)
+    return at_point.numerical_flux;
   std::vector<double> result(field.n_components);
   interface.tie().numerical_flux(interface, field, q, points.state, flux, at_point.jump, result);
   return result;

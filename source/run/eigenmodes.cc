@@ -369,9 +369,8 @@ bool Eigenmodes<dim>::run(const double t, const Vector &x)
     make_guides();
     section.check(
         is_symmetric(), "Kind",
-        "cannot be eigenmodes: the tangent at the state whose modes are wanted is not symmetric. Bodies "
-        "with Formulation = mixed are tied symmetrically by mortar and pointwise; else a law has lost "
-        "its symmetry.");
+        "cannot be eigenmodes: the tangent at the state whose modes are wanted is not symmetric. A law "
+        "or a tie has lost its symmetry.");
     choose_shift();
     prepare_inverse(problem.shift);
     const EigenPairs pairs = nearest_eigenpairs(problem, n_modes);

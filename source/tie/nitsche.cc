@@ -6,7 +6,10 @@
 //
 //     R(delta) = int_Gamma  - {A}.delta[B]  - theta delta{A}.[B]  + gamma [B].delta[B]  dGamma
 //
-// with the signs of pairing.h; nitsche.h has the form with a joint in series.
+// with the signs of pairing.h; nitsche.h has the form with a joint in series. Where A has a part of a
+// pressure p, delta{A} has another term for it, without theta: - {delta p N}.[B]. Then the volume that the
+// equation of p sees and the work of p belong to each other, whatever theta is: with delta B = B and delta p
+// = -p both terms cancel.
 //
 // Own sides: each side's test functions are integrated on its own faces, so a constant flux becomes exactly
 // its consistent nodal forces also with mapped points. The price is a matrix that is not symmetric.
@@ -18,7 +21,7 @@
 //       set Theta       = 1
 //     end
 
-#include <dovetail/interface/pressure_of_flux.h>
+#include <dovetail/domain/pressure_of_flux.h>
 #include <dovetail/interface/trace_eigenvalue.h>
 #include <dovetail/tie/nitsche.h>
 
@@ -29,7 +32,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <numeric>
 #include <sstream>
 
 namespace dovetail {
@@ -57,6 +59,22 @@ std::array<dealii::Tensor<1, dim>, dim> axes_with(const dealii::Tensor<1, dim> &
     axes[2] = dealii::cross_product_3d(N, axes[1]);
   }
   return axes;
+}
+
+/// The component of a side's pressure, if the flux of a tied field has a part of it.
+template <int dim>
+std::optional<unsigned int> pressure_on(const unsigned int side, const Interface<dim> &interface,
+                                        const TiedField &field)
+{
+  return pressure_of_flux(*interface.sides[side].domain, field.field[side]);
+}
+
+template <int dim>
+bool has_pressure(const Interface<dim> &interface)
+{
+  return std::any_of(interface.fields.begin(), interface.fields.end(), [&](const TiedField &field) {
+    return pressure_on(source, interface, field) || pressure_on(destination, interface, field);
+  });
 }
 
 } // namespace
@@ -90,7 +108,7 @@ void Nitsche<dim>::set_fields(const Section &section, const std::vector<TiedFiel
                 "is current, but a law of the " + (without == fields.end() ? "" : without->name) +
                     " has no second derivatives. Remove the entry, or set Theta = 0.");
   penalty_at_points.set_fields(section, fields);
-  has_frozen_variation = theta != 0 && (variation_rule == 2 || without != fields.end());
+  has_frozen_variation = variation_rule == 2 || without != fields.end();
 }
 
 template <int dim>
@@ -106,7 +124,7 @@ template <int dim>
 std::vector<std::string> Nitsche<dim>::left_out(const Interface<dim> &interface) const
 {
   std::vector<std::string> sentences;
-  if (theta == 0)
+  if (theta == 0 && !has_pressure(interface))
     sentences.push_back("derivative of the mean flux on " + interface.name + ": Theta = 0");
   else if (interface.is_linear())
     sentences.push_back("second derivatives of the laws on " + interface.name + ": they are linear");
@@ -146,6 +164,8 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t, c
                               const MPI_Comm &communicator)
 {
   toggle.look(interface, t, values_of, communicator);
+  if (pressures.empty())
+    find_pressures(interface);
   freeze(interface, t, values_of, communicator);
   if (has_frozen_variation)
     freeze_variation(interface, t, values_of);
@@ -153,6 +173,22 @@ void Nitsche<dim>::begin_step(const Interface<dim> &interface, const double t, c
   is_predicting = false;
   if (may_predict)
     change.start(interface, values_of);
+}
+
+template <int dim>
+bool Nitsche<dim>::couples_insides(const Interface<dim> &interface) const
+{
+  return (theta != 0 || has_pressure(interface)) && !interface.is_linear();
+}
+
+template <int dim>
+void Nitsche<dim>::find_pressures(const Interface<dim> &interface)
+{
+  varies = theta != 0 || has_pressure(interface);
+  for (const TiedField &field : interface.fields)
+    pressures.push_back(
+        {{pressure_on(source, interface, field), pressure_on(destination, interface, field)}});
+  has_frozen_variation = has_frozen_variation && varies;
 }
 
 /// Zero where a law is not defined.
@@ -461,9 +497,10 @@ std::optional<double> Nitsche<dim>::energy(const Interface<dim> &interface, cons
 {
   if (!toggle.is_on(q) || penalty_at_points.empty())
     return 0.;
-  if (!is_symmetric() || has_joint())
+  const AtPoint &p = penalty_at_points[field.index * interface.pairing().n_points() + q];
+  if (!is_symmetric() || has_joint() || (is_central(p, q) && has_pressure(interface)))
     return {};
-  const double gamma = penalty_at_points[field.index * interface.pairing().n_points() + q].gamma;
+  const double gamma = p.gamma;
   double energy = 0;
   for (unsigned int c = 0; c < field.n_components; ++c)
     energy -= s[c] * jump[c] + gamma / 2 * jump[c] * jump[c];
@@ -534,7 +571,7 @@ bool Nitsche<dim>::assemble_leading(const Interface<dim> &interface,
   has_flux_by_jump = false;
   if (tangent != nullptr && theta == 1)
     flux_by_jump.reinit(leading->size(), leading->size());
-  const bool with_derivatives = tangent != nullptr || theta != 0;
+  const bool with_derivatives = tangent != nullptr || varies;
   for (unsigned int q = group.begin; q < group.end; ++q) {
     if (!toggle.is_on(q))
       continue;
@@ -587,78 +624,77 @@ bool Nitsche<dim>::add_field(const Interface<dim> &interface, const unsigned int
     return false;
   if (is_central(p, q))
     central_flux[i_at].assign(series.transmitted.begin(), series.transmitted.begin() + n_c);
-  if (tangent != nullptr || theta != 0)
+  if (tangent != nullptr || varies)
     linearise_mean_flux(interface, field, p, q);
 
   find_jump_unknowns(interface, field, q);
   for (const InJump &row : in_jump)
     residual[row.i] -= pairing.weight(q) * row.test * series.transmitted[row.component];
-  if (theta != 0)
+  if (varies)
     for (const unsigned int i : field_unknowns)
       for (unsigned int c = 0; c < n_c; ++c)
-        residual[i] -= theta_here * pairing.weight(q) * variation_of[c * n_local + i] * series.mismatch[c];
+        residual[i] -= pairing.weight(q) * variation_of[c * n_local + i] * series.mismatch[c];
   if (tangent == nullptr)
     return true;
   add_tangent(interface, field, p, series, q, *tangent);
-  if (theta != 0 && !interface.is_linear() && !has_frozen_variation)
+  if (varies && !interface.is_linear() && !has_frozen_variation)
     add_curvature(interface, field, p, series, q, *tangent);
   return true;
 }
 
 /// d{A}_c/dx_i = +-w N.(dA_c/dgrad B_d . grad phi_a + dA_c/dB_d phi_a) for the unknown i = (side, d, a), and
-/// delta{A}. A test function of a scalar varies the flux through its gradient only, so that a constant one
-/// does not and the fluxes of both sides balance also for k(T); that of a vector by its value, too, which is
-/// the strain around an axis, and that of a pressure by its value alone.
+/// theta delta{A}. A test function of a scalar varies the flux through its gradient only, so that a constant
+/// one does not and the fluxes of both sides balance also for k(T); that of a vector by its value, too, which
+/// is the strain around an axis, and that of a pressure by its value alone and without theta.
 template <int dim>
 void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const TiedField &field,
                                        const AtPoint &p, const unsigned int q)
 {
   const Pairing<dim> &pairing = interface.pairing();
-  const unsigned int n_c = field.n_components;
-  const unsigned int n_local = leading->size();
+  const unsigned int n_c = field.n_components, n_local = leading->size();
   mean_flux_of.assign(n_c * n_local, 0.);
-  if (theta != 0) {
+  if (varies) {
     variation_of.assign(n_c * n_local, 0.);
     ++variations.first;
   }
-  unsigned int i = 0;
   for (const unsigned int side : {source, destination}) {
     const Domain<dim> &domain = *interface.sides[side].domain;
     const unsigned int n = domain.n_components();
     const double factor = (side == source ? 1 : -1) * p.weight[side];
-    const std::optional<unsigned int> pressure = pressure_of_flux(interface, field, side);
-    if (factor == 0) {
-      i += leading->n_of_side[side];
-      continue;
-    }
-    for (unsigned int k = 0; k < interface.components[side].size(); ++k) {
+    unsigned int i = side == source ? 0 : leading->n_of_side[source];
+    for (unsigned int k = 0; factor != 0 && k < interface.components[side].size(); ++k) {
       const unsigned int d = interface.components[side][k];
       const std::vector<unsigned int> &nodes = leading->nodes[side][k];
       const unsigned int n_nodes = nodes.size();
       const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + domain.layout().first_shape(d);
       const double *values = pairing.values(side, q) + domain.layout().first_shape(d);
+      const bool is_pressure = pressures[field.index][side] == d,
+                 varies_by_value = field.varies_by_value(side, d) || is_pressure;
+      const double share = is_pressure ? 1 : theta_here; // of delta{A}
       for (unsigned int c = 0; c < n_c; ++c) {
         const unsigned int pair = (field.first_component[side] + c) * n + d;
         const dealii::Tensor<1, dim> by_gradient =
             factor * (pairing.N(side, q) * sides.response[side].by_gradient[pair]);
         const double by_value = factor * (pairing.N(side, q) * sides.response[side].by_value[pair]);
         double *mean = &mean_flux_of[c * n_local + i];
+        double *variation = varies ? &variation_of[c * n_local + i] : nullptr;
+        const auto vary_as_mean = [&](const bool is_now) {
+          for (unsigned int a = 0; is_now && a < n_nodes; ++a)
+            variation[a] = share * mean[a];
+        };
         for (unsigned int a = 0; a < n_nodes; ++a)
           mean[a] = by_gradient * gradients[nodes[a]];
-        const bool varies_by_value = field.varies_by_value(side, d) || pressure == d;
         if (has_frozen_variation)
           for (unsigned int a = 0; a < n_nodes; ++a)
-            variation_of[c * n_local + i + a] =
-                factor *
+            variation[a] =
+                share * factor *
                 (frozen[side][q * n * n + pair].by_gradient * gradients[nodes[a]] +
                  (varies_by_value ? frozen[side][q * n * n + pair].by_value * values[nodes[a]] : 0.));
-        else if (theta != 0 && !varies_by_value)
-          std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
+        vary_as_mean(varies && !varies_by_value && !has_frozen_variation);
         if (by_value != 0)
           for (unsigned int a = 0; a < n_nodes; ++a)
             mean[a] += by_value * values[nodes[a]];
-        if (theta != 0 && varies_by_value && !has_frozen_variation)
-          std::copy(mean, mean + n_nodes, &variation_of[c * n_local + i]);
+        vary_as_mean(varies && varies_by_value && !has_frozen_variation);
       }
       i += n_nodes;
     }
@@ -678,7 +714,6 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
   unsigned int i = 0;
   for (const unsigned int side : {source, destination}) {
     const double sign = side == source ? 1 : -1;
-    const std::optional<unsigned int> pressure = pressure_of_flux(interface, field, side);
     const double *trial = interface.pairing().trial(side, q, field.index) + field.first_shape[side],
                  *test = interface.pairing().test(side, q, field.index) + field.first_shape[side];
     for (unsigned int k = 0; k < interface.components[side].size(); ++k) {
@@ -689,7 +724,7 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
           field_unknowns.push_back(i);
           if (std::abs(trial[a]) > interface.least_in_jump || std::abs(test[a]) > interface.least_in_jump)
             in_jump.push_back({i, c, sign * field.in_jump(side) * trial[a], sign * test[a]});
-        } else if (pressure == interface.components[side][k])
+        } else if (pressures[field.index][side] == interface.components[side][k])
           field_unknowns.push_back(i);
         ++i;
       }
@@ -731,7 +766,7 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
       for (const InJump &column : in_jump)
         entries[column.i] += series.a[row.component][column.component] * penalty * column.trial;
   }
-  if (theta != 0 && !is_mirrored)
+  if (varies && !is_mirrored)
     add_variation_rows(field, series, w, tangent);
   if (!series.h_by_state[source].empty() || !series.h_by_state[destination].empty())
     add_change_of_joint(interface, p, series, q, tangent);
@@ -754,7 +789,7 @@ void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &seri
   for (const unsigned int row : field_unknowns) {
     std::array<double, dim> variation, jump_factor;
     for (unsigned int c = 0; c < n_c; ++c)
-      variation[c] = jump_factor[c] = theta_here * weight * variation_of[c * n_local + row];
+      variation[c] = jump_factor[c] = weight * variation_of[c * n_local + row];
     double *entries = &tangent(row, 0);
     if (!series.is_rigid)
       for (unsigned int c = 0; c < n_c; ++c) {
@@ -807,10 +842,11 @@ void Nitsche<dim>::add_change_of_joint(const Interface<dim> &interface, const At
     add_row(row.i, p.gamma * row.test);
   if (theta != 0)
     for (const unsigned int row : field_unknowns)
-      add_row(row, -theta_here * variation_of[row]);
+      add_row(row, -variation_of[row]);
 }
 
-/// - theta e_c d2{A}_c(delta, d): the second derivative of the flux contracted with e.
+/// - theta e_c d2{A}_c(delta, d): the second derivative of the flux contracted with e; without theta for the
+/// test function of a pressure.
 template <int dim>
 void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedField &field, const AtPoint &p,
                                  const Series &series, const unsigned int q,
@@ -819,57 +855,63 @@ void Nitsche<dim>::add_curvature(const Interface<dim> &interface, const TiedFiel
   const Pairing<dim> &pairing = interface.pairing();
   for (const unsigned int side : {source, destination}) {
     const Domain<dim> &domain = *interface.sides[side].domain;
-    const auto &layout = domain.layout();
-    const unsigned int n = domain.n_components();
-    const auto &components = interface.components[side];
     if (p.weight[side] != 0 && !domain.material.has_linear_flux(field.field[side])) {
       ++variations.second;
-      contraction.assign(n, dealii::Tensor<1, dim>());
+      contraction.assign(domain.n_components(), dealii::Tensor<1, dim>());
       for (unsigned int c = 0; c < field.n_components; ++c)
-        contraction[field.first_component[side] + c] =
-            -theta_here * (side == source ? 1 : -1) * p.weight[side] / field.in_jump(side) *
-            pairing.weight(q) * series.mismatch[c] * pairing.N(side, q);
-      dealii::FullMatrix<double> &H = second_derivative;
-      sides.curvature(side, contraction, H);
+        contraction[field.first_component[side] + c] = -(side == source ? 1. : -1.) * p.weight[side] /
+                                                       field.in_jump(side) * pairing.weight(q) *
+                                                       series.mismatch[c] * pairing.N(side, q);
+      sides.curvature(side, contraction, second_derivative);
 
       // delta{A} varies the tied field and its pressure only
-      const std::optional<unsigned int> pressure = pressure_of_flux(interface, field, side);
-      std::vector<unsigned int> varied(field.n_components);
-      std::iota(varied.begin(), varied.end(), field.first_component[side]);
-      if (pressure)
-        varied.push_back(*pressure);
-      for (const unsigned int c : varied) {
-        const double *values = pairing.values(side, q) + layout.first_shape(c);
-        const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + layout.first_shape(c);
-        const bool varies_by_value = field.varies_by_value(side, c) || pressure == c;
-        const unsigned int position = interface.position(side, c), first_row = leading->first[side][position];
-        const std::vector<unsigned int> &rows = leading->nodes[side][position];
-        for (unsigned int k = 0; k < components.size(); ++k) {
-          const unsigned int d = components[k], first_column = leading->first[side][k];
-          const double *values_of_d = pairing.values(side, q) + layout.first_shape(d);
-          const dealii::Tensor<1, dim> *gradients_of_d = sides.shape_gradients[side] + layout.first_shape(d);
-          const std::vector<unsigned int> &columns = leading->nodes[side][k];
-          for (unsigned int i = 0; i < rows.size(); ++i) {
-            const unsigned int a = rows[i];
-            const unsigned int row = c * (1 + dim), column = d * (1 + dim);
-            dealii::Tensor<1, dim>
-                g; // grad phi_a (and phi_a) times H, by gradient and by value of the column
-            double v = varies_by_value ? values[a] * H(row, column) : 0;
-            for (unsigned int L = 0; varies_by_value && L < dim; ++L)
-              g[L] = values[a] * H(row, column + 1 + L);
-            for (unsigned int J = 0; J < dim; ++J) {
-              v += gradients[a][J] * H(row + 1 + J, column);
-              for (unsigned int L = 0; L < dim; ++L)
-                g[L] += gradients[a][J] * H(row + 1 + J, column + 1 + L);
-            }
-            double *entries = &tangent(first_row + i, first_column);
-            for (unsigned int b = 0; b < columns.size(); ++b)
-              entries[b] += g * gradients_of_d[columns[b]];
-            for (unsigned int b = 0; v != 0 && b < columns.size(); ++b)
-              entries[b] += v * values_of_d[columns[b]];
-          }
-        }
+      for (unsigned int c = 0; c < field.n_components && theta_here != 0; ++c)
+        add_curvature_rows(interface, field, side, q, field.first_component[side] + c, theta_here, tangent);
+      if (const auto pressure = pressures[field.index][side])
+        add_curvature_rows(interface, field, side, q, *pressure, 1, tangent);
+    }
+  }
+}
+
+/// The same in the rows of a component, which have a share of it.
+template <int dim>
+void Nitsche<dim>::add_curvature_rows(const Interface<dim> &interface, const TiedField &field,
+                                      const unsigned int side, const unsigned int q, const unsigned int c,
+                                      const double share, dealii::FullMatrix<double> &tangent) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const auto &layout = interface.sides[side].domain->layout();
+  const auto &components = interface.components[side];
+  const dealii::FullMatrix<double> &H = second_derivative;
+  const double *values = pairing.values(side, q) + layout.first_shape(c);
+  const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + layout.first_shape(c);
+  const bool varies_by_value = field.varies_by_value(side, c) || pressures[field.index][side] == c;
+  const unsigned int position = interface.position(side, c), first_row = leading->first[side][position];
+  const std::vector<unsigned int> &rows = leading->nodes[side][position];
+  for (unsigned int k = 0; k < components.size(); ++k) {
+    const unsigned int d = components[k], first_column = leading->first[side][k];
+    const double *values_of_d = pairing.values(side, q) + layout.first_shape(d);
+    const dealii::Tensor<1, dim> *gradients_of_d = sides.shape_gradients[side] + layout.first_shape(d);
+    const std::vector<unsigned int> &columns = leading->nodes[side][k];
+    for (unsigned int i = 0; i < rows.size(); ++i) {
+      const unsigned int a = rows[i];
+      const unsigned int row = c * (1 + dim), column = d * (1 + dim);
+      dealii::Tensor<1, dim> g; // grad phi_a (and phi_a) times H, by gradient and by value of the column
+      double v = varies_by_value ? values[a] * H(row, column) : 0;
+      for (unsigned int L = 0; varies_by_value && L < dim; ++L)
+        g[L] = values[a] * H(row, column + 1 + L);
+      for (unsigned int J = 0; J < dim; ++J) {
+        v += gradients[a][J] * H(row + 1 + J, column);
+        for (unsigned int L = 0; L < dim; ++L)
+          g[L] += gradients[a][J] * H(row + 1 + J, column + 1 + L);
       }
+      v *= share;
+      g *= share;
+      double *entries = &tangent(first_row + i, first_column);
+      for (unsigned int b = 0; b < columns.size(); ++b)
+        entries[b] += g * gradients_of_d[columns[b]];
+      for (unsigned int b = 0; v != 0 && b < columns.size(); ++b)
+        entries[b] += v * values_of_d[columns[b]];
     }
   }
 }

@@ -47,10 +47,7 @@ public:
   void set_fields(const Section &section, const std::vector<TiedField> &fields) override;
   std::array<bool, 2> integrates_on() const override { return sides_of_integration; }
   bool couples_fluxes() const override { return has_joint(); }
-  bool couples_insides(const Interface<dim> &interface) const override
-  {
-    return theta != 0 && !interface.is_linear(); // second derivatives of the flux
-  }
+  bool couples_insides(const Interface<dim> &interface) const override; ///< by second derivatives of the flux
   bool is_symmetric() const override
   {
     return theta == 1. && !own_sides && !has_frozen_variation && !penalty_at_points.is_skew_somewhere();
@@ -138,6 +135,7 @@ private:
   };
 
   void freeze_variation(const Interface<dim> &interface, double t, const ValuesOf &unknowns);
+  void find_pressures(const Interface<dim> &interface);
   void freeze(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
               const MPI_Comm &communicator);
   void end_prediction(const Interface<dim> &interface, double t, const ValuesOf &unknowns,
@@ -177,6 +175,9 @@ private:
                            unsigned int q, dealii::FullMatrix<double> &tangent) const;
   void add_curvature(const Interface<dim> &interface, const TiedField &field, const AtPoint &parameters,
                      const Series &series, unsigned int q, dealii::FullMatrix<double> &tangent);
+  void add_curvature_rows(const Interface<dim> &interface, const TiedField &field, unsigned int side,
+                          unsigned int q, unsigned int component, double share,
+                          dealii::FullMatrix<double> &tangent) const;
 
   const double theta;
   Penalty<dim> penalty_at_points;
@@ -184,6 +185,9 @@ private:
   bool own_sides;
   const unsigned int variation_rule; ///< automatic, current, frozen
   bool has_frozen_variation = false; ///< delta{A} is that at the beginning of the step
+  /// By tied field: the components of the sides' pressures (pressure_of_flux.h). Empty: not yet found.
+  std::vector<std::array<std::optional<unsigned int>, 2>> pressures;
+  bool varies = false; ///< some delta{A} counts: theta is not 0, or there is a pressure
 
   PointToggle<dim> toggle;
   GradientChange<dim> change; ///< since the last update
@@ -218,7 +222,7 @@ private:
   std::vector<double> jump, mean_flux; ///< [B] and {A}
   std::vector<double> mean_flux_of;    ///< d{A}_c / dx_i at c * n_local + i
   std::vector<double> transmitted_of;  ///< a.d{A}, likewise; unless a = 1
-  std::vector<double> variation_of;    ///< delta{A}_c for the test function i, likewise
+  std::vector<double> variation_of;    ///< theta delta{A}_c for the test function i, likewise
   struct InJump                        ///< an unknown that enters the jump, with signed trial and test value
   {
     unsigned int i, component;

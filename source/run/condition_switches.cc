@@ -4,6 +4,7 @@
 #include <dovetail/run/condition_switches.h>
 
 #include <dovetail/domain/open_boundary.h>
+#include <dovetail/measure/domain_point.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/fe/fe_values.h>
@@ -18,6 +19,21 @@ template <int dim>
 bool has_inertia(const Domain<dim> &domain, const Condition<dim> &condition)
 {
   return domain.material.order_in_time(condition.field.first_component) > 1;
+}
+
+/// Whether two laws at a point disagree in a force on what has inertia, or in what a body's volume is.
+template <int dim>
+bool change_pushes(const Domain<dim> &domain, DomainPoint<dim> &one, DomainPoint<dim> &other)
+{
+  if (domain.material.order_in_time() < 2)
+    return false;
+  const Response<dim> &first = one.response(), &second = other.response();
+  for (const Field &field : domain.fields())
+    for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
+      if ((field.is_multiplier && !(first.source[c] == second.source[c])) ||
+          (domain.material.order_in_time(c) > 1 && !(first.flux[c] == second.flux[c])))
+        return true;
+  return false;
 }
 
 } // namespace
@@ -50,34 +66,33 @@ typename ConditionSwitches<dim>::Places ConditionSwitches<dim>::find(const Model
 
 /// At the points at which materials remember their phases.
 template <int dim>
-void ConditionSwitches<dim>::look_at_phases(const Model<dim> &model, const double last, const double t)
+void ConditionSwitches<dim>::look_at_phases(const Model<dim> &model, const double last, const double t,
+                                            const Vector &x)
 {
-  if (std::none_of(model.materials.begin(), model.materials.end(),
-                   [](const auto &material) { return material->has_phases(); }))
-    return;
   bool has_changed = false, has_pushed = false;
   for (const auto &domain : model.domains) {
     if (!domain->memory || !domain->material.has_phases())
       continue;
-    dealii::FEValues<dim> values(domain->mapping(), domain->scalar_element(), domain->cell_quadrature(),
-                                 dealii::update_quadrature_points);
-    State<dim> state(domain->n_components());
-    bool has_changed_here = false;
-    for (const auto &cell : domain->mesh().active_cell_iterators()) {
-      if (!cell->is_locally_owned() || has_changed_here)
+    dealii::FEValues<dim> values(domain->mapping(), domain->layout().shape_element(),
+                                 domain->cell_quadrature(), DomainPoint<dim>::needed());
+    DomainPoint<dim> before_step(*domain, x, last), in_step(*domain, x, t);
+    bool has_pushed_here = false;
+    for (const auto &cell : domain->dof_handler().active_cell_iterators()) {
+      if (!cell->is_locally_owned() || has_pushed_here)
         continue;
-      values.reinit(cell);
-      for (const auto &X : values.get_quadrature_points()) {
-        state.X = X;
-        state.memory.accepted = domain->memory->nearest(cell, X);
-        state.t = last;
-        const unsigned int before = domain->material.phase(state);
-        state.t = t;
-        has_changed_here = has_changed_here || domain->material.phase(state) != before;
+      values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+      before_step.enter(values);
+      in_step.enter(values);
+      for (const unsigned int q : values.quadrature_point_indices()) {
+        before_step.move_to(q);
+        in_step.move_to(q);
+        if (domain->material.phase(before_step.state()) == domain->material.phase(in_step.state()))
+          continue;
+        has_changed = true;
+        has_pushed_here = has_pushed_here || change_pushes(*domain, before_step, in_step);
       }
     }
-    has_changed = has_changed || has_changed_here;
-    has_pushed = has_pushed || (has_changed_here && domain->material.order_in_time() > 1);
+    has_pushed = has_pushed || has_pushed_here;
   }
   learn(is_new || has_changed, pushes || has_pushed, model.communicator);
 }

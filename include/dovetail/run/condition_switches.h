@@ -22,9 +22,9 @@ class ConditionSwitches
 public:
   /// A step to time @p t has begun (BlockSystem::begin_step()). Collective.
   void look(const Model<dim> &model, double t);
-  /// Materials have chosen their phases of the step to time @p t after the good step to time @p last. A step
-  /// that switches them has switched. Collective.
-  void look_at_phases(const Model<dim> &model, double last, double t);
+  /// Materials have chosen their phases of the step to time @p t after the good step to time @p last, which
+  /// has led to @p x, ghosted. A step that switches them has switched. Collective.
+  void look_at_phases(const Model<dim> &model, double last, double t, const Vector &x);
   bool have_switched() const { return is_new; }
   bool have_pushed() const { return pushes; } ///< and act on what has inertia
 

@@ -105,6 +105,7 @@ void ArcLength<dim>::accept(const Vector &change, const unsigned int n_iteration
   last_change = change;
   const double factor = std::sqrt(usual / std::max(1u, n_iterations));
   length = std::min(first_length, length * std::min(largest_growth, std::max(largest_cut, factor)));
+  length_after_good = length;
 }
 
 template <int dim>
@@ -117,14 +118,14 @@ bool ArcLength<dim>::shorten()
 template <int dim>
 void ArcLength<dim>::save(SavedState &to) const
 {
-  to.numbers["path"] = {length, first_length};
+  to.numbers["path"] = {length_after_good, first_length};
   to.vectors["change along path"] = *last_change;
 }
 
 template <int dim>
 void ArcLength<dim>::restore(const SavedState &from)
 {
-  length = from.numbers["path"][0];
+  length = length_after_good = from.numbers["path"][0];
   first_length = from.numbers["path"][1];
   last_change = from.vectors.at("change along path");
 }

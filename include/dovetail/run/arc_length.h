@@ -44,6 +44,7 @@ private:
   NonlinearStep<dim> &step;
   const double size, smallest;
   double length = 0, first_length = 0; ///< 0: before the first step
+  double length_after_good = 0;        ///< what the last good step has left, whatever has been tried since
   std::optional<Vector> last_change;   ///< of the last good step
 };
 

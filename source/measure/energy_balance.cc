@@ -54,6 +54,19 @@ double lumped_square(const Domain<dim> &domain, const Field &field, const Vector
 } // namespace
 
 template <int dim>
+Vector forces_of_supports(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &x)
+{
+  Vector result = x;
+  result = 0;
+  for (const auto &domain : model.domains)
+    if (const Field *field = solid_field(*domain))
+      for (const auto &[dof, at_node] : reactions.at_nodes(*domain, *field))
+        result(dof) += at_node.force;
+  result.compress(dealii::VectorOperation::add);
+  return result;
+}
+
+template <int dim>
 void EnergyBalance<dim>::start(const Vector &x, const Vector &ghosted, const Vector *velocity, const double t)
 {
   last = Memory();
@@ -157,20 +170,6 @@ Vector EnergyBalance<dim>::loads(const double t, const Vector &x, const Vector &
   return result;
 }
 
-/// Likewise, of supports.
-template <int dim>
-Vector EnergyBalance<dim>::support(const Reactions<dim> &reactions, const Vector &x) const
-{
-  Vector result = x;
-  result = 0;
-  for (const auto &domain : model.domains)
-    if (const Field *field = solid_field(*domain))
-      for (const auto &[dof, at_node] : reactions.at_nodes(*domain, *field))
-        result(dof) += at_node.force;
-  result.compress(dealii::VectorOperation::add);
-  return result;
-}
-
 /// M w of solids.
 template <int dim>
 Vector EnergyBalance<dim>::product_with_mass(const Vector &ghosted, const Vector &ghosted_rate) const
@@ -208,8 +207,7 @@ Vector EnergyBalance<dim>::product_with_mass(const Vector &ghosted, const Vector
 
 /// The forces just after the beginning of a step. @p of_support: at its end
 template <int dim>
-void EnergyBalance<dim>::start_anew(BlockSystem<dim> &system, const Vector &of_support, const Vector &ghosted,
-                                    const StepOfMotion &step)
+void EnergyBalance<dim>::start_anew(const Vector &of_support, const Vector &ghosted, const StepOfMotion &step)
 {
   Vector ghosted_before = ghosted;
   ghosted_before = last.x;
@@ -219,13 +217,7 @@ void EnergyBalance<dim>::start_anew(BlockSystem<dim> &system, const Vector &of_s
     last.scheme.reset();
     return;
   }
-  Rates rates;
-  rates.rest = *step.rates_at_start;
-  rates.second_rest = *step.second_rates_at_start;
-  rates.weights = {0};
-  rates.past = {last.x};
-  const NodalForces<dim> nodal = system.nodal_forces(last.x, *step.new_start, rates);
-  last.forces += support(Reactions<dim>(model, nodal, ghosted_before), last.x);
+  last.forces += *step.supports_at_start;
   last.velocity = *step.rates_at_start;
   last.acceleration = *step.second_rates_at_start;
 }
@@ -253,11 +245,11 @@ void EnergyBalance<dim>::add_scheme(const Vector &change, const Vector &ghosted,
 }
 
 template <int dim>
-nlohmann::ordered_json EnergyBalance<dim>::add_step(BlockSystem<dim> &system, const Reactions<dim> &reactions,
-                                                    const Vector &x, const Vector &ghosted,
-                                                    const Vector *velocity, const StepOfMotion &step)
+nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reactions, const Vector &x,
+                                                    const Vector &ghosted, const Vector *velocity,
+                                                    const StepOfMotion &step)
 {
-  const Vector of_support = support(reactions, x);
+  const Vector of_support = forces_of_supports(model, reactions, x);
   Vector now = loads(reactions.forces().t, x, ghosted), change = x;
   now += of_support;
   const bool is_first = last.x.n_blocks() == 0; // a run that goes on from one without
@@ -266,7 +258,7 @@ nlohmann::ordered_json EnergyBalance<dim>::add_step(BlockSystem<dim> &system, co
   if (last.forces.n_blocks() == 0)
     last.forces = now;
   if (step.new_start)
-    start_anew(system, of_support, ghosted, step);
+    start_anew(of_support, ghosted, step);
   change -= last.x;
   last.work += (now * change + last.forces * change) / 2;
   add_scheme(change, ghosted, step);
@@ -285,6 +277,8 @@ nlohmann::ordered_json EnergyBalance<dim>::add_step(BlockSystem<dim> &system, co
   return result;
 }
 
+template Vector forces_of_supports(const Model<2> &, const Reactions<2> &, const Vector &);
+template Vector forces_of_supports(const Model<3> &, const Reactions<3> &, const Vector &);
 template class EnergyBalance<2>;
 template class EnergyBalance<3>;
 

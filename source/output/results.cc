@@ -363,8 +363,8 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
       field_flows.erase("rounding");
   std::vector<Columns> columns = columns_of_probes(ghosted, reactions);
   if (energy_balance) {
-    const auto energy = energy_balance->add_step(solution.system, reactions, solution.x, ghosted,
-                                                 velocity_now, solution.motion);
+    const auto energy =
+        energy_balance->add_step(reactions, solution.x, ghosted, velocity_now, solution.motion);
     report()["steps"].back()["energy"] = energy;
     for (const auto &[name, value] : energy.items())
       columns.push_back(

@@ -205,6 +205,7 @@ StepOfMotion NonlinearStep<dim>::last_motion(const Vector &x) const
     motion.new_start = last.begin + just_after * last.size;
     motion.rates_at_start = rates_at_start;
     motion.second_rates_at_start = second_rates_at_start;
+    motion.supports_at_start = supports_at_start;
   }
   return motion;
 }
@@ -222,10 +223,32 @@ void NonlinearStep<dim>::find_second_rates(const Vector &x)
   along -= rate;
   of_constrained.add(h, along);
   of_constrained *= 2 / (h * h);
-  const auto found = problem->second_rates(present_step.begin + just_after * h, x, rate, of_constrained, h);
+  const double now = present_step.begin + just_after * h;
+  Vector forces = x;
+  const auto found = problem->second_rates(now, x, rate, of_constrained, h, forces);
   second_rates_at_start = found.value_or(of_constrained); // else the step fails by itself
   rates_at_start = rate;
+  if (keeps_supports)
+    find_supports(now, x, forces);
   scheme->start_second_rates(*second_rates_at_start);
+}
+
+/// Before the step changes what materials and ties remember.
+template <int dim>
+void NonlinearStep<dim>::find_supports(const double now, const Vector &x, const Vector &forces)
+{
+  Vector state = x;
+  for (unsigned int b = 0; b < state.n_blocks(); ++b)
+    if (model.numbering->blocks()[b].is_constraint)
+      state.block(b) = forces.block(b);
+  Rates rates;
+  rates.rest = rates_at_start;
+  rates.second_rest = *second_rates_at_start;
+  rates.weights = {0};
+  rates.past = {state};
+  const Vector ghosted = present_system->ghosted(state);
+  const NodalForces<dim> nodal = present_system->nodal_forces(state, now, rates);
+  supports_at_start = forces_of_supports(model, Reactions<dim>(model, nodal, ghosted), x);
 }
 
 template <int dim>
@@ -400,8 +423,10 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x, const Rates &rat
   present_system->begin_step(t, x);
   problem->begin_step(t, x);
   condition_switches.look(model, t);
-  if (scheme && scheme->memory().last.size > 0)
-    condition_switches.look_at_phases(model, scheme->memory().last.end, t);
+  if (scheme && scheme->memory().last.size > 0 &&
+      std::any_of(model.materials.begin(), model.materials.end(),
+                  [](const auto &material) { return material->has_phases(); }))
+    condition_switches.look_at_phases(model, scheme->memory().last.end, t, present_system->ghosted(x));
 }
 
 /// A linear scene that is solved directly does not ask where its solution may lie.

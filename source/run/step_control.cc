@@ -96,6 +96,8 @@ StepControl<dim>::StepControl(const Steps &steps, NonlinearStep<dim> &step, Resu
 {
   if (steps.controls_errors())
     step.estimate_errors();
+  if (results.has_energy())
+    step.keep_supports();
 }
 
 /// From the last step of a path, which goes from @p x to @p trial past the end: there.

@@ -32,6 +32,25 @@ std::vector<bool> blocks_of_constraints(const Numbering &numbering)
   return are;
 }
 
+/// With zero in the other blocks.
+template <typename Is>
+Vector only(const Is &is, const Vector &all)
+{
+  Vector result = all;
+  for (unsigned int b = 0; b < result.n_blocks(); ++b)
+    if (!is(b))
+      result.block(b) = 0;
+  return result;
+}
+
+/// More than by rounding.
+bool has_moved(const Vector &from, const Vector &to)
+{
+  Vector change = to;
+  change -= from;
+  return change.linfty_norm() > 1e-14 * to.linfty_norm();
+}
+
 } // namespace
 
 template <int dim>
@@ -447,7 +466,8 @@ bool StepProblem<dim>::has_incompressible() const
 /// end of the step, have to keep the volume until then: B a = -2/h^2 of what @p without is off by there.
 template <int dim>
 std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vector &x, const Vector &rate,
-                                                     const Vector &of_constrained, const double h)
+                                                     const Vector &of_constrained, const double h,
+                                                     Vector &forces)
 {
   const Phases::Scope scope(phases, "solve");
   if (!assemble_mass(x))
@@ -479,6 +499,8 @@ std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vec
     else if (keeps_volume && is_of_incompressible(b))
       rest.block(b) = at_end.block(b);
   Vector result = solve_mass(x, rest);
+  forces = x;
+  forces += result;
   result *= mass_alone;
   system.distribute_rate(result, true);
   result += of_constrained;
@@ -498,13 +520,6 @@ void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
     const Domain<dim> &domain = *model.domains[block.domain_index];
     return domain.material.order_in_time(domain.fields()[block.field_index].first_component) > 1;
   };
-  const auto only = [](const auto &is, const Vector &all) {
-    Vector result = all;
-    for (unsigned int b = 0; b < result.n_blocks(); ++b)
-      if (!is(b))
-        result.block(b) = 0;
-    return result;
-  };
   const auto multiplies = [this](const unsigned int b) {
     return is_of_multipliers(b) || is_of_incompressible(b);
   };
@@ -522,12 +537,6 @@ void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
   rate += rate_change;
   if (!assemble_mass(x))
     return;
-  Vector jumps = rate;
-  system.tangent().vmult(jumps, rate);
-  jumps *= -1;
-  jumps = only(multiplies, jumps);
-  if (has_incompressible())
-    find_rates_of_volume(x, rate, jumps);
   Vector none = rate;
   none = 0;
   const auto project = [&](const Vector &change, const Vector *multiplied, Vector &to) {
@@ -544,8 +553,21 @@ void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
   };
   Vector x_now = x; // project() looks at x
   project(x_change, nullptr, x_now);
-  project(rate_change, &jumps, rate);
+  const unsigned int n_passes = has_incompressible() && has_large_strain() ? 10 : 0;
+  for (unsigned int pass = 0; pass < n_passes && has_moved(x, x_now); ++pass) {
+    x = x_now;
+    if (!assemble_mass(x))
+      return;
+    project(none, nullptr, x_now);
+  }
   x = x_now;
+  Vector jumps = rate;
+  system.tangent().vmult(jumps, rate);
+  jumps *= -1;
+  jumps = only(multiplies, jumps);
+  if (has_incompressible())
+    find_rates_of_volume(x, rate, jumps);
+  project(rate_change, &jumps, rate);
 }
 
 /// Of incompressible bodies, with what is prescribed and moves: the tangent knows of free unknowns alone.

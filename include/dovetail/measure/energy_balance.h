@@ -20,11 +20,15 @@ namespace dovetail {
 struct StepOfMotion
 {
   std::optional<double> new_start; ///< just after this time it started anew, if it did
-  /// Then: the rates there, and the second ones, if the scheme knows them.
-  std::optional<Vector> rates_at_start, second_rates_at_start;
+  /// Then: the rates there, and the second ones and the forces of supports, if the scheme knows them.
+  std::optional<Vector> rates_at_start, second_rates_at_start, supports_at_start;
   /// The second ones are those that the equations saw.
   std::optional<Vector> rates_at_end, second_rates_at_end;
 };
+
+/// What conditions that constrain put into the nodes of solids.
+template <int dim>
+Vector forces_of_supports(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &x);
 
 /// The energy of all solids of a scene after each step, with the displacement u and the velocity v,
 /// @f[ \mathrm{kinetic} = \sum \int \tfrac12 \rho |v|^2 dV, \quad \mathrm{elastic} = \sum \int W dV, \quad
@@ -49,9 +53,9 @@ public:
   /// The state before the first step, owned and @p ghosted. @p velocity: ghosted; nullptr: all bodies are at
   /// rest. Collective.
   void start(const Vector &x, const Vector &ghosted, const Vector *velocity, double t);
-  /// After a good step to @p x, owned and @p ghosted, of the @p system. Collective.
-  nlohmann::ordered_json add_step(BlockSystem<dim> &system, const Reactions<dim> &reactions, const Vector &x,
-                                  const Vector &ghosted, const Vector *velocity, const StepOfMotion &step);
+  /// After a good step to @p x, owned and @p ghosted. Collective.
+  nlohmann::ordered_json add_step(const Reactions<dim> &reactions, const Vector &x, const Vector &ghosted,
+                                  const Vector *velocity, const StepOfMotion &step);
 
   /// What a checkpoint has to hold.
   struct Memory
@@ -75,12 +79,10 @@ private:
   void add_domain(const Domain<dim> &domain, const Vector &x, const Vector *velocity, double t,
                   Energies &sums) const;
   void add_interface(const Interface<dim> &interface, const Vector &x, double t, Energies &sums) const;
-  void start_anew(BlockSystem<dim> &system, const Vector &of_support, const Vector &ghosted,
-                  const StepOfMotion &step);
+  void start_anew(const Vector &of_support, const Vector &ghosted, const StepOfMotion &step);
   void add_scheme(const Vector &change, const Vector &ghosted, const StepOfMotion &step);
   Vector product_with_mass(const Vector &ghosted, const Vector &ghosted_rate) const;
   Vector loads(double t, const Vector &x, const Vector &ghosted) const;
-  Vector support(const Reactions<dim> &reactions, const Vector &x) const;
 
   const Model<dim> &model;
   Memory last;

@@ -47,6 +47,7 @@ public:
   bool has_rates() const { return scheme != nullptr; } ///< a term asks for them
   /// Of the last good step, which has led to @p x; empty where nothing has inertia.
   StepOfMotion last_motion(const Vector &x) const;
+  void keep_supports() { keeps_supports = true; } ///< before start(): last_motion() will be asked
   /// The first rates of the last good state, where some term asks for second ones; else nullptr.
   const Vector *velocity() const
   {
@@ -143,6 +144,7 @@ private:
   void set_up(double t);
   void begin(double t, const Vector &x, const Rates &rates);
   void find_second_rates(const Vector &x);
+  void find_supports(double now, const Vector &x, const Vector &forces);
   /// present_step, once it is the step to time @p t.
   const StepTime &step_to(double t);
   Rates rates_to(double t);
@@ -171,6 +173,8 @@ private:
   Rates rates_of_last_good;
   std::optional<Vector> second_rates_at_start; ///< of the last new start, if the scheme asked for them
   Vector rates_at_start;                       ///< likewise
+  bool keeps_supports = false;
+  Vector supports_at_start; ///< likewise, if that is asked for
   std::unique_ptr<BlockSystem<dim>> present_system;
   LinearSolver linear_solver; ///< refers to the system's matrix, so it is destroyed first
   std::unique_ptr<StepProblem<dim>> problem;

@@ -45,10 +45,10 @@ public:
 
   /// The second rates at a state @p x that moves with @p rate for which the equations of time @p now hold;
   /// those of constrained unknowns are given. Later in the step, of the size @p h, its equations are
-  /// assembled anew.
+  /// assembled anew. @p forces: what pressures and multipliers are then, in its blocks of them
   /// @pre begin_step(); the system's rates are set afterwards. @return nothing if a law is not defined at x.
   std::optional<Vector> second_rates(double now, const Vector &x, const Vector &rate,
-                                     const Vector &of_constrained, double h);
+                                     const Vector &of_constrained, double h, Vector &forces);
   /// Before the first step: change what moves in the state @p x and its @p rate, by as little as the mass
   /// allows, such that it follows by constraints of ties and cells, and that multipliers of interfaces and
   /// pressures of incompressible bodies find their equations solved. Momentum is kept. @pre likewise

@@ -43,7 +43,7 @@ Vector forces_of_supports(const Model<dim> &model, const Reactions<dim> &reactio
 /// and the kinetic energy, with the mass M, the velocities v and the accelerations b that the equations see,
 /// @f[ \mathrm{scheme} = \sum_n \tfrac12 (b_n + b_{n+1}) \cdot M (u_{n+1} - u_n)
 ///     - \tfrac12 (v_n + v_{n+1}) \cdot M (v_{n+1} - v_n), @f]
-/// which is all that a linear scene loses. It is there if b is known from the first step on.
+/// which a linear scene with an energy loses. It is there if b is known from the first step on.
 template <int dim>
 class EnergyBalance
 {

@@ -668,9 +668,9 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
       const unsigned int n_nodes = nodes.size();
       const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + domain.layout().first_shape(d);
       const double *values = pairing.values(side, q) + domain.layout().first_shape(d);
-      const bool is_pressure = pressures[field.index][side] == d,
-                 varies_by_value = field.varies_by_value(side, d) || is_pressure;
-      const double share = is_pressure ? 1 : theta_here; // of delta{A}
+      const bool is_multiplier = pressures[field.index][side] == d,
+                 varies_by_value = field.varies_by_value(side, d) || is_multiplier;
+      const double share = is_multiplier ? 1 : theta_here; // of delta{A}
       for (unsigned int c = 0; c < n_c; ++c) {
         const unsigned int pair = (field.first_component[side] + c) * n + d;
         const dealii::Tensor<1, dim> by_gradient =

@@ -1168,7 +1168,7 @@ NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x, const double t,
   const double time_before = time;
   Rates step_rates_before = step_rates, owned_rates_before = owned_rates;
   set_rates(rates);
-  if (active_toggles(t) == toggles_of_set_up)
+  if (model.active_toggles(t) == toggles_of_set_up)
     set_time(t);
   NodalForces<dim> result = nodal_forces(x);
   set_time(time_before);

@@ -8,6 +8,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -411,9 +412,10 @@ Vector StepProblem<dim>::solve_mass(const Vector &x, const Vector &right_hand_si
   Vector solution = system.owned_vector(), rest = right_hand_side, correction = rest;
   for (unsigned int pass = 0; pass < 3 && rest.l2_norm() > exact * right_hand_side.l2_norm(); ++pass) {
     bool is_solved = linear_solver.solve(correction, rest).has_value();
-    while (!is_solved && linear_solver.lacks_operator()) {
+    for (bool is_assembled = true; is_assembled && !is_solved && linear_solver.lacks_operator();) {
       make_place_for_entries();
-      is_solved = assemble_mass(x) && linear_solver.solve(correction, rest).has_value();
+      is_assembled = assemble_mass(x);
+      is_solved = is_assembled && linear_solver.solve(correction, rest).has_value();
     }
     if (!is_solved)
       throw UserError(
@@ -438,27 +440,56 @@ void StepProblem<dim>::set_rates_alone(const Vector &x, const Vector &rate, cons
   system.set_rates(rates);
 }
 
-/// Whose equation knows displacements alone: it says nothing of the pressure, but limits how the body moves.
 template <int dim>
-bool StepProblem<dim>::is_of_incompressible(const unsigned int b) const
+bool StepProblem<dim>::is_of_pressure(const unsigned int b) const
 {
   const Block &block = model.numbering->blocks()[b];
-  if (block.is_of_multipliers)
-    return false;
-  const Domain<dim> &domain = *model.domains[block.domain_index];
-  const Field &field = domain.fields()[block.field_index];
-  return field.is_multiplier &&
-         !domain.material.coupling(field.first_component, field.first_component).source_by_value;
+  return !block.is_of_multipliers &&
+         model.domains[block.domain_index]->fields()[block.field_index].is_multiplier;
 }
 
 template <int dim>
-bool StepProblem<dim>::has_incompressible() const
+bool StepProblem<dim>::has_pressures() const
 {
   for (unsigned int b = 0; b < model.numbering->blocks().size(); ++b)
-    if (is_of_incompressible(b))
+    if (is_of_pressure(b))
       return true;
   return false;
 }
+
+/// Whose equation knows displacements alone by the tangent at hand, since the body is incompressible where
+/// the pressure acts: it says nothing of the pressure, but limits how the body moves. By block.
+template <int dim>
+typename StepProblem<dim>::Rows StepProblem<dim>::incompressible_rows() const
+{
+  Rows rows(model.numbering->blocks().size());
+  for (unsigned int b = 0; b < rows.size(); ++b)
+    if (is_of_pressure(b)) {
+      const std::vector<double> diagonal = system.tangent().diagonal(b);
+      for (unsigned int i = 0; i < diagonal.size(); ++i)
+        if (diagonal[i] == 0)
+          rows[b].push_back(i);
+    }
+  return rows;
+}
+
+template <int dim>
+bool StepProblem<dim>::is_any(const Rows &rows) const
+{
+  const bool is_here = std::any_of(rows.begin(), rows.end(), [](const auto &list) { return !list.empty(); });
+  return dealii::Utilities::MPI::max(is_here ? 1 : 0, model.communicator) == 1;
+}
+
+namespace {
+
+void copy_rows(const std::vector<std::vector<unsigned int>> &rows, const Vector &from, Vector &to)
+{
+  for (unsigned int b = 0; b < rows.size(); ++b)
+    for (const unsigned int i : rows[b])
+      to.block(b).trilinos_vector()[0][i] = from.block(b).trilinos_vector()[0][i];
+}
+
+} // namespace
 
 /// With the matrix c M + K, where c is as large as can be, an update is a/c of what has a mass; the forces of
 /// multipliers and pressures, and other fields, are found with it. Where a body is incompressible, this
@@ -475,8 +506,8 @@ std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vec
   const double end = t;
   Vector at_end = x;
   bool is_defined = true;
-  const bool keeps_volume = has_incompressible();
-  if (keeps_volume) {
+  const Rows of_volume = incompressible_rows();
+  if (is_any(of_volume)) {
     Vector without = x;
     without.add(h, rate);
     without.add(h * h / 2, of_constrained);
@@ -496,8 +527,7 @@ std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vec
   for (unsigned int b = 0; b < rest.n_blocks(); ++b)
     if (is_of_multipliers(b)) // else what bodies are apart at x would be closed at once
       rest.block(b) = 0;
-    else if (keeps_volume && is_of_incompressible(b))
-      rest.block(b) = at_end.block(b);
+  copy_rows(of_volume, at_end, rest);
   Vector result = solve_mass(x, rest);
   forces = x;
   forces += result;
@@ -513,16 +543,27 @@ std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vec
 template <int dim>
 void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
 {
-  const auto moves = [this](const unsigned int b) {
-    const Block &block = model.numbering->blocks()[b];
-    if (block.is_constraint || block.is_of_multipliers)
-      return false;
-    const Domain<dim> &domain = *model.domains[block.domain_index];
-    return domain.material.order_in_time(domain.fields()[block.field_index].first_component) > 1;
-  };
-  const auto multiplies = [this](const unsigned int b) {
-    return is_of_multipliers(b) || is_of_incompressible(b);
-  };
+  const double end = t, begin = 0;
+  if (!system.is_outdated(begin))
+    system.set_time(begin);
+  project_start(x, rate);
+  system.set_time(end);
+}
+
+template <int dim>
+bool StepProblem<dim>::has_inertia(const unsigned int b) const
+{
+  const Block &block = model.numbering->blocks()[b];
+  if (block.is_constraint || block.is_of_multipliers)
+    return false;
+  const Domain<dim> &domain = *model.domains[block.domain_index];
+  return domain.material.order_in_time(domain.fields()[block.field_index].first_component) > 1;
+}
+
+template <int dim>
+void StepProblem<dim>::project_start(Vector &x, Vector &rate)
+{
+  const auto moves = [this](const unsigned int b) { return has_inertia(b); };
   Vector x_change = x, rate_change = rate;
   system.follow(x_change);
   x_change -= x;
@@ -530,13 +571,22 @@ void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
   system.distribute_rate(rate_change, false);
   rate_change -= rate;
   rate_change = only(moves, rate_change);
-  if (!system.has_multipliers() && !has_incompressible() && x_change.l2_norm() == 0 &&
-      rate_change.l2_norm() == 0)
+  const bool is_changed = system.has_multipliers() || x_change.l2_norm() != 0 || rate_change.l2_norm() != 0;
+  if (!is_changed && !has_pressures())
     return;
   x += x_change;
   rate += rate_change;
   if (!assemble_mass(x))
     return;
+  const Rows of_volume = incompressible_rows();
+  const bool keeps_volume = is_any(of_volume);
+  if (!is_changed && !keeps_volume)
+    return;
+  const auto limits = [&](const Vector &residual) {
+    Vector result = only([this](const unsigned int b) { return is_of_multipliers(b); }, residual);
+    copy_rows(of_volume, residual, result);
+    return result;
+  };
   Vector none = rate;
   none = 0;
   const auto project = [&](const Vector &change, const Vector *multiplied, Vector &to) {
@@ -547,13 +597,13 @@ void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
       return;
     const Vector rest = system.negative_residual();
     Vector update = solve_mass(x, only(moves, rest));
-    update += solve_mass(x, multiplied != nullptr ? *multiplied : only(multiplies, rest));
+    update += solve_mass(x, multiplied != nullptr ? *multiplied : limits(rest));
     system.distribute_rate(update, true);
     to += only(moves, update);
   };
   Vector x_now = x; // project() looks at x
   project(x_change, nullptr, x_now);
-  const unsigned int n_passes = has_incompressible() && has_large_strain() ? 10 : 0;
+  const unsigned int n_passes = keeps_volume && has_large_strain() ? 10 : 0;
   for (unsigned int pass = 0; pass < n_passes && has_moved(x, x_now); ++pass) {
     x = x_now;
     if (!assemble_mass(x))
@@ -564,40 +614,49 @@ void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
   Vector jumps = rate;
   system.tangent().vmult(jumps, rate);
   jumps *= -1;
-  jumps = only(multiplies, jumps);
-  if (has_incompressible())
-    find_rates_of_volume(x, rate, jumps);
+  jumps = limits(jumps);
+  if (keeps_volume)
+    find_rates_of_volume(x, rate, of_volume, jumps);
   project(rate_change, &jumps, rate);
 }
 
-/// Of incompressible bodies, with what is prescribed and moves: the tangent knows of free unknowns alone.
+/// Of incompressible bodies, with what is prescribed and moves (the tangent knows of free unknowns alone),
+/// and with what makes them swell in time. Differences: central along the motion, from the beginning on in
+/// time.
 template <int dim>
-void StepProblem<dim>::find_rates_of_volume(const Vector &x, const Vector &rate, Vector &negative_rates)
+void StepProblem<dim>::find_rates_of_volume(const Vector &x, const Vector &rate, const Rows &rows,
+                                            Vector &negative_rates)
 {
   const double share = 1e-5, speed = rate.linfty_norm(); // of the smallest cell, what is moved at most
-  if (speed == 0)
-    return;
-  double size = std::numeric_limits<double>::infinity();
-  for (const auto &domain : model.domains)
-    for (const auto &cell : domain->mesh().active_cell_iterators())
-      if (cell->is_locally_owned())
-        size = std::min(size, cell->minimum_vertex_distance());
-  const double later = share * dealii::Utilities::MPI::min(size, model.communicator) / speed;
   Vector none = rate, moved = x, change = x;
   none = 0;
-  set_rates_alone(x, none, none);
-  const auto add = [&](const double sign) {
-    moved = x;
-    moved.add(sign * later, rate);
-    system.assemble(moved, false);
-    change.add(sign / (2 * later), system.negative_residual());
-  };
   change = 0;
-  add(1);
-  add(-1);
-  for (unsigned int b = 0; b < change.n_blocks(); ++b)
-    if (is_of_incompressible(b))
-      negative_rates.block(b) = change.block(b);
+  set_rates_alone(x, none, none);
+  const auto add = [&](const double factor) {
+    system.assemble(moved, false);
+    change.add(factor, system.negative_residual());
+  };
+  if (speed > 0) {
+    double size = std::numeric_limits<double>::infinity();
+    for (const auto &domain : model.domains)
+      for (const auto &cell : domain->mesh().active_cell_iterators())
+        if (cell->is_locally_owned())
+          size = std::min(size, cell->minimum_vertex_distance());
+    const double later = share * dealii::Utilities::MPI::min(size, model.communicator) / speed;
+    for (const double sign : {1., -1.}) {
+      moved = x;
+      moved.add(sign * later, rate);
+      add(sign / (2 * later));
+    }
+  }
+  moved = x;
+  const double later = share * t; // t is the end of the first step
+  const std::array<double, 3> factors = {{-1.5, 2, -0.5}};
+  for (unsigned int k = 0; k < 3 && !system.is_outdated(0) && !system.is_outdated(2 * later); ++k) {
+    system.set_time(k * later);
+    add(factors[k] / later);
+  }
+  copy_rows(rows, change, negative_rates);
 }
 
 /// Updates of different fields are compared in the ranges of their values, which a step does not shrink.

@@ -263,8 +263,9 @@ bool LinearSolver::Group::solve_directly(GroupVector &x, const GroupVector &b)
   return std::isfinite(x.l2_norm()) && is_solved;
 }
 
-/// By iteration, or directly if that does not reach its tolerance. What it did reach serves if the direct
-/// solver fails, for instance for lack of memory.
+/// By iteration, or directly if that does not reach its tolerance. Where the direct solver fails, for
+/// instance for lack of memory, an iteration that was slow goes on; of one by entries, what it did reach may
+/// serve.
 std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const GroupVector &b)
 {
   const double largest_usable = 1e-4;

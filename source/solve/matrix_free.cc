@@ -85,6 +85,7 @@ public:
   unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) override;
   void forget() override
   {
+    expected = 0;
     cycle.reset();
     level.reset();
     upkeep.forget();

@@ -52,6 +52,7 @@ public:
   unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) override;
   void forget() override
   {
+    expected = 0;
     forget_values();
     upkeep.forget();
     modes.reset();

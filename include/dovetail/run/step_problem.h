@@ -120,9 +120,14 @@ private:
   void give_tangent(); ///< to the linear solver, if it is new
   bool has_large_strain() const;
   bool is_scalar(unsigned int block) const;
-  bool is_of_incompressible(unsigned int block) const;
-  bool has_incompressible() const;
-  void find_rates_of_volume(const Vector &x, const Vector &rate, Vector &negative_rates);
+  using Rows = std::vector<std::vector<unsigned int>>; ///< owned ones, by block
+  bool is_of_pressure(unsigned int block) const;
+  bool has_inertia(unsigned int block) const;
+  bool has_pressures() const;
+  Rows incompressible_rows() const;
+  bool is_any(const Rows &rows) const;
+  void project_start(Vector &x, Vector &rate);
+  void find_rates_of_volume(const Vector &x, const Vector &rate, const Rows &rows, Vector &negative_rates);
   bool is_of_multipliers(const unsigned int b) const
   {
     return model.numbering->blocks()[b].is_of_multipliers;

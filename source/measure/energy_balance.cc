@@ -139,11 +139,15 @@ typename EnergyBalance<dim>::Energies EnergyBalance<dim>::energies(const Vector 
   return {over_ranks[0], over_ranks[1], over_ranks[2], over_ranks[3] == 0};
 }
 
-/// Into the nodes of solids, before constraints: of sources and conditions.
-template <int dim>
-Vector EnergyBalance<dim>::loads(const double t, const Vector &x, const Vector &ghosted) const
+namespace {
+
+/// In the nodes of solids, before constraints: the sum of what @p assemble(terms, cell, unknowns, of_cell)
+/// finds.
+/// @p result: any vector of owned unknowns
+template <int dim, typename Assemble>
+Vector sum_in_nodes_of_solids(const Model<dim> &model, const Vector &ghosted, Vector result,
+                              const Assemble &assemble)
 {
-  Vector result = x;
   result = 0;
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &domain : model.domains) {
@@ -152,57 +156,55 @@ Vector EnergyBalance<dim>::loads(const double t, const Vector &x, const Vector &
       continue;
     CellTerms<dim> terms(*domain);
     const CellLayout<dim> &layout = domain->layout();
-    std::vector<double> unknowns(domain->dofs_per_cell()), given(unknowns.size()), boundary(unknowns.size());
+    std::vector<double> unknowns(domain->dofs_per_cell()), of_cell(unknowns.size());
     for (const auto &cell : domain->dof_handler().active_cell_iterators())
       if (cell->is_locally_owned()) {
         domain->cell_dofs(cell, dofs);
         ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-        terms.assemble_given(cell, t, given);
-        terms.assemble_boundary(cell, t, unknowns, boundary);
+        if (!assemble(terms, cell, unknowns, of_cell))
+          continue;
         for (unsigned int c = field->first_component; c < field->first_component + dim; ++c)
-          for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
-            const unsigned int i = layout.index(c, a);
-            result(dofs[i]) -= given[i] + boundary[i];
-          }
+          for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
+            result(dofs[layout.index(c, a)]) += of_cell[layout.index(c, a)];
       }
   }
   result.compress(dealii::VectorOperation::add);
   return result;
 }
 
+} // namespace
+
+/// Of sources and conditions.
+template <int dim>
+Vector EnergyBalance<dim>::loads(const double t, const Vector &x, const Vector &ghosted) const
+{
+  std::vector<double> boundary;
+  return sum_in_nodes_of_solids(
+      model, ghosted, x, [&](CellTerms<dim> &terms, const auto &cell, const auto &unknowns, auto &of_cell) {
+        boundary.resize(unknowns.size());
+        terms.assemble_given(cell, t, of_cell);
+        terms.assemble_boundary(cell, t, unknowns, boundary);
+        for (unsigned int i = 0; i < of_cell.size(); ++i)
+          of_cell[i] = -(of_cell[i] + boundary[i]);
+        return true;
+      });
+}
+
 /// M w of solids.
 template <int dim>
 Vector EnergyBalance<dim>::product_with_mass(const Vector &ghosted, const Vector &ghosted_rate) const
 {
-  Vector result = last.x;
-  result = 0;
   Rates rates;
   rates.rest = ghosted_rate; // of what stores by first rates, which does not count
   rates.second_rest = ghosted_rate;
   rates.weights = {0};
   rates.past = {ghosted};
-  std::vector<dealii::types::global_dof_index> dofs;
-  for (const auto &domain : model.domains) {
-    const Field *field = solid_field(*domain);
-    if (field == nullptr)
-      continue;
-    CellTerms<dim> terms(*domain);
-    terms.set_rates(&rates);
-    const CellLayout<dim> &layout = domain->layout();
-    std::vector<double> unknowns(domain->dofs_per_cell()), stored(unknowns.size());
-    for (const auto &cell : domain->dof_handler().active_cell_iterators())
-      if (cell->is_locally_owned()) {
-        domain->cell_dofs(cell, dofs);
-        ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-        if (!terms.assemble_storage(cell, 0, unknowns, stored))
-          continue;
-        for (unsigned int c = field->first_component; c < field->first_component + dim; ++c)
-          for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
-            result(dofs[layout.index(c, a)]) += stored[layout.index(c, a)];
-      }
-  }
-  result.compress(dealii::VectorOperation::add);
-  return result;
+  return sum_in_nodes_of_solids(
+      model, ghosted, last.x,
+      [&](CellTerms<dim> &terms, const auto &cell, const auto &unknowns, auto &of_cell) {
+        terms.set_rates(&rates);
+        return terms.assemble_storage(cell, 0, unknowns, of_cell);
+      });
 }
 
 /// The forces just after the beginning of a step. @p of_support: at its end

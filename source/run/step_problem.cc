@@ -291,7 +291,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
       guess ? solve_from_guess(dx) : linear_solver.solve(dx, system.negative_residual(), needed);
   guess.reset();
   while (!n_iterations && linear_solver.lacks_operator()) {
-    make_entries(x);
+    make_other_tangent(x);
     n_iterations = linear_solver.solve(dx, system.negative_residual(), needed);
   }
   if (model.is_linear() && n_iterations)
@@ -334,7 +334,7 @@ std::optional<unsigned int> StepProblem<dim>::solve_from_guess(Vector &dx)
 
 /// For a matrix with entries, where products of cells did not do, or for products, where factors do not fit.
 template <int dim>
-void StepProblem<dim>::make_place_for_entries()
+void StepProblem<dim>::make_other_matrix()
 {
   linear_solver.forget_matrix();
   tangent_at_rest.clear(); // it has none either
@@ -343,9 +343,9 @@ void StepProblem<dim>::make_place_for_entries()
 }
 
 template <int dim>
-void StepProblem<dim>::make_entries(const Vector &x)
+void StepProblem<dim>::make_other_tangent(const Vector &x)
 {
-  make_place_for_entries();
+  make_other_matrix();
   residual_and_tangent(x);
   give_tangent();
 }
@@ -361,7 +361,7 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
   double relative = system.linear_residual_norm(dx, rest);
   for (unsigned int pass = 0; pass < 2 && relative > (pass == 0 ? exact_linear_residual : usual); ++pass) {
     if (pass == 1 && linear_solver.prefer_direct() && linear_solver.lacks_operator())
-      make_entries(x);
+      make_other_tangent(x);
     const Stage &stage = stages[present_stage];
     if (!linear_solver.solve(
             correction, rest,
@@ -413,7 +413,7 @@ Vector StepProblem<dim>::solve_mass(const Vector &x, const Vector &right_hand_si
   for (unsigned int pass = 0; pass < 3 && rest.l2_norm() > exact * right_hand_side.l2_norm(); ++pass) {
     bool is_solved = linear_solver.solve(correction, rest).has_value();
     for (bool is_assembled = true; is_assembled && !is_solved && linear_solver.lacks_operator();) {
-      make_place_for_entries();
+      make_other_matrix();
       is_assembled = assemble_mass(x);
       is_solved = is_assembled && linear_solver.solve(correction, rest).has_value();
     }
@@ -725,7 +725,7 @@ bool StepProblem<dim>::correct(const Vector &x, const Vector &trial, const doubl
     loads.add(1 - damping, *moving_loads);
   bool is_solved = linear_solver.solve(correction, loads, demand()).has_value();
   while (!is_solved && linear_solver.lacks_operator()) {
-    make_entries(x);
+    make_other_tangent(x);
     is_solved = linear_solver.solve(correction, loads, demand()).has_value();
     system.assemble(trial, false);
   }

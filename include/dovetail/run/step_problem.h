@@ -115,8 +115,8 @@ private:
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);
   void check_is_held() const;
-  void make_place_for_entries();
-  void make_entries(const Vector &x);
+  void make_other_matrix();
+  void make_other_tangent(const Vector &x);
   void give_tangent(); ///< to the linear solver, if it is new
   bool has_large_strain() const;
   bool is_scalar(unsigned int block) const;

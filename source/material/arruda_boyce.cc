@@ -60,10 +60,6 @@ protected:
     }
     return W;
   }
-  VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
-  {
-    return U.at(invariants);
-  }
 
 private:
   double factor(const unsigned int i) const

@@ -53,10 +53,6 @@ protected:
     W.W_111 = 2 * W.W_11 / rest;
     return W;
   }
-  VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
-  {
-    return U.at(invariants);
-  }
 
 private:
   const VaryingModuli moduli;

@@ -57,10 +57,6 @@ protected:
     W.W_1 = moduli.shear.at(invariants.place()) / 2;
     return W;
   }
-  VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
-  {
-    return U.at(invariants);
-  }
 
 private:
   const VaryingModuli moduli;

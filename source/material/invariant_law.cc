@@ -347,6 +347,11 @@ double IsochoricInvariants::second_minus_3() const
          3 * std::expm1(-4. / 3. * log_J);
 }
 
+VolumetricEnergy InvariantLaw::volumetric(const IsochoricInvariants &invariants) const
+{
+  return volume()->at(invariants);
+}
+
 // P = W_k G_k + a_1 Q,  D = W_kl G_k (x) G_l + W_k dG_k/dF + a_2 Q (x) Q - a_1 Q_iN Q_mJ
 void InvariantLaw::elastic_response(const Deformation &deformation, Tensor<2, 3> &P, Tensor<4, 3> *D) const
 {

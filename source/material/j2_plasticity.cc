@@ -34,24 +34,21 @@
 //     end
 
 #include <dovetail/material/hardening.h>
-#include <dovetail/material/invariant_law.h>
-#include <dovetail/material/solid_law.h>
+#include <dovetail/material/isochoric_flow.h>
 #include <dovetail/scene/catalogue.h>
 #include <dovetail/scene/undefined.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace dovetail {
 
 using dealii::Tensor;
 
-class J2Plasticity : public SolidLaw
+class J2Plasticity : public IsochoricFlow
 {
 public:
   explicit J2Plasticity(const Section &section)
-      : moduli(section), U(Volumetric::quadratic(moduli)), hardening(section),
+      : IsochoricFlow(section), hardening(section),
         kinematic(section.read<double>("Kinematic hardening modulus", 0,
                                        "K_b, by which the back stress grows in uniaxial tension [Pa]",
                                        Patterns::Double(0))),
@@ -60,9 +57,6 @@ public:
                                      "displacements are no longer a good description [-]",
                                      Patterns::Double(1e-300)))
   {
-    const auto I = dealii::unit_symmetric_tensor<3>();
-    elastic = moduli.lame() * outer_product(I, I) + 2 * moduli.shear * dealii::identity_tensor<3>();
-    thermal = -3 * moduli.bulk_of_stress() * I;
   }
 
   std::vector<InternalVariable> internal_variables() const override
@@ -75,49 +69,28 @@ public:
 
   bool evaluate(const Tensor<2, 3> &H, double e, bool with_derivatives, Response &response) const override
   {
-    const double mu = moduli.shear, pressure = moduli.bulk_of_stress() * (trace(H) - 3 * e);
     const double *const h = response.memory.accepted.data();
-    Tensor<2, 3> stress, xi; // the deviator, and what yields of it
-    for (unsigned int i = 0; i < 3; ++i)
-      for (unsigned int j = 0; j < 3; ++j) {
-        stress[i][j] = mu * (H[i][j] + H[j][i] - (i == j ? 2. / 3. * trace(H) : 0.) - 2 * h[3 * i + j]);
-        xi[i][j] = stress[i][j] - (kinematic > 0 ? h[10 + 3 * i + j] : 0.);
-      }
-    if (with_derivatives) {
-      response.dP_dF = elastic;
-      response.dP_de = thermal;
-    }
+    Tensor<2, 3> stress = deviator(H, h), xi = stress; // xi: what yields of it
+    if (kinematic > 0)
+      for (unsigned int i = 0; i < 9; ++i)
+        xi[i / 3][i % 3] -= h[10 + i];
     const double norm = xi.norm(),
                  trial = norm - IsotropicHardening::root_of_two_thirds * hardening.strength(h[9]);
     // an accepted state is on the yield surface up to rounding, and must stay as it is
-    if (trial > rounding * (norm + 2 * mu * H.norm())) {
+    if (trial > rounding * (norm + 2 * moduli.shear * H.norm())) {
       yield(xi, norm, trial, with_derivatives, stress, response);
       if (!(response.memory.trial[9] <= largest))
         return undefined("the equivalent plastic strain is " + in_words(response.memory.trial[9]) +
                          ", but the Largest plastic strain is " + in_words(largest) +
                          "; a body without hardening flows without end beyond its limit load");
-    } else
+    } else {
       std::copy(response.memory.accepted.begin(), response.memory.accepted.end(),
                 response.memory.trial.begin());
-    response.P = stress;
-    for (unsigned int i = 0; i < 3; ++i)
-      response.P[i][i] += pressure;
-    return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
+      if (with_derivatives)
+        set_derivatives({}, 1, 1, response);
+    }
+    return set_stress(stress, H, e, response);
   }
-
-  /// The part that unloading gives back.
-  double energy(const Tensor<2, 3> &H, const double e, const Place &place) const override
-  {
-    Response response;
-    static_cast<Place &>(response) = place;
-    return evaluate(H, e, false, response) ? moduli.energy_of(response.P)
-                                           : std::numeric_limits<double>::quiet_NaN();
-  }
-
-  bool has_large_strain() const override { return false; }
-  bool has_expansion_work() const override { return true; } // dP/de is constant
-  const Volumetric *volume() const override { return &U; }
-  std::optional<double> shear_of_flow() const override { return moduli.shear; }
 
 private:
   static constexpr double rounding = 1e-13;
@@ -138,28 +111,13 @@ private:
           now[10 + 3 * i + j] = h[10 + 3 * i + j] + 2. / 3. * kinematic * flow * n[i][j];
       }
     stress -= 2 * mu * flow * n;
-    if (!with_derivatives)
-      return;
-    const double lost = 2 * mu * flow / norm; // 1 - c
-    const double along = 1 / (1 + (hardening.slope(now[9]) + kinematic) / (3 * mu)) - lost;
-    Tensor<4, 3> &D = response.dP_dF;
-    for (unsigned int i = 0; i < 3; ++i)
-      for (unsigned int j = 0; j < 3; ++j) {
-        for (unsigned int k = 0; k < 3; ++k)
-          for (unsigned int l = 0; l < 3; ++l)
-            D[i][j][k][l] -= 2 * mu * along * n[i][j] * n[k][l];
-        D[i][j][i][j] -= mu * lost;
-        D[i][j][j][i] -= mu * lost;
-        D[i][i][j][j] += 2. / 3. * mu * lost;
-      }
+    if (with_derivatives)
+      set_derivatives(n, 1 - 2 * mu * flow / norm,
+                      1 - 1 / (1 + (hardening.slope(now[9]) + kinematic) / (3 * mu)), response);
   }
 
-  const IsotropicModuli moduli;
-  const Volumetric U;
   const IsotropicHardening hardening;
   const double kinematic, largest;
-  Tensor<4, 3> elastic;
-  Tensor<2, 3> thermal;
 };
 
 namespace {

@@ -46,10 +46,6 @@ protected:
     W.W_2 = C01.at(invariants.place());
     return W;
   }
-  VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
-  {
-    return U.at(invariants);
-  }
 
 private:
   const Coefficient C10, C01;

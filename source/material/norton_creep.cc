@@ -24,22 +24,20 @@
 //       set Exponent         = 5
 //     end
 
-#include <dovetail/material/invariant_law.h>
+#include <dovetail/material/isochoric_flow.h>
 #include <dovetail/scene/catalogue.h>
-#include <dovetail/scene/undefined.h>
 
 #include <cmath>
-#include <limits>
 
 namespace dovetail {
 
 using dealii::Tensor;
 
-class NortonCreep : public SolidLaw
+class NortonCreep : public IsochoricFlow
 {
 public:
   explicit NortonCreep(const Section &section)
-      : moduli(section), U(Volumetric::quadratic(moduli)),
+      : IsochoricFlow(section),
         rate(section.require<double>(
             "Reference rate", "r_0 in the rate r_0 (q/s_0)^n of uniaxial creep [1/s]", Patterns::Double(0))),
         stress(section.require<double>("Reference stress", "s_0, at which the rate is r_0 [Pa]",
@@ -59,22 +57,18 @@ public:
     const double *const h = response.memory.accepted.data();
     double *const now = response.memory.trial.data();
     const double mu = moduli.shear, time = std::max(0., response.t - h[10]);
-    Tensor<2, 3> trial;
-    for (unsigned int i = 0; i < 3; ++i)
-      for (unsigned int j = 0; j < 3; ++j)
-        trial[i][j] = mu * (H[i][j] + H[j][i] - (i == j ? 2. / 3. * trace(H) : 0.) - 2 * h[3 * i + j]);
+    const Tensor<2, 3> trial = deviator(H, h);
     const double q_trial = std::sqrt(1.5) * trial.norm(), flow = 3 * mu * time * rate;
     const double q = find_stress(q_trial, flow), ratio = q_trial > 0 ? q / q_trial : 1;
     for (unsigned int i = 0; i < 9; ++i)
       now[i] = h[i] + (1 - ratio) / (2 * mu) * trial[i / 3][i % 3];
     now[9] = h[9] + (q_trial - q) / (3 * mu);
     now[10] = std::max(h[10], response.t);
-    response.P = ratio * trial;
-    for (unsigned int i = 0; i < 3; ++i)
-      response.P[i][i] += moduli.bulk_of_stress() * (trace(H) - 3 * e);
-    if (with_derivatives)
-      set_derivatives(trial, ratio, 1 / (1 + flow * exponent / stress * power(q, exponent - 1)), response);
-    return std::isfinite(response.P.norm_square()) || undefined("the stress is not a finite number");
+    if (with_derivatives) {
+      const double slope = 1 / (1 + flow * exponent / stress * power(q, exponent - 1)), norm = trial.norm();
+      set_derivatives(norm > 0 ? trial / norm : Tensor<2, 3>(), ratio, slope, response);
+    }
+    return set_stress(ratio * trial, H, e, response);
   }
 
   void pass(const Place &place) const override
@@ -82,19 +76,6 @@ public:
     place.memory.trial[10] = std::max(place.memory.accepted[10], place.t);
   }
 
-  /// The part that unloading gives back.
-  double energy(const Tensor<2, 3> &H, const double e, const Place &place) const override
-  {
-    Response response;
-    static_cast<Place &>(response) = place;
-    return evaluate(H, e, false, response) ? moduli.energy_of(response.P)
-                                           : std::numeric_limits<double>::quiet_NaN();
-  }
-
-  bool has_large_strain() const override { return false; }
-  bool has_expansion_work() const override { return true; } // dP/de is constant
-  const Volumetric *volume() const override { return &U; }
-  std::optional<double> shear_of_flow() const override { return moduli.shear; }
   bool depends_on_time() const override { return true; }
 
 private:
@@ -117,31 +98,6 @@ private:
     return q;
   }
 
-  /// D = kappa I x I + 2 mu (c dev + (dq/dq_trial - c) n x n), c = q/q_trial, n the direction of the trial
-  /// deviator.
-  void set_derivatives(const Tensor<2, 3> &trial, const double c, const double slope,
-                       Response &response) const
-  {
-    const double mu = moduli.shear, norm = trial.norm();
-    const Tensor<2, 3> n = norm > 0 ? trial / norm : Tensor<2, 3>();
-    Tensor<4, 3> &D = response.dP_dF;
-    for (unsigned int i = 0; i < 3; ++i)
-      for (unsigned int j = 0; j < 3; ++j)
-        for (unsigned int k = 0; k < 3; ++k)
-          D[i][j][k] = 2 * mu * (slope - c) * n[i][j] * n[k];
-    response.dP_de = 0;
-    for (unsigned int i = 0; i < 3; ++i) {
-      for (unsigned int j = 0; j < 3; ++j) {
-        D[i][j][i][j] += mu * c;
-        D[i][j][j][i] += mu * c;
-        D[i][i][j][j] += moduli.bulk_of_stress() - 2. / 3. * mu * c;
-      }
-      response.dP_de[i][i] = -3 * moduli.bulk_of_stress();
-    }
-  }
-
-  const IsotropicModuli moduli;
-  const Volumetric U;
   const double rate, stress, exponent;
 };
 

@@ -50,10 +50,6 @@ protected:
     W.W_111 = 6 * c_3;
     return W;
   }
-  VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const override
-  {
-    return U.at(invariants);
-  }
 
 private:
   const Coefficient C10, C20, C30;

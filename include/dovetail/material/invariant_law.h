@@ -56,7 +56,7 @@ class InvariantLaw : public HyperelasticLaw
 {
 protected:
   virtual IsochoricEnergy isochoric(const IsochoricInvariants &invariants) const = 0;
-  virtual VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const = 0;
+  virtual VolumetricEnergy volumetric(const IsochoricInvariants &invariants) const; ///< that of volume()
 
   void elastic_response(const Deformation &deformation, dealii::Tensor<2, 3> &P,
                         dealii::Tensor<4, 3> *D) const final;

@@ -26,6 +26,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace dovetail {
 
@@ -307,7 +308,7 @@ void CellProblem<dim>::find_rotations(const std::vector<double> &unknowns)
 using EigenvaluePair = std::array<double, 2>;
 
 /// The eigenvalues of cells, most of which have the same rows up to a factor: a solved problem is kept and
-/// compared with.
+/// compared with. Matrices M = S^T S are compared by what they make of some vectors.
 class Eigenvalues
 {
 public:
@@ -316,16 +317,18 @@ public:
 private:
   struct Solved
   {
-    std::vector<double> B, M; ///< B, and M = S^T S above its diagonal; of norm and trace one
+    std::vector<double> B, MZ; ///< with B of norm and M of trace one
     double lambda;
   };
 
   double largest_without_stress(const FactoredProblem &problem);
+  std::vector<double> multiply_vectors(const std::vector<double> &S, int n);
   static bool is_multiple(const std::vector<double> &numbers, double factor,
                           const std::vector<double> &other);
 
   static constexpr unsigned int most = 8;
   std::vector<Solved> solved;
+  std::vector<double> Z; ///< column by column
 };
 
 EigenvaluePair Eigenvalues::largest(const FactoredProblem &problem, const std::vector<double> &positive_S)
@@ -341,31 +344,43 @@ EigenvaluePair Eigenvalues::largest(const FactoredProblem &problem, const std::v
                                    : tangent_eigenvalue}};
 }
 
+/// S^T S Z. Matrices that differ agree on the vectors of a subspace only, in which numbers as irregular as
+/// these do not lie.
+std::vector<double> Eigenvalues::multiply_vectors(const std::vector<double> &S, const int n)
+{
+  const int n_vectors = 3, n_rows = S.size() / n;
+  for (int i = Z.size(); i < n_vectors * n; ++i)
+    Z.push_back(std::sin(1e4 * (1 + i))); // irregular
+  std::vector<double> SZ(n_vectors * n_rows), MZ(n_vectors * n);
+  const Teuchos::BLAS<int, double> blas;
+  blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, n_rows, n_vectors, n, 1., S.data(), n, Z.data(), n, 0.,
+            SZ.data(), n_rows);
+  blas.GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, n, n_vectors, n_rows, 1., S.data(), n, SZ.data(), n_rows,
+            0., MZ.data(), n);
+  return MZ;
+}
+
 double Eigenvalues::largest_without_stress(const FactoredProblem &problem)
 {
-  const int n = problem.n, n_rows = problem.S.size() / n;
-  if (n_rows == 0)
+  const int n = problem.n;
+  if (problem.S.empty())
     return 0;
-  std::vector<double> M(n * n);
-  Teuchos::BLAS<int, double>().SYRK(Teuchos::UPPER_TRI, Teuchos::NO_TRANS, n, n_rows, 1., problem.S.data(), n,
-                                    0., M.data(), n);
-  double trace = 0, norm = 0;
-  for (int i = 0; i < n; ++i)
-    trace += M[i * n + i];
-  for (const double b : problem.B)
-    norm += b * b;
-  norm = std::sqrt(norm);
+  std::vector<double> MZ = multiply_vectors(problem.S, n);
+  const auto square = [](const std::vector<double> &numbers) {
+    return std::inner_product(numbers.begin(), numbers.end(), numbers.begin(), 0.);
+  };
+  const double trace = square(problem.S), norm = std::sqrt(square(problem.B));
   const auto found = std::find_if(solved.begin(), solved.end(), [&](const Solved &other) {
-    return is_multiple(problem.B, norm, other.B) && is_multiple(M, trace, other.M);
+    return is_multiple(problem.B, norm, other.B) && is_multiple(MZ, trace, other.MZ);
   });
   if (found != solved.end())
     return found->lambda * trace / (norm * norm);
   const double lambda = largest_eigenvalue(problem);
   if (solved.size() < most && std::isfinite(lambda) && trace > 0) {
-    solved.push_back({problem.B, std::move(M), lambda * norm * norm / trace});
+    solved.push_back({problem.B, std::move(MZ), lambda * norm * norm / trace});
     for (double &b : solved.back().B)
       b /= norm;
-    for (double &m : solved.back().M)
+    for (double &m : solved.back().MZ)
       m /= trace;
   }
   return lambda;

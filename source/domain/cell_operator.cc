@@ -244,6 +244,12 @@ private:
   }
   void number_entries();
   static bool is_slope(const unsigned int row) { return row < n_slopes; }
+  /// Whether two batches that are not general have the same J and dV.
+  static bool has_geometry(const Lanes *const J, const Lanes *const other)
+  {
+    return std::equal(J, J + Cells<dim>::n_entries, other,
+                      [](const Lanes &a, const Lanes &b) { return a.values == b.values; });
+  }
   Lanes &derivative(const unsigned int batch, const unsigned int entry, const unsigned int q)
   {
     return tangents[(std::size_t(batch) * n_entries + entry) * n_points + q];
@@ -541,9 +547,8 @@ void CellOperatorOf<dim, n_components>::refer_to_unit_cells(Work &work, const un
 {
   const Lanes *const J = cells->geometry(batch);
   if (cells->kind(batch) != Cells<dim>::general) {
-    const auto is_same = [](const Lanes &a, const Lanes &b) { return a.values == b.values; };
     if (work.batch_of_T == dealii::numbers::invalid_unsigned_int ||
-        !std::equal(J, J + Cells<dim>::n_entries, cells->geometry(work.batch_of_T), is_same))
+        !has_geometry(J, cells->geometry(work.batch_of_T)))
       refer_to_unit_cell(J, 1, tangents.data(), 1, work.T);
     work.batch_of_T = batch;
     return;
@@ -627,11 +632,15 @@ void CellOperatorOf<dim, n_components>::add_diagonal(double *diagonal) const
       values.push_back(domain.scalar_element().shape_value(hierarchic[a], rule.point(q)));
     }
   Array sums(n_components * n_nodes), T(n_entries);
+  const Lanes *J_of_sums = nullptr; // if other batches may have the same sums
   for (unsigned int batch = 0; batch < cells->n_batches(); ++batch) {
     const bool is_affine = cells->kind(batch) != Cells<dim>::general;
     const Lanes *const J = cells->geometry(batch);
-    std::fill(sums.begin(), sums.end(), Lanes());
-    for (unsigned int q = 0; q < n_points; ++q) {
+    const bool is_known = is_affine && J_of_sums != nullptr && has_geometry(J, J_of_sums);
+    J_of_sums = is_uniform && is_affine ? J : nullptr;
+    if (!is_known)
+      std::fill(sums.begin(), sums.end(), Lanes());
+    for (unsigned int q = 0; q < n_points && !is_known; ++q) {
       const Lanes weight(is_uniform && is_affine ? cells->weights[q] : 1.);
       if (is_uniform && (q == 0 || !is_affine))
         refer_to_unit_cell(J + q, is_affine ? 1 : n_points, tangents.data(), 1, T);

@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/interface/tie_operator.h>
+#include <dovetail/widest_vectors.h>
 
 #include <algorithm>
 #include <array>
@@ -171,7 +172,7 @@ double TieOperator<dim>::entry(const unsigned int row, const unsigned int c, con
 template <int dim>
 void TieOperator<dim>::begin_tangent()
 {
-  upper.assign(column.size() * n_components * n_components, 0.);
+  upper.assign(column.size() * n_components * n_components + 1, 0.); // vectors read one number too many
   lower = upper;
 }
 
@@ -235,46 +236,86 @@ void TieOperator<dim>::add_tangent(const double factor, const TieOperator &other
   finish_tangent();
 }
 
+namespace {
+
+/// Square blocks on and above the diagonal, row by row.
+struct UpperBlocks
+{
+  unsigned int n_rows;
+  const unsigned int *first, *column; ///< of each row; of each block
+  const double *above, *below;        ///< below: the transposed of those across the diagonal
+  bool is_mean;                       ///< the mean of both counts
+};
+
+/// y += T x with vectors in which each node has the same number of places, the first n of which count.
+template <int n, int places>
+DOVETAIL_PART_OF_CALLER void add_product_of_blocks(const UpperBlocks &T, const double *const __restrict__ x,
+                                                   double *const __restrict__ y)
+{
+  const double *above = T.above, *below = T.below;
+  double mean[n * n + places] = {};
+  for (unsigned int i = 0; i < T.n_rows; ++i) {
+    double products[n][places] = {}; // by place of the columns
+    for (unsigned int k = T.first[i]; k < T.first[i + 1]; ++k, above += n * n, below += n * n) {
+      const unsigned int j = T.column[k];
+      for (int e = 0; T.is_mean && e < n * n; ++e)
+        mean[e] = (above[e] + below[e]) / 2;
+      const double *const __restrict__ a = T.is_mean ? mean : above;
+      const double *const __restrict__ b = T.is_mean ? mean : below;
+      const double *const __restrict__ x_j = x + std::size_t(j) * places;
+      for (int c = 0; c < n; ++c)
+        for (int d = 0; d < places; ++d)
+          products[c][d] += a[c * n + d] * x_j[d];
+      if (j == i)
+        continue;
+      double y_j[places] = {};
+      for (int c = 0; c < n; ++c)
+        for (int d = 0; d < places; ++d)
+          y_j[d] += b[c * n + d] * x[std::size_t(i) * places + c];
+      for (int d = 0; d < places; ++d)
+        y[std::size_t(j) * places + d] += y_j[d];
+    }
+    for (int c = 0; c < n; ++c)
+      for (int d = 0; d < n; ++d)
+        y[std::size_t(i) * places + c] += products[c][d];
+  }
+}
+
+constexpr int places_of_three = 4; ///< as many as fit in a vector of the processor
+
+DOVETAIL_WIDEST_VECTORS void add_product_of_three(const UpperBlocks &T, const double *const x,
+                                                  double *const y)
+{
+  add_product_of_blocks<3, places_of_three>(T, x, y);
+}
+
+} // namespace
+
 /// Each block counts twice, above and below the diagonal.
 template <int dim>
 template <int n>
 void TieOperator<dim>::multiply(const double *x, double *y, const bool of_symmetric_part) const
 {
-  std::vector<double> of_nodes(nodes.size() * n, 0.), sums(nodes.size() * n, 0.);
+  constexpr int places = n == 3 ? places_of_three : n;
+  std::vector<double> of_nodes(nodes.size() * places, 0.), sums(nodes.size() * places, 0.);
   for (unsigned int i = 0; i < nodes.size(); ++i)
     for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
       for (unsigned int c = 0; c < n; ++c)
-        of_nodes[i * n + c] += nodes[i].factors[k] * x[nodes[i].index[k * n + c]];
-  const bool is_mean = of_symmetric_part && !lower.empty();
-  const double *block = upper.data(), *mirrored = lower.empty() ? block : lower.data();
-  std::array<double, n> x_i, y_i, y_j;
-  std::array<double, n * n> mean;
-  for (unsigned int i = 0; i < nodes.size(); ++i) {
-    std::copy_n(&of_nodes[i * n], n, x_i.begin());
-    y_i.fill(0);
-    for (unsigned int k = first_block[i]; k < first_block[i + 1]; ++k, block += n * n, mirrored += n * n) {
-      const unsigned int j = column[k];
-      const double *const x_j = &of_nodes[j * n];
-      for (unsigned int e = 0; is_mean && e < n * n; ++e)
-        mean[e] = (block[e] + mirrored[e]) / 2;
-      const double *const above = is_mean ? mean.data() : block;
-      const double *const below = is_mean ? mean.data() : mirrored; // transposed
-      y_j.fill(0);
-      for (unsigned int c = 0; c < n; ++c)
-        for (unsigned int d = 0; d < n; ++d) {
-          y_i[c] += above[c * n + d] * x_j[d];
-          y_j[d] += below[c * n + d] * x_i[c];
-        }
-      for (unsigned int d = 0; j != i && d < n; ++d)
-        sums[j * n + d] += y_j[d];
-    }
-    for (unsigned int c = 0; c < n; ++c)
-      sums[i * n + c] += y_i[c];
-  }
+        of_nodes[i * places + c] += nodes[i].factors[k] * x[nodes[i].index[k * n + c]];
+  const UpperBlocks T = {static_cast<unsigned int>(nodes.size()),
+                         first_block.data(),
+                         column.data(),
+                         upper.data(),
+                         lower.empty() ? upper.data() : lower.data(),
+                         of_symmetric_part && !lower.empty()};
+  if constexpr (n == 3)
+    add_product_of_three(T, of_nodes.data(), sums.data());
+  else
+    add_product_of_blocks<n, places>(T, of_nodes.data(), sums.data());
   for (unsigned int i = 0; i < nodes.size(); ++i)
     for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
       for (unsigned int c = 0; c < n; ++c)
-        y[nodes[i].index[k * n + c]] += nodes[i].factors[k] * sums[i * n + c];
+        y[nodes[i].index[k * n + c]] += nodes[i].factors[k] * sums[i * places + c];
 }
 
 template <int dim>

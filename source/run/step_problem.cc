@@ -165,11 +165,13 @@ template <int dim>
 void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
 {
   t = t_of_step;
-  start = x;
   guess.reset();
   is_at_start = false;
   tangent_at_rest.clear(); // ties and conditions may have changed
-  may_adapt_penalties = starts_from_guess;
+  may_adapt_penalties = starts_from_guess && !model.is_linear();
+  start = Vector();
+  if (may_adapt_penalties)
+    start = x;
   is_first_assembly = true;
   criterion.begin_step();
   enter_all_stages();

@@ -87,13 +87,15 @@ Diagonal::Diagonal(const LevelProducts &A) : inverse(A.rows().NumMyElements())
   Epetra_Vector diagonal(A.rows());
   A.diagonal(diagonal);
   for (unsigned int row = 0; row < inverse.size(); ++row)
-    inverse[row] = diagonal[row] > 0 ? 1 / diagonal[row] : 0;
+    unit = std::max(unit, diagonal[row] > 0 ? 1 / diagonal[row] : 0);
+  for (unsigned int row = 0; row < inverse.size(); ++row)
+    inverse[row] = diagonal[row] > 0 ? static_cast<float>(1 / diagonal[row] / unit) : 0;
 }
 
 void Diagonal::vmult(double *z, const double *r) const
 {
   for (unsigned int row = 0; row < inverse.size(); ++row)
-    z[row] = inverse[row] * r[row];
+    z[row] = unit * inverse[row] * r[row];
 }
 
 std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_diagonal(const LevelProducts &A, const Range range,

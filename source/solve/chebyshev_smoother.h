@@ -18,7 +18,7 @@
 
 namespace dovetail {
 
-/// M = diag(A)
+/// M = diag(A), in single precision
 class Diagonal : public Approximation
 {
 public:
@@ -26,7 +26,8 @@ public:
   void vmult(double *z, const double *r) const override;
 
 private:
-  std::vector<double> inverse;
+  std::vector<float> inverse; ///< in the unit
+  double unit = 0;            ///< the largest one
 };
 
 /// Chebyshev iteration with M^-1 A on the upper part of its spectrum, [lambda / ratio, lambda]: symmetric,

@@ -3,6 +3,8 @@
 
 #include "compact_matrix.h"
 
+#include "free_memory.h"
+
 #include <deal.II/base/exceptions.h>
 
 #include <algorithm>
@@ -106,10 +108,30 @@ std::size_t RowPattern::memory_consumption() const
 CompactMatrix::CompactMatrix(const Epetra_CrsMatrix &A)
     : range(A.RowMap()), exchange(A), pattern(std::make_shared<RowPattern>(A))
 {
-  set_values(A);
+  set_values(A, [](int) {});
 }
 
-void CompactMatrix::set_values(const Epetra_CrsMatrix &A)
+CompactMatrix::CompactMatrix(std::unique_ptr<Epetra_CrsMatrix> A)
+    : range(A->RowMap()), exchange(*A), pattern(std::make_shared<RowPattern>(*A))
+{
+  const int many = 1 << 16; // entries
+  int *begin = nullptr, *columns = nullptr, end = 0;
+  double *entries = nullptr;
+  const bool is_at_hand = A->ExtractCrsDataPointers(begin, columns, entries) == 0,
+             owns_columns = A->Graph().ReferenceCount() == 1;
+  set_values(*A, [&](const int n_rows) {
+    if (!is_at_hand || begin[n_rows] < end + many)
+      return;
+    give_back_pages(entries + end, entries + begin[n_rows]);
+    if (owns_columns)
+      give_back_pages(columns + end, columns + begin[n_rows]);
+    end = begin[n_rows];
+  });
+}
+
+/// Calls @p done(n): the first n rows are not read any more.
+template <typename Done>
+void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
 {
   const std::vector<int> numbers = numbers_of_columns(A);
   const bool needs_diagonal = is_square(A);
@@ -122,15 +144,17 @@ void CompactMatrix::set_values(const Epetra_CrsMatrix &A)
       unit = std::max(unit, std::abs(row_values[k]));
   }
   unit = unit > 0 ? unit : 1;
-  values.resize(pattern->n_entries());
+  values.reserve(pattern->n_entries());
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
+    values.resize(values.size() + static_cast<std::size_t>(group.n_columns) * group.n_rows);
     for (int i = 0; i < group.n_rows; ++i) {
       read_row(A, group.first_row + i, numbers, needs_diagonal, entries);
       for (int k = 0; k < group.n_columns; ++k)
         values[group.first_entry + static_cast<std::size_t>(k) * group.n_rows + i] =
             static_cast<float>(entries[k].second / unit);
     }
+    done(group.first_row + group.n_rows);
   }
 }
 

@@ -93,6 +93,8 @@ class CompactMatrix
 {
 public:
   explicit CompactMatrix(const Epetra_CrsMatrix &A);
+  /// In place of @p A, whose rows give back their memory as soon as they have been read.
+  explicit CompactMatrix(std::unique_ptr<Epetra_CrsMatrix> A);
 
   const Epetra_Map &rows() const { return range; }
   const Epetra_Map &domain() const { return exchange.own(); }
@@ -106,7 +108,8 @@ public:
 private:
   friend class IncompleteFactorisation;
 
-  void set_values(const Epetra_CrsMatrix &A);
+  template <typename Done>
+  void set_values(const Epetra_CrsMatrix &A, const Done &done);
 
   Epetra_Map range;
   ColumnExchange exchange;

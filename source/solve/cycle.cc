@@ -10,15 +10,15 @@
 namespace dovetail {
 
 void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_CrsMatrix> P,
-                      std::unique_ptr<Epetra_CrsMatrix> coarse, const double known_eigenvalue)
+                      const MakeMatrix &make_coarse, const double known_eigenvalue)
 {
   Level level;
-  level.P = std::make_unique<CompactMatrix>(*P);
-  P.reset();
+  level.P = std::make_unique<CompactMatrix>(std::move(P));
   give_back_freed_memory();
-  level.A = last.owned ? std::make_unique<LevelEntries>(CompactMatrix(*last.A))
+  level.A = last.owned ? std::make_unique<LevelEntries>(CompactMatrix(std::move(last.owned)))
                        : std::make_unique<LevelEntries>(*last.A);
-  last = Finest(std::move(coarse));
+  give_back_freed_memory();
+  last = Finest(make_coarse());
   give_back_freed_memory();
   level.smoother = make_smoother(*level.A, known_eigenvalue);
   levels.push_back(std::move(level));

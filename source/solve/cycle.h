@@ -22,7 +22,7 @@ namespace dovetail {
 
 /// About the inverse of a symmetric positive definite matrix, by a V-cycle with a ChebyshevSmoother on each
 /// level and the factors of the coarsest matrix. Who derives from it adds the levels. The levels hold their
-/// matrices in single precision once the coarser matrix has been made of them.
+/// matrices in single precision once the coarser matrix has been summed of them.
 class Cycle
 {
 public:
@@ -46,6 +46,8 @@ public:
     const Epetra_CrsMatrix *A;
   };
 
+  using MakeMatrix = std::function<std::unique_ptr<Epetra_CrsMatrix>()>;
+
   virtual ~Cycle() = default;
   void vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const;
 
@@ -59,9 +61,10 @@ protected:
   const Epetra_CrsMatrix &coarsest() const { return *last.A; }
   unsigned int n_levels() const { return levels.size(); }
 
-  /// Below the last one: with @p P from its unknowns, and its matrix P^T A P.
+  /// Below the last one: with @p P from its unknowns, and its matrix P^T A P, which @p make_coarse gives when
+  /// A and P are not there any more.
   void add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_CrsMatrix> P,
-                 std::unique_ptr<Epetra_CrsMatrix> coarse, double known_eigenvalue = 0);
+                 const MakeMatrix &make_coarse, double known_eigenvalue = 0);
   void factorise_coarsest() { factors = std::make_unique<Factors>(coarsest()); }
 
 private:

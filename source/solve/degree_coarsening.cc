@@ -48,13 +48,13 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, RowSums &&sums, const
   prolongation = make_prolongation(std::move(sums));
   if (prolongation->domain().NumGlobalElements() == 0) // all vertices are prescribed
     return;
-  const auto modes = make_modes(prolongation->domain(), &coarse_rows);
-  const std::vector<GroupFacts::Place> places = facts.known_places(&coarse_rows);
+  auto modes = make_modes(prolongation->domain(), &coarse_rows);
+  std::vector<GroupFacts::Place> places = facts.known_places(&coarse_rows);
   coarse_rows = Selection(); // = {} would keep the memory
   give_back_freed_memory();
   auto A_1 = A.restricted(*prolongation);
   give_back_freed_memory();
-  coarse = make_coarse(std::move(A_1), *modes, places);
+  coarse = make_coarse(std::move(A_1), std::move(modes), std::move(places));
 }
 
 std::unique_ptr<Epetra_MultiVector> DegreeCoarsening::select(const Epetra_MultiVector &modes,
@@ -67,12 +67,15 @@ std::unique_ptr<Epetra_MultiVector> DegreeCoarsening::select(const Epetra_MultiV
   return result;
 }
 
-std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1, const Epetra_MultiVector &modes,
-                                                           const std::vector<GroupFacts::Place> &places)
+std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1,
+                                                           std::shared_ptr<const Epetra_MultiVector> modes,
+                                                           std::vector<GroupFacts::Place> places)
 {
-  return make_cycle(std::move(A_1), modes, places, Semicoarsen::if_cheap, [](const auto &level, double) {
-    return ChebyshevSmoother::with_factorisation(level, {4, 40}); // costs little beside the rows of A
-  });
+  return make_cycle(std::move(A_1), std::move(modes), std::move(places), Semicoarsen::if_cheap,
+                    [](const auto &level, double) {
+                      // costs little beside the rows of A
+                      return ChebyshevSmoother::with_factorisation(level, {4, 40});
+                    });
 }
 
 /// What functions of degree one leave reaches the further down the higher the degree is.

@@ -37,10 +37,12 @@ class DegreeCoarsening
 {
 public:
   /// Levels for A_1.
-  using MakeCoarse = std::function<std::unique_ptr<Cycle>(Cycle::Finest A_1, const Epetra_MultiVector &modes,
-                                                          const std::vector<GroupFacts::Place> &places)>;
-  static std::unique_ptr<Cycle> make_usual_coarse(Cycle::Finest A_1, const Epetra_MultiVector &modes,
-                                                  const std::vector<GroupFacts::Place> &places);
+  using MakeCoarse =
+      std::function<std::unique_ptr<Cycle>(Cycle::Finest A_1, std::shared_ptr<const Epetra_MultiVector> modes,
+                                           std::vector<GroupFacts::Place> places)>;
+  static std::unique_ptr<Cycle> make_usual_coarse(Cycle::Finest A_1,
+                                                  std::shared_ptr<const Epetra_MultiVector> modes,
+                                                  std::vector<GroupFacts::Place> places);
 
   /// Near-null space of A at some own rows, to which a map belongs.
   using MakeModes =

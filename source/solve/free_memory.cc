@@ -4,6 +4,7 @@
 #include "free_memory.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
@@ -11,6 +12,10 @@
 
 #ifdef __GLIBC__ // which the headers above define
 #include <malloc.h>
+#endif
+#ifdef __linux__
+#include <sys/mman.h>
+#include <unistd.h>
 #endif
 
 namespace dovetail {
@@ -67,6 +72,17 @@ void give_back_freed_memory()
 {
 #ifdef __GLIBC__
   malloc_trim(0);
+#endif
+}
+
+void give_back_pages([[maybe_unused]] void *const begin, [[maybe_unused]] void *const end)
+{
+#ifdef __linux__
+  const auto size = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE)),
+             first = (reinterpret_cast<std::uintptr_t>(begin) + size - 1) / size * size,
+             last = reinterpret_cast<std::uintptr_t>(end) / size * size;
+  if (first < last)
+    madvise(reinterpret_cast<void *>(first), last - first, MADV_DONTNEED);
 #endif
 }
 

@@ -14,4 +14,8 @@ double free_memory();
 /// allocator to place large blocks by themselves, so that it would not. Before much is allocated.
 void give_back_freed_memory();
 
+/// Gives the pages from @p begin to @p end to the machine, although they are freed later: what is there is
+/// lost, and nobody reads it any more.
+void give_back_pages(void *begin, void *end);
+
 } // namespace dovetail

@@ -69,8 +69,9 @@ private:
   void forget_values();
   void make(const GroupOperator &K);
   void make_levels();
-  std::unique_ptr<Cycle> make_cycle_of_degree_one(Cycle::Finest A, const Epetra_MultiVector &modes,
-                                                  const std::vector<GroupFacts::Place> &places) const;
+  std::unique_ptr<Cycle> make_cycle_of_degree_one(Cycle::Finest A,
+                                                  std::shared_ptr<const Epetra_MultiVector> modes,
+                                                  std::vector<GroupFacts::Place> places) const;
   Means means_for(double n_expected) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
@@ -143,19 +144,19 @@ void Multigrid::make_levels()
       of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
     by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother));
   } else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
-    by_degree = leaders->coarsen(*finest, facts, part_of_modes, nullptr,
-                                 [this](Cycle::Finest A_1, const auto &...level) {
-                                   return make_cycle_of_degree_one(std::move(A_1), level...);
-                                 });
+    by_degree =
+        leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {
+          return make_cycle_of_degree_one(std::move(A_1), std::move(level)...);
+        });
   else
-    cycle = make_cycle_of_degree_one(*matrix, *modes,
+    cycle = make_cycle_of_degree_one(*matrix, modes,
                                      means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>()
                                                                         : facts.known_places());
 }
 
-std::unique_ptr<Cycle> Multigrid::make_cycle_of_degree_one(Cycle::Finest A,
-                                                           const Epetra_MultiVector &its_modes,
-                                                           const std::vector<GroupFacts::Place> &places) const
+std::unique_ptr<Cycle>
+Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetra_MultiVector> its_modes,
+                                    std::vector<GroupFacts::Place> places) const
 {
   const auto make_smoother = [this](const LevelEntries &level, const double known_eigenvalue) {
     return means != Means::usual ? ChebyshevSmoother::with_factorisation(level, {4, 40})
@@ -163,10 +164,11 @@ std::unique_ptr<Cycle> Multigrid::make_cycle_of_degree_one(Cycle::Finest A,
                                  : ChebyshevSmoother::with_diagonal(level, {2, 10}, known_eigenvalue);
   };
   if (means == Means::usual && is_mixed)
-    return make_cycle(std::move(A), its_modes, places, Semicoarsen::always, make_smoother);
+    return make_cycle(std::move(A), std::move(its_modes), std::move(places), Semicoarsen::always,
+                      make_smoother);
   if (means == Means::usual)
-    return std::make_unique<SmoothedAggregation>(std::move(A), its_modes, make_smoother);
-  return make_cycle(std::move(A), its_modes, places,
+    return std::make_unique<SmoothedAggregation>(std::move(A), std::move(its_modes), make_smoother);
+  return make_cycle(std::move(A), std::move(its_modes), std::move(places),
                     means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap,
                     make_smoother);
 }

@@ -508,8 +508,8 @@ bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const int
 
 } // namespace
 
-std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, const Epetra_MultiVector &modes,
-                                  const std::vector<GroupFacts::Place> &places, const Semicoarsen when,
+std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Epetra_MultiVector> modes,
+                                  std::vector<GroupFacts::Place> places, const Semicoarsen when,
                                   const Cycle::MakeSmoother &make_smoother)
 {
   const Epetra_CrsMatrix &A = finest.matrix();
@@ -517,10 +517,11 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, const Epetra_MultiVector
   A.Comm().MinAll(&has_places, &all_have, 1);
   if (all_have != 0) {
     LevelNodes nodes = nodes_of_rows(places);
-    if (when == Semicoarsen::always || are_stretched(A, nodes, modes.NumVectors(), when))
-      return std::make_unique<Semicoarsening>(std::move(finest), modes, std::move(nodes), make_smoother);
+    places = std::vector<GroupFacts::Place>(); // = {} would keep the memory
+    if (when == Semicoarsen::always || are_stretched(A, nodes, modes->NumVectors(), when))
+      return std::make_unique<Semicoarsening>(std::move(finest), *modes, std::move(nodes), make_smoother);
   }
-  return std::make_unique<SmoothedAggregation>(std::move(finest), modes, make_smoother);
+  return std::make_unique<SmoothedAggregation>(std::move(finest), std::move(modes), make_smoother);
 }
 
 Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,
@@ -538,7 +539,7 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
       break;
     auto P = smoothed(coarse, *without_far_couplings(matrix, nodes, couplings), *modes);
     auto next = restrict_matrix(matrix, *P);
-    add_level(make_smoother, std::move(P), std::move(next));
+    add_level(make_smoother, std::move(P), [&next]() { return std::move(next); });
     owned_modes = std::move(coarse.modes);
     modes = owned_modes.get();
     nodes = std::move(coarse.nodes);

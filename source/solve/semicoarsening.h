@@ -74,8 +74,8 @@ enum class Semicoarsen {
 };
 
 /// @param places of the rows of A; empty if they are not known: SmoothedAggregation
-std::unique_ptr<Cycle> make_cycle(Cycle::Finest A, const Epetra_MultiVector &modes,
-                                  const std::vector<GroupFacts::Place> &places, Semicoarsen when,
+std::unique_ptr<Cycle> make_cycle(Cycle::Finest A, std::shared_ptr<const Epetra_MultiVector> modes,
+                                  std::vector<GroupFacts::Place> places, Semicoarsen when,
                                   const Cycle::MakeSmoother &make_smoother);
 
 } // namespace dovetail

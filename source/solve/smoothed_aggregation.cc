@@ -417,23 +417,12 @@ std::unique_ptr<Epetra_CrsMatrix> make_matrix(const BlockSums &sums, const Epetr
   return result;
 }
 
-/// P^T A P. A row without entries, of a vector of a basis that is zero, gets one.
-std::unique_ptr<Epetra_CrsMatrix> make_coarse_matrix(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P,
-                                                     const int block_length)
+/// A matrix of the sums of all ranks. A row without entries, of a vector of a basis that is zero, gets one.
+std::unique_ptr<Epetra_CrsMatrix> complete(std::unique_ptr<Epetra_CrsMatrix> result, const Epetra_Map &all,
+                                           const Epetra_Map &own)
 {
-  const auto Q = rows_for_columns(A, P);
-  const Epetra_Map &all = Q->ColMap(), &own = P.DomainMap();
-  std::unique_ptr<Epetra_CrsMatrix> result;
-  {
-    const SparseRows rows_of_Q(*Q);
-    BlockSums sums(all, block_length);
-    for_rows_of_product(A, rows_of_Q, Q->NumMyCols(), block_length, [&](const int row, const RowSum &sum) {
-      sums.add(rows_of_Q[own_column(A, row)], sum);
-    });
-    result = make_matrix(sums, all, own, block_length);
-  }
   result->FillComplete(own, own);
-  if (Q->Importer() != nullptr) { // sums of several ranks
+  if (!all.SameAs(own)) {
     auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, own, result->MaxNumEntries());
     sum->Export(*result, Epetra_Export(all, own), Add);
     sum->FillComplete(own, own);
@@ -448,6 +437,24 @@ std::unique_ptr<Epetra_CrsMatrix> make_coarse_matrix(const Epetra_CrsMatrix &A, 
   return result;
 }
 
+/// Sums P^T A P now, and makes the matrix when neither A nor P is needed any more.
+Cycle::MakeMatrix sum_coarse_matrix(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P,
+                                    const int block_length)
+{
+  const auto Q = rows_for_columns(A, P);
+  const Epetra_Map all = Q->ColMap(), own = P.DomainMap();
+  const SparseRows rows_of_Q(*Q);
+  auto sums = std::make_shared<BlockSums>(all, block_length);
+  for_rows_of_product(A, rows_of_Q, Q->NumMyCols(), block_length, [&](const int row, const RowSum &sum) {
+    sums->add(rows_of_Q[own_column(A, row)], sum);
+  });
+  return [sums, all, own, block_length]() mutable {
+    auto result = make_matrix(*sums, all, own, block_length);
+    sums.reset();
+    return complete(std::move(result), all, own);
+  };
+}
+
 } // namespace
 
 std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Epetra_Map &map,
@@ -460,24 +467,25 @@ std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Ep
   return modes;
 }
 
-SmoothedAggregation::SmoothedAggregation(Finest A, const Epetra_MultiVector &modes,
+SmoothedAggregation::SmoothedAggregation(Finest A, std::shared_ptr<const Epetra_MultiVector> modes,
                                          const MakeSmoother &make_smoother)
     : Cycle(std::move(A))
 {
-  const int n_modes = modes.NumVectors();
+  const int n_modes = modes->NumVectors();
   Aggregation aggregates;
   while (coarsest().NumGlobalRows() > largest_coarse) {
     const Epetra_CrsMatrix &matrix = coarsest();
-    aggregates = n_levels() == 0 ? make_aggregation(matrix, modes, rows_per_node(modes))
+    aggregates = n_levels() == 0 ? make_aggregation(matrix, *modes, rows_per_node(*modes))
                                  : make_aggregation(matrix, *aggregates.modes, n_modes);
+    modes.reset();
     const int n_coarse = aggregates.modes->GlobalLength();
     if (n_coarse == 0 || n_coarse > largest_growth * matrix.NumGlobalRows())
       break;
     const double eigenvalue = largest_eigenvalue_with_diagonal(LevelEntries(matrix));
     auto P = smooth_tentative(matrix, TentativeRows(matrix, aggregates), n_modes, 4. / 3 / eigenvalue);
     aggregates.basis = std::vector<double>(); // = {} would keep the memory
-    auto coarse = make_coarse_matrix(matrix, *P, n_modes);
-    add_level(make_smoother, std::move(P), std::move(coarse), eigenvalue);
+    const MakeMatrix make_coarse = sum_coarse_matrix(matrix, *P, n_modes);
+    add_level(make_smoother, std::move(P), make_coarse, eigenvalue);
   }
   factorise_coarsest();
 }

@@ -35,8 +35,9 @@ std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Ep
 class SmoothedAggregation : public Cycle
 {
 public:
-  /// @param modes near-null space of A
-  SmoothedAggregation(Finest A, const Epetra_MultiVector &modes, const MakeSmoother &make_smoother);
+  /// @param modes near-null space of A, which is let go of as soon as it has been used
+  SmoothedAggregation(Finest A, std::shared_ptr<const Epetra_MultiVector> modes,
+                      const MakeSmoother &make_smoother);
 };
 
 } // namespace dovetail

@@ -186,10 +186,14 @@ bool BlockSystem<dim>::prescribes_by_time() const
 template <int dim>
 bool BlockSystem<dim>::are_prescribed(const ConstraintLines &lines) const
 {
-  const bool are_on_this_rank = std::all_of(lines.begin(), lines.end(), [this](const auto &entry) {
+  const auto all = constraints.get_lines(); // these, and those of other ranks, in the same order
+  auto known = all.begin();
+  const bool are_on_this_rank = std::all_of(lines.begin(), lines.end(), [&](const auto &entry) {
     const auto &[dof, line] = entry;
-    return !line.entries.empty() ||
-           (constraints.is_constrained(dof) && constraints.get_inhomogeneity(dof) == line.inhomogeneity);
+    while (known != all.end() && known->index < dof)
+      ++known;
+    return !line.entries.empty() || (known != all.end() && known->index == dof &&
+                                     prescribed[known - all.begin()] == line.inhomogeneity);
   });
   return dealii::Utilities::MPI::min(are_on_this_rank ? 1 : 0, model.communicator) == 1;
 }
@@ -203,8 +207,9 @@ void BlockSystem<dim>::make_constraints(ConstraintLines all_lines)
   for (const auto dof : unconstrained)
     all_lines.erase(dof);
   lines = std::make_shared<const ConstraintLines>(std::move(all_lines));
-  update_constraints.clear();
-  update_constraints.copy_from(constraints);
+  prescribed.clear();
+  for (const auto &line : constraints.get_lines())
+    prescribed.push_back(line.inhomogeneity);
   relevant.add_indices(constraints.get_local_lines()); // those that lines refer to, too
   relevant.compress();
 }
@@ -537,7 +542,7 @@ void BlockSystem<dim>::hold_back_from(const Vector &x)
   assemble(x, false);
   held_back = right_hand_side;
   held_moves.clear();
-  for (const auto &line : update_constraints.get_lines())
+  for (const auto &line : constraints.get_lines())
     held_moves[line.index] = line.inhomogeneity;
 }
 
@@ -600,8 +605,9 @@ template <int dim>
 void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
 {
   std::vector<double> largest_move(field_of_block.size(), 0.), largest_value(largest_move);
+  unsigned int i = 0;
   for (const auto &line : constraints.get_lines()) {
-    double target = line.inhomogeneity;
+    double target = prescribed[i++];
     for (const auto &[other, weight] : line.entries)
       target += weight * ghosted(other);
     if (share < 1)
@@ -610,7 +616,7 @@ void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
     const unsigned int block = model.numbering->block_of(line.index);
     largest_move[block] = std::max(largest_move[block], std::abs(distance));
     largest_value[block] = std::max(largest_value[block], std::abs(target));
-    update_constraints.set_inhomogeneity(line.index, distance);
+    constraints.set_inhomogeneity(line.index, distance);
   }
   dealii::Utilities::MPI::max(largest_move, model.communicator, largest_move);
   dealii::Utilities::MPI::max(largest_value, model.communicator, largest_value);
@@ -670,7 +676,7 @@ bool BlockSystem<dim>::assemble_by_products(const Vector &x)
   affine->evaluate(x, owned_rates);
   right_hand_side.equ(-1., affine->residual());
   std::vector<std::pair<dealii::types::global_dof_index, double>> passed_on;
-  for (const auto &line : update_constraints.get_lines())
+  for (const auto &line : constraints.get_lines())
     if (model.numbering->owned.is_element(line.index)) {
       const unsigned int b = model.numbering->block_of(line.index);
       const Block &block = model.numbering->blocks()[b];
@@ -740,7 +746,7 @@ void BlockSystem<dim>::find_summands()
   for (unsigned int order = 1; order <= model.order_in_time(); ++order) {
     summands[order].copy_from(matrix);
     summands[order] = 0;
-    affine->add_mass(update_constraints, order, summands[order]);
+    affine->add_mass(constraints, order, summands[order]);
   }
 }
 
@@ -791,7 +797,7 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   if (with_tangent) {
     matrix = 0;
     for (const auto &part : cellwise)
-      part.second->begin(update_constraints);
+      part.second->begin(constraints);
   }
   problem_here = {};
   last_undefined() = {};
@@ -813,7 +819,7 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
     for (const auto &part : cellwise) {
       part.second->finish();
       if (moves_constraints())
-        part.second->subtract_moves(update_constraints, right_hand_side);
+        part.second->subtract_moves(constraints, right_hand_side);
     }
   if (share < 1)
     right_hand_side.add(share - 1, held_back);
@@ -991,11 +997,11 @@ void BlockSystem<dim>::scatter(const std::vector<double> &residual,
   if (with_tangent && form == Form::transposed) {
     local_transpose.reinit(residual.size(), residual.size(), true);
     local_transpose.copy_transposed(local_matrix);
-    distribute_local_to_global(update_constraints, local_transpose, local_rhs, dofs, matrix, right_hand_side);
+    distribute_local_to_global(constraints, local_transpose, local_rhs, dofs, matrix, right_hand_side);
   } else if (with_tangent)
-    distribute_local_to_global(update_constraints, local_matrix, local_rhs, dofs, matrix, right_hand_side);
+    distribute_local_to_global(constraints, local_matrix, local_rhs, dofs, matrix, right_hand_side);
   else
-    update_constraints.distribute_local_to_global(local_rhs, dofs, right_hand_side);
+    constraints.distribute_local_to_global(local_rhs, dofs, right_hand_side);
 }
 
 template <int dim>
@@ -1026,7 +1032,7 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
       if (with_tangent && !cell_terms[d]->products().empty())
         add_products(dofs, cell_terms[d]->products(), cell_terms[d]->longest_sum());
       if (!has_local_matrix || !positions[d] ||
-          !positions[d]->add(cell->active_cell_index(), dofs, update_constraints, local_matrix, residual,
+          !positions[d]->add(cell->active_cell_index(), dofs, constraints, local_matrix, residual,
                              right_hand_side))
         scatter(residual, dofs, has_local_matrix);
     }
@@ -1238,11 +1244,11 @@ void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_ind
     const Block &before = model.numbering->blocks()[block];
     if (dofs[i] < before.begin || dofs[i] >= before.end)
       block = model.numbering->block_of(dofs[i]);
-    if (!update_constraints.is_constrained(dofs[i]))
+    if (!constraints.is_constrained(dofs[i]))
       add(block, 1.);
     else {
       sizes.forces[block] += forces[i] * forces[i];
-      for (const auto &[other, weight] : *update_constraints.get_constraint_entries(dofs[i]))
+      for (const auto &[other, weight] : *constraints.get_constraint_entries(dofs[i]))
         add(model.numbering->block_of(other), weight);
     }
   }
@@ -1258,10 +1264,10 @@ void BlockSystem<dim>::add_products(const std::vector<dealii::types::global_dof_
       sizes.products[block] += weight * weight * products[i] * products[i];
       sizes.tangents[block] += longest_sum * weight * weight * products[i] * products[i];
     };
-    if (!update_constraints.is_constrained(dofs[i]))
+    if (!constraints.is_constrained(dofs[i]))
       add(model.numbering->block_of(dofs[i]), 1.);
     else
-      for (const auto &[other, weight] : *update_constraints.get_constraint_entries(dofs[i]))
+      for (const auto &[other, weight] : *constraints.get_constraint_entries(dofs[i]))
         add(model.numbering->block_of(other), weight);
   }
 }
@@ -1337,51 +1343,54 @@ template <int dim>
 std::optional<UnrestrainedMode<dim>> BlockSystem<dim>::find_unrestrained_mode(const bool in_any_case) const
 {
   for (unsigned int f = 0; f < fields.size(); ++f)
-    if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time, update_constraints)))
-      if (const auto motion =
-              dovetail::find_unrestrained_mode(model, fields[f], time, matrix, update_constraints))
+    if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time, constraints)))
+      if (const auto motion = dovetail::find_unrestrained_mode(model, fields[f], time, matrix, constraints))
         return motion;
   return {};
 }
 
-/// x_i = sum w x_j + b_i
+/// x_i = sum w x_j + b_i with b_i = @p constant(line, its number)
 template <int dim>
-void BlockSystem<dim>::apply(const dealii::AffineConstraints<double> &lines, Vector &x, const bool moves,
-                             const bool what_is_prescribed)
+template <typename Constant>
+void BlockSystem<dim>::apply(Vector &x, const Constant &constant, const bool what_is_prescribed)
 {
   ghosted_scratch = x;
-  for (const auto &line : lines.get_lines())
+  unsigned int i = 0;
+  for (const auto &line : constraints.get_lines()) {
+    double value = constant(line, i++);
     if (model.numbering->owned.is_element(line.index) && (what_is_prescribed || !line.entries.empty())) {
-      double value = moves ? line.inhomogeneity : 0.;
       for (const auto &[other, weight] : line.entries)
         value += weight * ghosted_scratch(other);
       x(line.index) = value;
     }
+  }
   x.compress(dealii::VectorOperation::insert);
 }
 
 template <int dim>
 void BlockSystem<dim>::distribute(Vector &dx)
 {
-  apply(update_constraints, dx);
+  apply(dx, [](const auto &line, unsigned int) { return line.inhomogeneity; });
 }
 
 template <int dim>
 void BlockSystem<dim>::distribute_rate(Vector &rate, const bool what_is_prescribed)
 {
-  apply(constraints, rate, false, what_is_prescribed);
+  apply(
+      rate, [](const auto &, unsigned int) { return 0.; }, what_is_prescribed);
 }
 
 template <int dim>
 void BlockSystem<dim>::follow(Vector &x)
 {
-  apply(constraints, x, true, false);
+  apply(
+      x, [this](const auto &, const unsigned int i) { return prescribed[i]; }, false);
 }
 
 template <int dim>
 void BlockSystem<dim>::constrain(Vector &x)
 {
-  apply(constraints, x);
+  apply(x, [this](const auto &, const unsigned int i) { return prescribed[i]; });
 }
 
 template class BlockSystem<2>;

@@ -83,10 +83,11 @@ void check(const std::string &name, const int rows_per_node, const int n_modes)
   const int n_own = (n_nodes * (rank + 1) / n_ranks - n_nodes * rank / n_ranks) * rows_per_node;
   const Epetra_Map rows(-1, n_own, 0, communicator);
   const Epetra_CrsMatrix A = make_matrix(rows, rows_per_node);
-  Epetra_MultiVector modes(rows, n_modes); // the constants, then their copies, then zeros
+  const auto modes =
+      std::make_shared<Epetra_MultiVector>(rows, n_modes); // the constants, then their copies, then zeros
   for (int mode = 0; mode < n_modes; ++mode)
     for (int row = 0; row < n_own; ++row)
-      modes[mode][row] = mode < 2 * rows_per_node && row % rows_per_node == mode % rows_per_node ? 1 : 0;
+      (*modes)[mode][row] = mode < 2 * rows_per_node && row % rows_per_node == mode % rows_per_node ? 1 : 0;
   const SmoothedAggregation M(A, modes, [](const LevelEntries &level, double) {
     return ChebyshevSmoother::with_diagonal(level, {2, 10});
   });

@@ -116,6 +116,7 @@ public:
   void add_to_tangent(const double factor, const BlockMatrix &other) { matrix.add(factor, other); }
   const Vector &negative_residual() const { return right_hand_side; }
   /// Prescribed values, hanging nodes and ties of the unknowns relevant to this rank, resolved.
+  /// Their constants are those of the update.
   const dealii::AffineConstraints<double> &all_constraints() const { return constraints; }
 
   /// What is at work in the equations of each block of unknowns at the state of the last assembly, as
@@ -143,10 +144,7 @@ public:
   /// nothing where all bodies are surely held, unless @p in_any_case.
   std::optional<UnrestrainedMode<dim>> find_unrestrained_mode(bool in_any_case = false) const;
   /// Whether an unknown that this rank owns follows from others, so that its row is trivial.
-  bool is_constrained(dealii::types::global_dof_index dof) const
-  {
-    return update_constraints.is_constrained(dof);
-  }
+  bool is_constrained(dealii::types::global_dof_index dof) const { return constraints.is_constrained(dof); }
   /// Whether a multiplier that this rank owns has no equation of its own and is zero: its tie is switched
   /// off, or has dropped it.
   bool is_dropped(dealii::types::global_dof_index multiplier) const { return dropped.count(multiplier) > 0; }
@@ -211,8 +209,8 @@ private:
   void assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
   template <typename Visit>
   void for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const;
-  void apply(const dealii::AffineConstraints<double> &lines, Vector &x, bool moves = true,
-             bool what_is_prescribed = true);
+  template <typename Constant>
+  void apply(Vector &x, const Constant &constant, bool what_is_prescribed = true);
   void add_sizes(const std::vector<dealii::types::global_dof_index> &dofs, const std::vector<double> &forces,
                  const std::vector<double> &unknowns, unsigned int longest_sum, bool with_tangent);
   void add_products(const std::vector<dealii::types::global_dof_index> &dofs,
@@ -230,12 +228,12 @@ private:
   dealii::IndexSet relevant;           ///< relevant unknowns of the domains and those behind interface points
   ConstraintLines tie_lines;           ///< of owned unknowns
   std::set<dealii::types::global_dof_index>
-      unconstrained;                                    ///< of tie_lines, where they would have no solution
-  std::set<dealii::types::global_dof_index> dropped;    ///< multipliers
-  std::shared_ptr<const ConstraintLines> lines;         ///< of owned unknowns, without those unconstrained
-  dealii::AffineConstraints<double> constraints;        ///< of x at the current time
-  dealii::AffineConstraints<double> update_constraints; ///< of dx
-  std::vector<bool> constraints_move;                   ///< by block
+      unconstrained;                                 ///< of tie_lines, where they would have no solution
+  std::set<dealii::types::global_dof_index> dropped; ///< multipliers
+  std::shared_ptr<const ConstraintLines> lines;      ///< of owned unknowns, without those unconstrained
+  dealii::AffineConstraints<double> constraints;     ///< of dx
+  std::vector<double> prescribed; ///< of each of their lines: the constant in that of x at the current time
+  std::vector<bool> constraints_move; ///< by block
   double move = 0;
   std::vector<bool> toggles_of_set_up;
   double time_of_set_up = 0;

@@ -14,6 +14,7 @@
 #include <dovetail/measure/used_ranges.h>
 #include <dovetail/output/preview.h>
 #include <dovetail/output/shared_file.h>
+#include <dovetail/solve/free_memory.h>
 
 #include <map>
 #include <sstream>
@@ -390,6 +391,7 @@ template <int dim>
 void Results<dim>::measure(const Solution<dim> &solution, const double tolerance)
 {
   const Phases::Scope scope(phases, "output");
+  give_back_freed_memory(); // of the linear solver
   const Vector ghosted = solution.system.ghosted(solution.x);
   const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
   NoteList sentences;

@@ -359,12 +359,13 @@ template <int dim>
 double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
 {
   const double usual = 1e-8;
-  Vector rest = system.owned_vector(), correction = rest;
+  Vector rest = system.owned_vector(), correction;
   double relative = system.linear_residual_norm(dx, rest);
   for (unsigned int pass = 0; pass < 2 && relative > (pass == 0 ? exact_linear_residual : usual); ++pass) {
     if (pass == 1 && linear_solver.prefer_direct() && linear_solver.lacks_operator())
       make_other_tangent(x);
     const Stage &stage = stages[present_stage];
+    correction.reinit(rest);
     if (!linear_solver.solve(
             correction, rest,
             {stage.first_group, stage.end_group, share_of_exact * exact_linear_residual / relative}))

@@ -336,11 +336,10 @@ void BlockMatrix::visit_operator(const unsigned int p, const Vector &x, const Vi
   const PartOperator &summand = *operators.at(p);
   const auto &blocks = numberings[p].blocks();
   Vector product(owned, get_mpi_communicator());
-  Epetra_Vector all(map), y(map);
-  numberings[p].gather(x, all.Values());
+  Epetra_Vector own(map), y(map);
   const bool couples = !summand.coupled_blocks().empty();
   for (unsigned int j = 0; j < (couples ? blocks.size() : 1); ++j) {
-    Epetra_Vector own(all);
+    numberings[p].gather(x, own.Values());
     for (unsigned int row = 0; couples && row < numberings[p].n_local(); ++row)
       if (row < numberings[p].first_local_of(j) || row >= numberings[p].first_local_of(j + 1))
         own[row] = 0;

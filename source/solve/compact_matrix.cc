@@ -3,7 +3,7 @@
 
 #include "compact_matrix.h"
 
-#include "free_memory.h"
+#include <dovetail/solve/free_memory.h>
 
 #include <deal.II/base/exceptions.h>
 

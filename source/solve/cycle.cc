@@ -3,7 +3,7 @@
 
 #include "cycle.h"
 
-#include "free_memory.h"
+#include <dovetail/solve/free_memory.h>
 
 #include <utility>
 

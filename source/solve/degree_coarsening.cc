@@ -2,8 +2,9 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include "degree_coarsening.h"
-#include "free_memory.h"
 #include "semicoarsening.h"
+
+#include <dovetail/solve/free_memory.h>
 
 #include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_Import.h>

@@ -10,9 +10,8 @@
 // P. R. Amestoy, I. S. Duff, J.-Y. L'Excellent, J. Koster: A fully asynchronous multifrontal solver using
 // distributed dynamic scheduling, 2001.
 
-#include "free_memory.h"
-
 #include <dovetail/scene/section.h>
+#include <dovetail/solve/free_memory.h>
 #include <dovetail/solve/group_solver.h>
 
 #include <deal.II/base/mpi.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include "free_memory.h"
+#include <dovetail/solve/free_memory.h>
 
 #include <algorithm>
 #include <cstdint>

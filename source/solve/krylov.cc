@@ -6,6 +6,7 @@
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_control.h>
 #include <deal.II/lac/solver_gmres.h>
+#include <deal.II/lac/vector_memory.h>
 
 #include <algorithm>
 
@@ -93,6 +94,7 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
     dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, BlockTriangular{K, P});
   else
     dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, Bodies{P});
+  dealii::GrowingVectorMemory<GroupVector>::release_unused_memory();
   return control.last_step();
 }
 

@@ -16,6 +16,7 @@
 #include "soft_leaders.h"
 #include "upkeep.h"
 
+#include <dovetail/solve/free_memory.h>
 #include <dovetail/solve/krylov.h>
 
 #include <cmath>
@@ -154,6 +155,7 @@ unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const G
     cycle->vmult(z, Epetra_Vector(View, right_hand_side.trilinos_vector(), 0));
   };
   const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up);
+  give_back_freed_memory();
   upkeep.solved(n_iterations, std::log10(b.l2_norm() / goal));
   return n_iterations;
 }

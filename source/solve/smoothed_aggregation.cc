@@ -5,6 +5,8 @@
 
 #include "aggregation.h"
 
+#include <dovetail/solve/free_memory.h>
+
 #include <deal.II/base/exceptions.h>
 
 #include <Epetra_CrsGraph.h>
@@ -478,12 +480,14 @@ SmoothedAggregation::SmoothedAggregation(Finest A, std::shared_ptr<const Epetra_
     aggregates = n_levels() == 0 ? make_aggregation(matrix, *modes, rows_per_node(*modes))
                                  : make_aggregation(matrix, *aggregates.modes, n_modes);
     modes.reset();
+    give_back_freed_memory();
     const int n_coarse = aggregates.modes->GlobalLength();
     if (n_coarse == 0 || n_coarse > largest_growth * matrix.NumGlobalRows())
       break;
     const double eigenvalue = largest_eigenvalue_with_diagonal(LevelEntries(matrix));
     auto P = smooth_tentative(matrix, TentativeRows(matrix, aggregates), n_modes, 4. / 3 / eigenvalue);
     aggregates.basis = std::vector<double>(); // = {} would keep the memory
+    give_back_freed_memory();
     const MakeMatrix make_coarse = sum_coarse_matrix(matrix, *P, n_modes);
     add_level(make_smoother, std::move(P), make_coarse, eigenvalue);
   }

@@ -208,6 +208,7 @@ void BlockSystem<dim>::make_constraints(ConstraintLines all_lines)
     all_lines.erase(dof);
   lines = std::make_shared<const ConstraintLines>(std::move(all_lines));
   prescribed.clear();
+  prescribed.reserve(constraints.n_constraints());
   for (const auto &line : constraints.get_lines())
     prescribed.push_back(line.inhomogeneity);
   relevant.add_indices(constraints.get_local_lines()); // those that lines refer to, too

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/solve/free_memory.h>
 #include <dovetail/solve/prolongation.h>
 #include <dovetail/system/cellwise_tangent.h>
 
@@ -287,6 +288,7 @@ void CellwiseTangent<dim>::find_diagonal()
   condense(own, squares, {});
   own.NormInf(&unit_of_diagonal);
   diagonal.clear();
+  diagonal.reserve(own.MyLength());
   for (int i = 0; i < own.MyLength(); ++i)
     diagonal.push_back(unit_of_diagonal > 0 ? static_cast<float>(own[i] / unit_of_diagonal) : 0);
 }
@@ -356,10 +358,8 @@ public:
     unknowns.insert(unknowns.end(), numbers.begin(), numbers.end());
     first_unknown.push_back(unknowns.size());
   }
-  void meet(const int row, const std::vector<int> &columns) ///< of entries beside those of small matrices
-  {
-    further[row].insert(further[row].end(), columns.begin(), columns.end());
-  }
+  /// Of entries beside those of small matrices; by reference until allocate().
+  void meet(const int row, const std::vector<int> &columns) { further[row].push_back(&columns); }
   void allocate(); ///< all have been met; collective
   void add(const std::vector<int> &numbers, const dealii::FullMatrix<double> &entries);
   void add(int row, const std::vector<int> &columns, const double *entries);
@@ -373,7 +373,7 @@ private:
   const Epetra_Map own, all; ///< of all: the own ones first
   std::vector<std::size_t> first_unknown = {0};
   std::vector<int> unknowns; ///< of all small matrices
-  std::map<int, std::vector<int>> further;
+  std::map<int, std::vector<const std::vector<int> *>> further;
   std::unique_ptr<Epetra_CrsMatrix> sum;
   std::vector<std::pair<int, unsigned int>> order; ///< of the numbers that are added
 };
@@ -423,7 +423,8 @@ void SumOfSmall::allocate()
       for (std::size_t i = first_unknown[matrices[k]]; i < first_unknown[matrices[k] + 1]; ++i)
         meet(unknowns[i]);
     if (const auto found = further.find(row); found != further.end())
-      std::for_each(found->second.begin(), found->second.end(), meet);
+      for (const std::vector<int> *others : found->second)
+        std::for_each(others->begin(), others->end(), meet);
   };
   for (int row = 0; row < n_rows; ++row) {
     find_columns(row);
@@ -608,13 +609,15 @@ CellwiseTangent<dim>::restricted(const typename CellOperator<dim>::Prolongation 
   for (const auto &tie : ties)
     of_ties.push_back(tie->restricted(row_of_P));
   std::vector<FurtherRow> further = rows_of(summand, sum);
-  for (const auto &of_tie : of_ties)
+  for (auto &of_tie : of_ties)
     for (unsigned int i = 0; i < of_tie.rows.size(); ++i) {
       find_numbers(of_tie.columns[i]);
+      of_tie.columns[i] = std::vector<int>(); // = {} would keep the memory
       further.push_back({number[of_tie.rows[i]], numbers, of_tie.values[i].data()});
     }
   for (const FurtherRow &row : further)
     sum.meet(row.number, row.columns);
+  give_back_freed_memory();
   sum.allocate();
   for (const auto &[d, cells] : operators)
     cells->for_each_restriction(row_of_P, [&](const std::vector<int> &local, const auto &product) {

@@ -335,7 +335,6 @@ void BlockMatrix::visit_operator(const unsigned int p, const Vector &x, const Vi
   const Epetra_Map &map = part(p, p).trilinos_matrix().DomainMap();
   const PartOperator &summand = *operators.at(p);
   const auto &blocks = numberings[p].blocks();
-  Vector product(owned, get_mpi_communicator());
   Epetra_Vector own(map), y(map);
   const bool couples = !summand.coupled_blocks().empty();
   for (unsigned int j = 0; j < (couples ? blocks.size() : 1); ++j) {
@@ -345,9 +344,12 @@ void BlockMatrix::visit_operator(const unsigned int p, const Vector &x, const Vi
         own[row] = 0;
     y.PutScalar(0.);
     summand.add_product(1., own, y, false);
-    numberings[p].scatter(y.Values(), product);
-    for (unsigned int i = 0; i < blocks.size(); ++i)
-      visit(blocks[i], blocks[couples ? j : i], product.block(blocks[i]));
+    for (unsigned int i = 0; i < blocks.size(); ++i) {
+      Vector::BlockType product(owned[blocks[i]], get_mpi_communicator());
+      std::copy(y.Values() + numberings[p].first_local_of(i),
+                y.Values() + numberings[p].first_local_of(i + 1), product.trilinos_vector()[0]);
+      visit(blocks[i], blocks[couples ? j : i], product);
+    }
   }
 }
 
@@ -385,6 +387,8 @@ void BlockMatrix::visit_products(const unsigned int p, const unsigned int q, con
                                  const VisitProduct &visit) const
 {
   const Epetra_CrsMatrix &matrix = part(p, q).trilinos_matrix();
+  if (matrix.NumGlobalNonzeros64() == 0) // all of it is products of an operator
+    return;
   if (numberings[p].blocks().size() == 1 && numberings[q].blocks().size() == 1) { // one pair
     const unsigned int r = numberings[p].blocks()[0], c = numberings[q].blocks()[0];
     Vector::BlockType product(owned[r], get_mpi_communicator());

@@ -593,6 +593,11 @@ void MultiplierSpace<dim>::make(const TieConstraints &constraints, const MPI_Com
         component.has_function.push_back(!face.groups.empty() && keeps.at(dof));
     make_functions(face);
     add_rows(face, constraints.t, mine);
+    for (Component &component : face.components) // which the rows have now
+      for (FullMatrix<double> *matrix : {&component.psi, &component.mass}) {
+        FullMatrix<double> none;
+        matrix->swap(none);
+      }
   }
 
   RankMap<std::map<Index, Row>> rows_of_owners;

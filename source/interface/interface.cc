@@ -92,6 +92,13 @@ unsigned int read_points_per_face(const Section &section)
   return std::stoi(text);
 }
 
+std::vector<std::string> read_tied_names(const Section &section)
+{
+  return section.read<std::vector<std::string>>(
+      "Fields", {},
+      "The fields that are tied; if empty, all fields that both domains have; none: the Co-fields alone [-]");
+}
+
 /// "carbon : carbon monoxide, a : b": a field of the source and that of the destination to which it is tied.
 std::vector<std::array<std::string, 2>> read_co_fields(const Section &section)
 {
@@ -162,8 +169,7 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
     read_jump();
     for (const std::string entry : {"Source", "Destination"})
       read_material_ids(section, entry);
-    section.read<std::vector<std::string>>(
-        "Fields", {}, "The fields that are tied; if empty, all fields that both domains have [-]");
+    read_tied_names(section);
     read_co_fields(section);
     read_partition();
     return;
@@ -246,13 +252,16 @@ void Interface<dim>::read_fields()
     if (const Field *other = sides[destination].domain->material.find_field(field.name);
         other != nullptr && field.is_continuous && other->is_continuous)
       common.push_back(field.name);
-  const auto asked = section.read<std::vector<std::string>>(
-      "Fields", {}, "The fields that are tied; all that both domains have if empty [-]");
+  auto asked = read_tied_names(section);
   section.check(!common.empty() || !pairs.empty(), "Source",
                 "and Destination have no field in common: " + sides[source].domain->name + " and " +
                     sides[destination].domain->name +
                     " share no field. Fields of different names can be tied by Co-fields.");
-  for (const std::string &field : asked.empty() ? common : asked) {
+  if (asked.empty())
+    asked = common;
+  else if (asked == std::vector<std::string>{"none"} && !pairs.empty())
+    asked.clear();
+  for (const std::string &field : asked) {
     for (const InterfaceSide<dim> &side : sides)
       if (const Field *side_field = side.domain->material.find_field(field); side_field != nullptr)
         section.check(side_field->is_continuous, "Fields",
@@ -266,7 +275,7 @@ void Interface<dim>::read_fields()
     const bool has_other = std::any_of(pairs.begin(), pairs.end(), [&field](const auto &pair) {
       return pair[source] == field || pair[destination] == field;
     });
-    section.check(!has_other || asked.empty(), "Fields",
+    section.check(!has_other || !section.is_set("Fields"), "Fields",
                   "names '" + field +
                       "', which Co-fields ties to another field. Remove it from one of them.");
     if (!has_other)
@@ -336,10 +345,12 @@ void Interface<dim>::read_partition()
       Patterns::Double(1e-300));
   if (K == 1 || section.documenting())
     return;
-  section.check(fields.size() == 1 && fields[0].n_components == 1, "Partition coefficient",
-                "belongs to one scalar field, but the interface ties " +
-                    std::string(fields.size() > 1 ? "several" : "a vector") +
-                    ". Set Fields to one scalar, and tie the others by interfaces of their own.");
+  section.check(
+      fields.size() == 1 && fields[0].n_components == 1, "Partition coefficient",
+      "belongs to one scalar field, but the interface ties " +
+          std::string(fields.size() > 1 ? "several" : "a vector") +
+          ". Set Fields to one scalar, or to none beside Co-fields, and tie the others by interfaces "
+          "of their own.");
   section.check(method->allows_partition(), "Partition coefficient",
                 "is not 1, which Type = " + section.peek("Type") +
                     " cannot give. Use Type = Nitsche or contact resistance.");

@@ -66,12 +66,16 @@ double influx_at_zero(const Domain<dim> &domain, const Condition<dim> &condition
   return influx.value[component];
 }
 
-/// Whether value(t) jumps between two times.
+/// Whether value(t) jumps between two times. Its change is compared with the values of a step before as well:
+/// a ramp that has just ended changes by the rounding of t, and what falls to zero has no other size.
 template <typename Value>
 bool jumps(const Value &value, double begin, double end)
 {
   double first = value(begin), last = value(end);
-  const double change = std::abs(last - first);
+  const double change = std::abs(last - first), earlier = value(std::max(0., 2 * begin - end)),
+               size = std::max({std::abs(first), std::abs(last), std::abs(earlier)});
+  if (change < 1e-10 * size)
+    return false;
   const unsigned int most_halvings = 20;
   for (unsigned int halving = 0; halving < most_halvings; ++halving) {
     const double middle = (begin + end) / 2, between = value(middle);

@@ -125,6 +125,20 @@ private:
   };
   bool find_meeting(const Interface<dim> &interface, unsigned int q, const std::array<State<dim>, 2> &state,
                     Meeting &meeting) const;
+  /// One side as a solid that has turned.
+  struct Turned
+  {
+    unsigned int first = 0; ///< component of the displacement
+    dealii::Tensor<1, dim> u, N, m, n;
+    dealii::Tensor<2, dim> inverse; ///< F^-1; zero at small strain
+    dealii::Tensor<1, dim>
+    by_normal(const dealii::Tensor<1, dim> &a) const ///< a.dn = - by_normal(a)_L m_k dF_kL
+    {
+      return inverse * (a - (n * a) * n) / m.norm();
+    }
+  };
+  void find_gap(const Interface<dim> &interface, unsigned int q,
+                const std::array<std::optional<Turned>, 2> &sides, Meeting &meeting) const;
   bool explain(const TiedField &field, const dealii::Point<dim> &X, double t, double h,
                std::optional<double> mean = {}) const;
   const Expression &law_of(const TiedField &field) const
@@ -349,6 +363,39 @@ std::vector<dealii::Tensor<1, dim>> ContactResistance<dim>::find_normals(const I
   return result;
 }
 
+/// g = n.(x_dst - x_src) - N.(X_dst - X_src), with the means n and N of the normals of the solids, so that
+/// motions of both bodies as one do not change it: dg = n.(du_dst - du_src) + (d - n (n.d)).ds/|s| with d =
+/// x_dst - x_src and n = s/|s|.
+template <int dim>
+void ContactResistance<dim>::find_gap(const Interface<dim> &interface, const unsigned int q,
+                                      const std::array<std::optional<Turned>, 2> &sides,
+                                      Meeting &meeting) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const dealii::Tensor<1, dim> at_rest = pairing.X(destination, q) - pairing.X(source, q) +
+                                         interface.sides[destination].shift - interface.sides[source].shift;
+  dealii::Tensor<1, dim> d = at_rest, N, s;
+  for (const unsigned int side : {source, destination})
+    if (sides[side]) {
+      const double sign = side == source ? 1 : -1;
+      d -= sign * sides[side]->u;
+      N += sign * sides[side]->N;
+      s += sign * sides[side]->n;
+    }
+  const dealii::Tensor<1, dim> n = s / s.norm(), across = (d - (n * d) * n) / s.norm();
+  meeting.gap = n * d - N * at_rest / N.norm();
+  for (const unsigned int side : {source, destination})
+    if (sides[side]) {
+      const double sign = side == source ? 1 : -1;
+      const dealii::Tensor<1, dim> turned = sides[side]->by_normal(sign * across);
+      for (unsigned int k = 0; k < dim; ++k) {
+        auto &derivative = meeting.of_gap[side][sides[side]->first + k];
+        derivative.by_value -= sign * n[k];
+        derivative.by_gradient -= sides[side]->m[k] * turned;
+      }
+    }
+}
+
 /// With m = N F^-1 and n = m/|m|, dm_L = - m_k dF_kL (F^-1)_L and a.dn = (a - n (n.a)) . dm/|m|.
 /// @return false where a law is not defined
 template <int dim>
@@ -358,6 +405,7 @@ bool ContactResistance<dim>::find_meeting(const Interface<dim> &interface, const
   const std::array<std::optional<Field>, 2> solids{
       {solid_of(interface.sides[source]), solid_of(interface.sides[destination])}};
   const double share = solids[source] && solids[destination] ? 0.5 : 1;
+  std::array<std::optional<Turned>, 2> sides;
   for (const unsigned int side : {source, destination}) {
     if (!solids[side])
       continue;
@@ -366,40 +414,38 @@ bool ContactResistance<dim>::find_meeting(const Interface<dim> &interface, const
     Response<dim> response(n_c);
     if (!respond(interface, side, state[side], response))
       return false;
-    const dealii::Tensor<1, dim> N = interface.pairing().N(side, q);
-    dealii::Tensor<1, dim> u, traction, m = N;
-    dealii::Tensor<2, dim> inverse;
+    Turned turned;
+    turned.first = first;
+    turned.m = turned.N = interface.pairing().N(side, q);
+    dealii::Tensor<1, dim> traction;
     for (unsigned int d = 0; d < dim; ++d) {
-      u[d] = state[side].value[first + d];
-      traction[d] = response.flux[first + d] * N;
+      turned.u[d] = state[side].value[first + d];
+      traction[d] = response.flux[first + d] * turned.N;
     }
     if (material.has_large_strain()) {
       const auto found = inverse_deformation(state[side], first);
       if (!found)
         return undefined("the body has turned over at an interface");
-      inverse = *found;
-      m = N * inverse;
+      turned.inverse = *found;
+      turned.m = turned.N * turned.inverse;
     }
-    const dealii::Tensor<1, dim> n = m / m.norm();
+    const dealii::Tensor<1, dim> n = turned.n = turned.m / turned.m.norm();
     meeting.pressure -= share * (n * traction);
-    meeting.gap -= n * u;
-    auto &of_pressure = meeting.of_pressure[side], &of_gap = meeting.of_gap[side];
+    auto &of_pressure = meeting.of_pressure[side];
     of_pressure.resize(n_c);
-    of_gap.resize(n_c);
+    meeting.of_gap[side].resize(n_c);
     for (unsigned int d = 0; d < n_c; ++d)
       for (unsigned int i = 0; i < dim; ++i) {
         const unsigned int pair = (first + i) * n_c + d;
-        of_pressure[d].by_value -= share * n[i] * (response.by_value[pair] * N);
-        of_pressure[d].by_gradient -= share * n[i] * (N * response.by_gradient[pair]);
+        of_pressure[d].by_value -= share * n[i] * (response.by_value[pair] * turned.N);
+        of_pressure[d].by_gradient -= share * n[i] * (turned.N * response.by_gradient[pair]);
       }
-    const dealii::Tensor<1, dim> turned_traction = inverse * (traction - (n * traction) * n) / m.norm(),
-                                 turned_u = inverse * (u - (n * u) * n) / m.norm();
-    for (unsigned int k = 0; k < dim; ++k) {
-      of_gap[first + k].by_value -= n[k];
-      of_pressure[first + k].by_gradient += share * m[k] * turned_traction;
-      of_gap[first + k].by_gradient += m[k] * turned_u;
-    }
+    const dealii::Tensor<1, dim> by_normal = turned.by_normal(traction);
+    for (unsigned int k = 0; k < dim; ++k)
+      of_pressure[first + k].by_gradient += share * turned.m[k] * by_normal;
+    sides[side] = turned;
   }
+  find_gap(interface, q, sides, meeting);
   return true;
 }
 

@@ -77,8 +77,8 @@ def draw(name, x_label, y_label, curves, more=()):
     for i, (title, exact, computed) in enumerate(curves):
         for kind, points in (("exact", exact), ("computed", computed)):
             script += [f"${kind}{i} << EOD"] + ["\n".join(f"{x} {y}" if x is not None else "" for x, y in points), "EOD"]
-        plots += [f"$exact{i} with lines lw 1.5 lc rgb '{colours[i]}' notitle",
-                  f"$computed{i} with points pt 7 ps 0.7 lc rgb '{colours[i]}' title '{title}'"]
+        plots += [f"$exact{i} with lines lw 1.5 lc rgb '{colours[i]}' notitle"] if exact else []
+        plots += [f"$computed{i} with points pt 7 ps 0.7 lc rgb '{colours[i]}' title '{title}'"]
     script.append("plot " + ", ".join(plots))
     subprocess.run(["gnuplot"], input="\n".join(script), text=True, check=True)
 
@@ -198,6 +198,17 @@ def stefan():
     draw("stefan", "time", "place of the front", curves)
 
 
+def brake():
+    rows, _ = run("tests/scenes/thermal/brake.prm", "Interface outer/Type=contact resistance", "Interface outer/Conductance=5e3")
+    names = ("disc", "inner pad", "outer pad")
+    heats = {name: [(t, 2e6 * T) for t, T in column(rows, name)] for name in names}
+    total = [(t, sum(heats[name][i][1] for name in names)) for i, (t, _) in enumerate(heats["disc"])]
+    exact = [(t, 12e6 * 1.45196e-4 * (t - t * t / 8)) for t in (k / 25 for k in range(101))]
+    draw("brake", "time [s]", "heat [J]", [("all bodies", exact, total[3::4]), ("disc", [], heats["disc"][3::4]),
+                                           ("one pad", [], heats["inner pad"][3::4])])
+    print("brake", total[-1][1], "of", exact[-1][1])
+
+
 def arch():
     """Crown and load of doc/theory/arc_length.md, formula (2)."""
     H, h, E = 0.05, 0.015, 1e4
@@ -228,4 +239,5 @@ chain_reaction()
 stefan()
 oscillating_bar()
 impact()
+brake()
 arch()

@@ -103,6 +103,20 @@ bool TangentParts<dim>::reinit(const Response<dim> &response, const State<dim> &
   return info == 0;
 }
 
+/// What gradients in a cell are off by, relative to the largest ones: they are made of differences of
+/// coordinates, which far from the origin have lost digits. Less than what gradients along a thin cell are
+/// beside those across it.
+template <int dim>
+double rounding_of_gradients(const dealii::FEValues<dim> &values)
+{
+  const auto &cell = values.get_cell();
+  const auto &JxW = values.get_JxW_values();
+  const double volume = std::accumulate(JxW.begin(), JxW.end(), 0.), length = cell->diameter(),
+               thickness = volume / std::pow(length, dim - 1);
+  return std::min(16 * std::numeric_limits<double>::epsilon() * cell->center().norm() / thickness,
+                  1e-4 * thickness / length);
+}
+
 /// The rows of one cell after the other, at the given unknowns of all fields.
 template <int dim>
 class CellProblem
@@ -170,6 +184,7 @@ bool CellProblem<dim>::reinit(const cell_iterator &cell, const std::vector<Trace
   for (std::vector<double> *rows : {&problem.S, &problem.B, &problem.C, &positive_S})
     rows->clear();
   values.reinit(cell);
+  problem.rounding = rounding_of_gradients(values);
   if (!add_energy(unknowns))
     return false;
   bool has_negative = !problem.C.empty();
@@ -338,7 +353,8 @@ EigenvaluePair Eigenvalues::largest(const FactoredProblem &problem, const std::v
     return {{lambda, lambda}};
   }
   const double tangent_eigenvalue = largest_eigenvalue(problem),
-               positive_eigenvalue = largest_eigenvalue({problem.n, positive_S, problem.B, {}, {}});
+               positive_eigenvalue =
+                   largest_eigenvalue({problem.n, positive_S, problem.B, {}, {}, problem.rounding});
   return {{tangent_eigenvalue, std::isfinite(positive_eigenvalue)
                                    ? std::min(tangent_eigenvalue, largest_amplification * positive_eigenvalue)
                                    : tangent_eigenvalue}};

@@ -31,7 +31,7 @@ constexpr double kernel_tolerance = 1e-6; ///< of S on the kernel, relative to S
 /// [B; C] P = Q R, column by column.
 struct PivotedQr
 {
-  PivotedQr(const std::vector<double> &B, const std::vector<double> &C, int n);
+  explicit PivotedQr(const FactoredProblem &problem);
 
   int m, n, rank = 0;
   std::vector<double> A; ///< R above the diagonal, Householder vectors below it
@@ -39,9 +39,11 @@ struct PivotedQr
   std::vector<double> tau, work;
 };
 
-PivotedQr::PivotedQr(const std::vector<double> &B, const std::vector<double> &C, const int n)
-    : m((B.size() + C.size()) / n), n(n), A(B.size() + C.size()), pivots(n, 0), tau(n), work(64 * (n + 2))
+PivotedQr::PivotedQr(const FactoredProblem &problem)
+    : m((problem.B.size() + problem.C.size()) / problem.n), n(problem.n),
+      A(problem.B.size() + problem.C.size()), pivots(n, 0), tau(n), work(64 * (n + 2))
 {
+  const std::vector<double> &B = problem.B, &C = problem.C;
   const int n_B = B.size() / n;
   for (int i = 0; i < m; ++i)
     for (int j = 0; j < n; ++j)
@@ -52,7 +54,8 @@ PivotedQr::PivotedQr(const std::vector<double> &B, const std::vector<double> &C,
   (&m, &n, A.data(), &m, pivots.data(), tau.data(), work.data(), &n_work, &info);
   for (int &pivot : pivots)
     --pivot;
-  while (info == 0 && rank < std::min(m, n) && std::abs(A[rank * m + rank]) > rank_tolerance * std::abs(A[0]))
+  const double least = std::max(rank_tolerance, problem.rounding) * std::abs(A[0]);
+  while (info == 0 && rank < std::min(m, n) && std::abs(A[rank * m + rank]) > least)
     ++rank;
 }
 
@@ -130,7 +133,7 @@ double largest_eigenvalue(const FactoredProblem &problem)
 {
   if (problem.B.empty())
     return std::numeric_limits<double>::quiet_NaN();
-  PivotedQr qr(problem.B, problem.C, problem.n);
+  PivotedQr qr(problem);
   if (qr.rank == 0)
     return std::numeric_limits<double>::quiet_NaN();
   if (problem.S.empty())

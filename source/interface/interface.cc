@@ -584,6 +584,15 @@ std::vector<bool> Interface<dim>::unknowns_in_jump(const typename Pairing<dim>::
               in_jump[first + c * n + a] = true;
       }
     }
+  // across a gap that is hardly more than rounding a node may be in the jump and those that follow it not,
+  // but they get entries from it
+  const LeadingUnknowns &of_group = leading_unknowns(group);
+  std::vector<bool> leads(of_group.size(), false);
+  for (unsigned int i = 0; i < in_jump.size(); ++i)
+    if (in_jump[i])
+      leads[of_group.leader[i]] = true;
+  for (unsigned int i = 0; i < in_jump.size(); ++i)
+    in_jump[i] = leads[of_group.leader[i]];
   return in_jump;
 }
 

@@ -92,7 +92,10 @@ VaryingModuli::VaryingModuli(SolidLaw &law, const Section &section) : is_mixed(d
   const SolidLaw::Range ratios = {std::nextafter(-1., 0.), is_mixed ? 0.5 : std::nextafter(0.5, 0.),
                                   is_mixed ? "must be greater than -1 and not greater than 0.5"
                                            : "must be greater than -1 and less than 0.5"};
-  const Coefficient first(law, section, entries[0], "[Pa]", Coefficient::positive()),
+  SolidLaw::Range moduli = Coefficient::positive();
+  moduli.most = std::numeric_limits<double>::max(); // only a bulk modulus may be infinite
+  moduli.words = "must be positive and finite";
+  const Coefficient first(law, section, entries[0], "[Pa]", moduli),
       second(law, section, entries[1], is_technical ? "[-]" : "[Pa]",
              is_technical ? ratios : Coefficient::positive());
   const std::string one = "(" + section.peek(entries[0]) + ")", other = "(" + section.peek(entries[1]) + ")";

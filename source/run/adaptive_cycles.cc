@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/run/adaptive_cycles.h>
+#include <dovetail/scene/undefined.h>
 
 #include <algorithm>
 
@@ -11,6 +12,7 @@ namespace {
 
 /// Of scenes whose probes have tolerances, if they do not say it.
 constexpr unsigned int cycles_to_tolerance = 20;
+constexpr double share_of_probes = 0.8;
 
 const NoteName of_tolerance("tolerance", "the error of a probe is more than its Tolerance, or not known");
 
@@ -31,9 +33,10 @@ AdaptiveCycles<dim>::AdaptiveCycles(const Section &scene, Model<dim> &model, con
       largest_number_of_unknowns(scene.read<unsigned int>(
           "Adaptive unknowns", 1000000, "Meshes with so many unknowns, or more, are not refined again [-]",
           Patterns::Integer(1))),
-      share(scene.read<double>("Adaptive share", 0.5,
-                               "Share of the squared estimated error in the cells to be refined; of probes, "
-                               "of the sizes of all contributions [-]",
+      share(scene.read<double>("Adaptive share", probes.has_tolerance() ? share_of_probes : 0.5,
+                               "Share of the squared estimated error in the cells to be refined; with a "
+                               "Tolerance of a probe, of the sizes of all contributions, and " +
+                                   in_words(share_of_probes) + " if the scene does not set it [-]",
                                Patterns::Double(0, 1)))
 {
   scene.check(share > 0, "Adaptive share", "is 0, but must be larger: nothing would be refined.");

@@ -17,23 +17,36 @@ const NoteName of_units("units",
                         "lengths, moduli or densities look as if they were given in different units");
 const NoteName of_unused_density("unused density", "a Density of the scene takes part in nothing");
 
+double number_in(const Section &scene, const std::string &material, const std::string &part,
+                 const std::string &entry)
+{
+  return std::strtod(scene.peek("Material " + material + "/" + part, entry).c_str(), nullptr);
+}
+
 /// Whether the scene itself gives a part of a material a Density; files of materials are for all purposes.
 bool has_density(const Section &scene, const std::string &material, const std::string &part)
 {
-  return scene.peek("Materials file").empty() &&
-         std::strtod(scene.peek("Material " + material + "/" + part, "Density").c_str(), nullptr) > 0;
+  return scene.peek("Materials file").empty() && number_in(scene, material, part, "Density") > 0;
+}
+
+double largest_density_of(const std::string &material, const Section &scene)
+{
+  return std::max(number_in(scene, material, "Solid", "Density"),
+                  number_in(scene, material, "Heat", "Density"));
 }
 
 /// Osmium has 22600 kg/m^3.
 const double largest_density = 3e4;
+
+/// No matter has so many g/cm^3 or t/mm^3; foams, insulation and all that is denser have it in kg/m^3.
+const double least_density_in_si = 30;
 
 void add_notes_on_magnitude_of_density(const std::string &material, const Section &scene,
                                        const std::string &units, NoteList &notes)
 {
   const double in_units = Units(units).from_si("kg/m^3").value_or(1.);
   for (const char *part : {"Solid", "Heat"}) {
-    const double density =
-        std::strtod(scene.peek("Material " + material + "/" + part, "Density").c_str(), nullptr);
+    const double density = number_in(scene, material, part, "Density");
     if (density <= largest_density * in_units)
       continue;
     std::ostringstream text;
@@ -73,15 +86,21 @@ NoteList notes_on_magnitudes(const Model<dim> &model, const Section &scene)
   NoteList notes;
   const std::string units = scene.peek("Units");
   for (const auto &domain : model.domains) {
-    const std::string modulus = scene.peek("Material " + domain->material.name + "/Solid", "Young modulus");
-    const double E = std::strtod(modulus.c_str(), nullptr), length = domain->typical_length();
+    const double E = number_in(scene, domain->material.name, "Solid", "Young modulus"),
+                 density = largest_density_of(domain->material.name, scene),
+                 length = domain->typical_length();
     std::ostringstream text;
-    if (units.empty() && E > 1e9 && length > 50)
-      text << "the body " << domain->name << " is " << length << " long and has the Young modulus " << E
-           << ": with a modulus in pascals these are metres. If the mesh is in millimetres, set Scale = "
-              "0.001 in "
-              "its subsection Mesh, or give all values in mm, t, s (MPa). To silence this, set Units";
-    else if (!units.empty() && E > 2e12 * Units(units).from_si("Pa").value_or(1.))
+    if (units.empty() && length > 50 && (E > 1e9 || density > least_density_in_si)) {
+      text << "the body " << domain->name << " is " << length << " long and has the ";
+      if (E > 1e9)
+        text << "Young modulus " << E << ": with a modulus in pascals";
+      else
+        text << "Density " << density << ": with a density in kg/m^3";
+      text
+          << " these are metres. If the mesh is in millimetres, set Scale = 0.001 in its subsection Mesh, or "
+             "give all values in mm, t, s (MPa). To silence this, set Units";
+    }
+    if (!units.empty() && E > 2e12 * Units(units).from_si("Pa").value_or(1.))
       text << "the Young modulus " << E << " of the body " << domain->name
            << " is higher than that of any solid in "
            << "the Units " << units << "; in these, steel has "

@@ -19,12 +19,13 @@ struct FactoredProblem
   /// Orthonormal vectors, orthogonal to the kernel of B and C, that are taken out where C is not empty: the
   /// right-hand side is lifted by their dyads times its trace.
   std::vector<std::vector<double>> lifted = {};
+  double rounding = 0; ///< of the rows of B and C, relative to the largest ones
 };
 
 /// Outside the kernel of B and C, by a QR factorisation with pivoting, [B; C] P = Q R, whose rank is decided
-/// at 1e-12 of its largest pivot: with y = R P^T x the problem is (S P R^-1)^T (S P R^-1) y = lambda (I - 2
-/// Q_C^T Q_C) y. Infinite if the right-hand side is not positive or S does not vanish on the kernel, NaN if
-/// all is kernel.
+/// at 1e-12 of its largest pivot, or at the rounding if that is larger: with y = R P^T x the problem is (S P
+/// R^-1)^T (S P R^-1) y = lambda (I - 2 Q_C^T Q_C) y. Infinite if the right-hand side is not positive or S
+/// does not vanish on the kernel, NaN if all is kernel.
 double largest_eigenvalue(const FactoredProblem &problem);
 
 } // namespace dovetail

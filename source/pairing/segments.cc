@@ -91,7 +91,7 @@ private:
     Region<dim - 1> region;
     const NearbyFace *partner; ///< or, if it is not tied, the nearest face; nullptr: there is none
     double distance;           ///< at the centroid
-    bool is_tied = true;
+    bool is_tied = true, is_rest = false;
   };
 
   /// The same with curved edges, in 3D.
@@ -134,6 +134,8 @@ private:
   void add_piece(const Chart<dim> &chart, const std::vector<Point<dim - 1>> &corners,
                  const Quadrature<dim - 1> &rule, const Segment &segment);
   void add_point(const SurfacePoint<dim> &point, double JxW, const Segment &segment);
+  void add_piece_of_rest(const Chart<dim> &chart, const std::vector<Point<dim - 1>> &corners,
+                         const Point<dim - 1> &s, double share, double weight);
   void begin_piece(const std::vector<Point<dim>> &vertices, unsigned int n_points);
   unsigned int degree_of_rule(const Chart<dim> &chart, const Segment &segment) const;
   Match match(const NearbyFace &partner, const typename FaceLocator<dim>::Query &query) const;
@@ -146,6 +148,7 @@ private:
   const unsigned int degree; ///< of the elements, the larger one
   const bool has_quadrilaterals;
   typename FaceLocator<dim>::NearbyFaces others;
+  FaceBoxes boxes_of_rest; ///< of the faces near the current one, if it has a rest
   Rules<dim - 1> rules;
   unsigned int current_face = 0;
   FacePoints<dim> points;
@@ -354,12 +357,13 @@ template <int dim>
 void Segmentation<dim>::add_rest(const Chart<dim> &chart, const std::vector<unsigned int> &nearby,
                                  std::vector<Segment> &segments)
 {
-  const FaceBoxes face_boxes = boxes_of(nearby);
+  boxes_of_rest = boxes_of(nearby);
   const double least = chart.negligible * measure(chart.window);
   for (const auto &part : rest_of(chart.window, segments))
     if (measure(part) > least) {
-      segments.push_back(nearest_face(chart.evaluate(centroid(chart.to_integration(part))), face_boxes));
+      segments.push_back(nearest_face(chart.evaluate(centroid(chart.to_integration(part))), boxes_of_rest));
       segments.back().region = part;
+      segments.back().is_rest = true;
     }
 }
 
@@ -470,17 +474,43 @@ void Segmentation<dim>::add_piece(const Chart<dim> &chart, const std::vector<Poi
   if (determinant == 0) // negative: what a fan that leaves the region takes back
     return;
 
+  const bool is_tied_rest = segment.is_tied && segment.is_rest;
   std::vector<Point<dim>> vertices;
   for (const auto &corner : corners)
     vertices.push_back(chart.evaluate(corner).X);
-  begin_piece(vertices, rule.size());
+  if (!is_tied_rest)
+    begin_piece(vertices, rule.size());
   for (unsigned int q = 0; q < rule.size(); ++q) {
     Point<dim - 1> s = corners[0];
     for (unsigned int k = 0; k < dim - 1; ++k)
       s += rule.point(q)[k] * edge[k];
-    const SurfacePoint<dim> point = chart.evaluate(s);
-    add_point(point, rule.weight(q) * determinant * chart.jacobian(point), segment);
+    const double weight = rule.weight(q) * determinant;
+    if (is_tied_rest)
+      add_piece_of_rest(chart, corners, s, rule.weight(q) * (dim == 3 ? 2 : 1), weight);
+    else {
+      const SurfacePoint<dim> point = chart.evaluate(s);
+      add_point(point, weight * chart.jacobian(point), segment);
+    }
   }
+}
+
+/// A rest may be a sliver along several faces of the other side: each point has the nearest one.
+/// @param share of the area of the corners, those of a line or triangle, that the point has
+template <int dim>
+void Segmentation<dim>::add_piece_of_rest(const Chart<dim> &chart, const std::vector<Point<dim - 1>> &corners,
+                                          const Point<dim - 1> &s, const double share, const double weight)
+{
+  Point<dim - 1> centre;
+  for (const auto &corner : corners)
+    centre += (1. / corners.size()) * (corner - Point<dim - 1>());
+  std::vector<Point<dim>> vertices;
+  for (const auto &corner : corners)
+    vertices.push_back(chart.evaluate(s + (dim == 3 ? std::sqrt(share) : share) * (corner - centre)).X);
+  begin_piece(vertices, 1);
+  const SurfacePoint<dim> point = chart.evaluate(s);
+  Segment nearest = nearest_face(point, boxes_of_rest);
+  nearest.is_tied = true;
+  add_point(point, weight * chart.jacobian(point), nearest);
 }
 
 template <int dim>

@@ -6,6 +6,7 @@
 
 #include <boost/container/static_vector.hpp>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <boost/math/special_functions/lambert_w.hpp>
 #include <boost/math/tools/toms748_solve.hpp>
 
 #include <algorithm>
@@ -299,14 +300,24 @@ VolumetricEnergy Volumetric::times(const double kappa, const double J_minus_1) c
 
 double Volumetric::change_at(const double strain) const
 {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double largest_logarithmic = std::exp(-1.); // of ln J / J
   if (strain == 0 || choice == 1)
     return strain;
+  if (choice == 0)
+    return strain + strain * strain / (1 + std::sqrt(1 + strain * strain));
+  if (choice == 2)
+    return strain <= largest_logarithmic ? std::expm1(-boost::math::lambert_w0(-strain)) : nan;
+  if (choice == 3)
+    return strain < 1 ? strain / (1 - strain) : nan;
+  if (choice == 4)
+    return std::expm1(strain);
   const auto excess = [&](const double log_J) { return times(1., std::expm1(log_J)).U_1 - strain; };
   double log_J = strain;
   for (unsigned int i = 0; i < 10 && excess(log_J) * strain < 0; ++i)
     log_J *= 2;
   if (!(excess(log_J) * strain >= 0))
-    return std::numeric_limits<double>::quiet_NaN();
+    return nan;
   boost::uintmax_t n_evaluations = 100;
   const auto [below, above] =
       boost::math::tools::toms748_solve(excess, std::min(0., log_J), std::max(0., log_J),

@@ -99,21 +99,35 @@ Coupling VolumeTerm<dim>::coupling(const unsigned int c, const unsigned int d) c
 template <int dim>
 bool VolumeTerm<dim>::find_volume(const State<dim> &state, Volume &volume) const
 {
-  const double e = strain.at(place(state, 0)), s = 1 + e;
-  Tensor<2, 3> H = solid.full_displacement_gradient(state);
+  const Tensor<2, 3> H = solid.full_displacement_gradient(state);
   if (!solid.has_large_strain()) {
-    volume = {trace(H) - 3 * e, -3, dealii::unit_symmetric_tensor<3>()};
+    volume = {trace(H), dealii::unit_symmetric_tensor<3>()};
     return true;
   }
-  for (unsigned int i = 0; i < 3; ++i)
-    H[i][i] -= e;
-  const Deformation elastic(H / s);
-  if (!(s > 0 && elastic.J > 0 && std::isfinite(elastic.J)))
-    return undefined("the change of volume J = det F is " + in_words(elastic.J * s * s * s) +
+  const Deformation deformation(H);
+  if (!(deformation.J > 0 && std::isfinite(deformation.J)))
+    return undefined("the change of volume J = det F is " + in_words(deformation.J) +
                      ", but must be positive");
-  const VolumetricEnergy at = U.per_bulk_modulus(elastic.J_minus_1);
-  volume = {at.U_1, -3 * elastic.J / s * at.U_2, at.U_2 / s * cofactor(elastic.F)};
-  return std::isfinite(volume.g) || undefined("the volumetric energy is not a finite number");
+  volume = {deformation.J_minus_1, cofactor(deformation.F)};
+  return true;
+}
+
+/// dJ_e/dp = 1/(kappa U'').
+template <int dim>
+typename VolumeTerm<dim>::VolumeOfPressure
+VolumeTerm<dim>::find_volume_of_pressure(const State<dim> &state) const
+{
+  const SolidLaw::Place here = place(state, 0), change = place(state, 1);
+  const double p = state.value[this->field.first_component], m = U.compressibility().at(here),
+               e = strain.at(here);
+  const double m_by_T = temperature ? U.compressibility().at(change) : 0,
+               e_by_T = temperature ? strain.at(change) : 0;
+  if (!solid.has_large_strain())
+    return {3 * e + m * p, m, 3 * e_by_T + m_by_T * p};
+  const double J_minus_1 = U.change_at(m * p), stiffness = U.per_bulk_modulus(J_minus_1).U_2;
+  const double log_s = 3 * std::log1p(e), cube = std::exp(log_s);
+  return {std::expm1(log_s) + cube * J_minus_1, cube * m / stiffness,
+          3 * cube / (1 + e) * e_by_T * (1 + J_minus_1) + cube * m_by_T * p / stiffness};
 }
 
 template <int dim>
@@ -124,19 +138,18 @@ bool VolumeTerm<dim>::add(const State<dim> &state, const bool with_derivatives, 
   Volume volume;
   if (!find_volume(state, volume))
     return false;
-  const double compressibility = U.compressibility().at(place(state, 0));
-  response.source[p] += volume.g - compressibility * state.value[p];
+  const VolumeOfPressure of_pressure = find_volume_of_pressure(state);
+  response.source[p] += volume.change - of_pressure.change;
+  if (!std::isfinite(of_pressure.change))
+    return undefined("no volume has the pressure " + in_words(state.value[p]));
   if (!with_derivatives)
     return true;
   for (unsigned int i = 0; i < dim; ++i)
     response.source_by_gradient[p * n + first + i] += restrict_to<dim>(volume.by_F[i]);
-  if (compressibility != 0)
-    response.source_by_value[p * n + p] -= compressibility;
-  if (temperature) {
-    const SolidLaw::Place change = place(state, 1);
-    response.source_by_value[p * n + *temperature] +=
-        volume.by_strain * strain.at(change) - U.compressibility().at(change) * state.value[p];
-  }
+  if (of_pressure.by_pressure != 0)
+    response.source_by_value[p * n + p] -= of_pressure.by_pressure;
+  if (temperature)
+    response.source_by_value[p * n + *temperature] -= of_pressure.by_temperature;
   if (is_axisymmetric) {
     const auto [by_value, by_gradient] = SolidTerm<dim>::hoop(state);
     response.source_by_value[p * n + first] += by_value * volume.by_F[2][2];
@@ -148,13 +161,7 @@ bool VolumeTerm<dim>::add(const State<dim> &state, const bool with_derivatives, 
 template <int dim>
 double VolumeTerm<dim>::volume_of_pressure(const State<dim> &state) const
 {
-  const SolidLaw::Place here = place(state, 0);
-  const double e = strain.at(here),
-               u = U.compressibility().at(here) * state.value[this->field.first_component];
-  if (!solid.has_large_strain())
-    return 3 * e + u;
-  const double log_s = 3 * std::log1p(e);
-  return std::expm1(log_s) + std::exp(log_s) * U.change_at(u);
+  return find_volume_of_pressure(state).change;
 }
 
 template <int dim>
@@ -175,7 +182,8 @@ bool VolumeTerm<dim>::expansion_work(const State<dim> &state, const double volum
     e[order] = strain.at(place(state, order));
     m[order] = U.compressibility().at(place(state, order));
   }
-  const double p = state.value[this->field.first_component], change = volume_of_pressure(state) - volume_n;
+  const VolumeOfPressure volume = find_volume_of_pressure(state);
+  const double p = state.value[this->field.first_component], change = volume.change - volume_n;
   double s = 1, J = 1, stiffness = 1, slope = 0; // of J_e U''(J_e) by J_e; stiffness: U''
   if (solid.has_large_strain()) {
     const double J_minus_1 = U.change_at(m[0] * p);
@@ -192,13 +200,10 @@ bool VolumeTerm<dim>::expansion_work(const State<dim> &state, const double volum
   const double expansion_by_T =
       (e[1] == 0 && e[2] == 0 ? 0 : 3 * log_strain_2 / m[0]) - expansion * softening;
   const double softening_by_T = m[1] == 0 && m[2] == 0 ? 0 : m[2] / m[0] - softening * softening;
-  const double cube = s * s * s;
-  const double volume_by_T =
-      solid.has_large_strain() ? 3 * s * s * e[1] * J + cube * J_by_T : 3 * e[1] + m[1] * p;
   work.value = slope_of_p * change;
-  work.by_pressure = (-softening - expansion * slope * J_by_p) * change + slope_of_p * cube * J_by_p;
+  work.by_pressure = (-softening - expansion * slope * J_by_p) * change + slope_of_p * volume.by_pressure;
   work.by_temperature = (-softening_by_T * p - expansion_by_T * by_J - expansion * slope * J_by_T) * change +
-                        slope_of_p * volume_by_T;
+                        slope_of_p * volume.by_temperature;
   return std::isfinite(work.value) || undefined("the heat of a change of volume is not a finite number");
 }
 

@@ -185,6 +185,17 @@ bool NonlinearStep<dim>::has_pushed_by_fields() const
          });
 }
 
+/// Whether the step that has begun is smaller than the last one, and knows accelerations that belong to that.
+/// In incompressible bodies at large strain what the motion is off the volume by in the larger step would
+/// have to be closed by accelerations, which grow without limit.
+template <int dim>
+bool NonlinearStep<dim>::has_shrunk() const
+{
+  const TimeMemory &memory = scheme->memory();
+  return !memory.second_rates.empty() && present_step.size < 0.999 * memory.last.size &&
+         problem->limits_volume();
+}
+
 namespace {
 
 const double just_after = 1e-9; ///< the beginning of a step, relative to its size
@@ -214,7 +225,12 @@ StepOfMotion NonlinearStep<dim>::last_motion(const Vector &x) const
 template <int dim>
 void NonlinearStep<dim>::find_second_rates(const Vector &x)
 {
-  const double h = present_step.size;
+  const double h = present_step.size, now = present_step.begin + just_after * h;
+  if (scheme->memory().last.size > 0 && problem->limits_volume()) {
+    Vector kept = scheme->memory().rates[0];
+    problem->keep_volume(now, x, kept);
+    scheme->change_rate(kept);
+  }
   const Vector &rate = scheme->memory().rates[0];
   Vector of_constrained = x, along = rate;
   present_system->constrain(of_constrained);
@@ -223,7 +239,6 @@ void NonlinearStep<dim>::find_second_rates(const Vector &x)
   along -= rate;
   of_constrained.add(h, along);
   of_constrained *= 2 / (h * h);
-  const double now = present_step.begin + just_after * h;
   Vector forces = x;
   const auto found = problem->second_rates(now, x, rate, of_constrained, h, forces);
   second_rates_at_start = found.value_or(of_constrained); // else the step fails by itself
@@ -396,6 +411,10 @@ void NonlinearStep<dim>::begin(const double t, const Vector &x)
       starts = true;
     }
   }
+  if (scheme && has_shrunk()) {
+    present_step = scheme->step_to(t, true);
+    starts = true;
+  }
   if (asks())
     find_second_rates(x);
   if (starts)
@@ -551,8 +570,17 @@ std::string NonlinearStep<dim>::what_failed() const
 template <int dim>
 std::string NonlinearStep<dim>::what_may_help() const
 {
-  if (has_rates()) // its Initial is no guess
-    return "Take smaller steps: raise Number of steps in the subsection Steps.";
+  if (has_rates()) { // its Initial is no guess
+    const bool may_gain_energy =
+        !scheme->memory().second_rates.empty() &&
+        std::any_of(model.domains.begin(), model.domains.end(),
+                    [](const auto &domain) { return domain->material.has_large_strain(); });
+    return std::string("Take smaller steps: raise Number of steps in the subsection Steps.") +
+           (may_gain_energy
+                ? " At large strain oscillations that steps do not resolve may gain energy; a smaller "
+                  "Spectral radius damps them, and Energy = true in the subsection Output shows it."
+                : "");
+  }
   if (last_result.linear_iterations.size() >= newton.largest_number())
     return "Raise Maximum iterations in the subsection Newton, or give an Initial that is nearer to the "
            "solution.";

@@ -104,7 +104,8 @@ void Simulation<dim>::check_path() const
     for (const auto &condition : domain->conditions())
       has_toggles = has_toggles || !condition->toggle_name().empty();
   section.check(!has_toggles, "Kind",
-                "cannot be arc length with toggles: on a path t may rise and fall within a step.");
+                "cannot be arc length with toggles: on a path t may rise and fall within a step, so that "
+                "a switch has no place on it. Remove the toggles, or set Kind = static.");
   section.check(model.field_groups().size() == 1, "Kind",
                 "cannot be arc length with several fields that are solved one after the other.");
   const auto &domains = model.domains;

@@ -24,6 +24,8 @@ const NoteName of_singular_matrix("singular matrix", "a linear system cannot be 
 /// put in, which is less.
 const double exact_linear_residual = 1e-11;
 const double share_of_exact = 0.1; ///< that the solver is asked for
+/// Of the first step, and of the smallest cell, for differences.
+const double small_share = 1e-5;
 
 std::vector<bool> blocks_of_constraints(const Numbering &numbering)
 {
@@ -42,14 +44,6 @@ Vector only(const Is &is, const Vector &all)
     if (!is(b))
       result.block(b) = 0;
   return result;
-}
-
-/// More than by rounding.
-bool has_moved(const Vector &from, const Vector &to)
-{
-  Vector change = to;
-  change -= from;
-  return change.linfty_norm() > 1e-14 * to.linfty_norm();
 }
 
 } // namespace
@@ -544,6 +538,26 @@ std::optional<Vector> StepProblem<dim>::second_rates(const double now, const Vec
 }
 
 template <int dim>
+void StepProblem<dim>::keep_volume(const double now, const Vector &x, Vector &rate)
+{
+  if (!assemble_mass(x))
+    return;
+  const Rows of_volume = incompressible_rows();
+  if (!is_any(of_volume))
+    return;
+  const double end = t;
+  Vector none = rate, rates_of_volume = rate;
+  none = 0;
+  system.tangent().vmult(rates_of_volume, rate);
+  rates_of_volume *= -1;
+  find_rates_of_volume(now, x, rate, of_volume, rates_of_volume);
+  Vector limited = none;
+  copy_rows(of_volume, rates_of_volume, limited);
+  rate += projection(x, none, limited);
+  system.set_time(end);
+}
+
+template <int dim>
 void StepProblem<dim>::satisfy_ties(Vector &x, Vector &rate)
 {
   const double end = t, begin = 0;
@@ -563,6 +577,25 @@ bool StepProblem<dim>::has_inertia(const unsigned int b) const
   return domain.material.order_in_time(domain.fields()[block.field_index].first_component) > 1;
 }
 
+/// Of constrained unknowns, just after the beginning, where what is prescribed may jump; others stay.
+template <int dim>
+void StepProblem<dim>::follow_rates(Vector &rate)
+{
+  const double later = small_share * t; // t is the end of the first step
+  system.distribute_rate(rate, true);
+  if (system.is_outdated(0) || system.is_outdated(3 * later))
+    return;
+  std::vector<Vector> given(3, system.owned_vector()); // what follows if all that is free is zero
+  for (unsigned int k = 0; k < 3; ++k) {
+    system.set_time((k + 1) * later);
+    system.constrain(given[k]);
+  }
+  system.set_time(0);
+  given[1] -= given[0];
+  given[2] -= given[0];
+  rate.add(4 / later, given[1], -1.5 / later, given[2]);
+}
+
 template <int dim>
 void StepProblem<dim>::project_start(Vector &x, Vector &rate)
 {
@@ -571,7 +604,7 @@ void StepProblem<dim>::project_start(Vector &x, Vector &rate)
   system.follow(x_change);
   x_change -= x;
   x_change = only(moves, x_change);
-  system.distribute_rate(rate_change, false);
+  follow_rates(rate_change);
   rate_change -= rate;
   rate_change = only(moves, rate_change);
   const bool is_changed = system.has_multipliers() || x_change.l2_norm() != 0 || rate_change.l2_norm() != 0;
@@ -579,58 +612,154 @@ void StepProblem<dim>::project_start(Vector &x, Vector &rate)
     return;
   x += x_change;
   rate += rate_change;
-  if (!assemble_mass(x))
-    return;
+  assemble_mass_of_start(x);
   const Rows of_volume = incompressible_rows();
   const bool keeps_volume = is_any(of_volume);
+  if (is_changed || keeps_volume)
+    project_positions(of_volume, x_change, x);
+  if (has_pressures())
+    find_pressures(of_volume, x);
   if (!is_changed && !keeps_volume)
     return;
-  const auto limits = [&](const Vector &residual) {
-    Vector result = only([this](const unsigned int b) { return is_of_multipliers(b); }, residual);
-    copy_rows(of_volume, residual, result);
-    return result;
-  };
-  Vector none = rate;
-  none = 0;
-  const auto project = [&](const Vector &change, const Vector *multiplied, Vector &to) {
-    Vector of_mass = change;
-    of_mass *= mass_alone;
-    set_rates_alone(x, none, of_mass);
-    if (!system.assemble(x, false))
-      return;
-    const Vector rest = system.negative_residual();
-    Vector update = solve_mass(x, only(moves, rest));
-    update += solve_mass(x, multiplied != nullptr ? *multiplied : limits(rest));
-    system.distribute_rate(update, true);
-    to += only(moves, update);
-  };
-  Vector x_now = x; // project() looks at x
-  project(x_change, nullptr, x_now);
-  const unsigned int n_passes = keeps_volume && has_large_strain() ? 10 : 0;
-  for (unsigned int pass = 0; pass < n_passes && has_moved(x, x_now); ++pass) {
-    x = x_now;
-    if (!assemble_mass(x))
-      return;
-    project(none, nullptr, x_now);
-  }
-  x = x_now;
   Vector jumps = rate;
   system.tangent().vmult(jumps, rate);
   jumps *= -1;
-  jumps = limits(jumps);
   if (keeps_volume)
-    find_rates_of_volume(x, rate, of_volume, jumps);
-  project(rate_change, &jumps, rate);
+    find_rates_of_volume(0, x, rate, of_volume, jumps);
+  rate += projection(x, rate_change, limits(of_volume, jumps));
+}
+
+/// With a message in place of a first step that fails whatever its size.
+template <int dim>
+void StepProblem<dim>::assemble_mass_of_start(const Vector &x)
+{
+  if (assemble_mass(x))
+    return;
+  Undefined why = system.why_undefined();
+  why.reason = "the initial state is not defined: " + why.reason;
+  refuse_undefined(why, model.communicator);
+}
+
+/// The rows of what limits motions.
+template <int dim>
+Vector StepProblem<dim>::limits(const Rows &of_volume, const Vector &residual) const
+{
+  Vector result = only([this](const unsigned int b) { return is_of_multipliers(b); }, residual);
+  copy_rows(of_volume, residual, result);
+  return result;
+}
+
+/// What moves with @p change of constrained unknowns, by the mass of the last assembly at @p x, such that
+/// the motion is @p limited.
+template <int dim>
+Vector StepProblem<dim>::projection(const Vector &x, const Vector &change, const Vector &limited)
+{
+  const auto moves = [this](const unsigned int b) { return has_inertia(b); };
+  Vector none = x, of_mass = change;
+  none = 0;
+  of_mass *= mass_alone;
+  set_rates_alone(x, none, of_mass);
+  system.assemble(x, false);
+  Vector update = solve_mass(x, only(moves, system.negative_residual()));
+  update += solve_mass(x, limited);
+  system.distribute_rate(update, true);
+  return only(moves, update);
+}
+
+/// The residual at rest, of all. @return whether it is defined.
+template <int dim>
+bool StepProblem<dim>::assemble_at_rest(const Vector &x)
+{
+  Vector none = x;
+  none = 0;
+  set_rates_alone(x, none, none);
+  return system.assemble(x, false);
+}
+
+/// Newton's method, damped such that what is to be closed shrinks. The mass is that of @p x.
+template <int dim>
+void StepProblem<dim>::project_positions(const Rows &of_volume, const Vector &x_change, Vector &x)
+{
+  const double smallest_damping = 1e-4, rounding = 1e-13, small = 1e-8; // of updates, relative to the bodies
+  const unsigned int most_passes = 50;
+  double size = 0;
+  for (const auto &domain : model.domains)
+    size = std::max(size, domain->typical_length());
+  const auto error = [&](const Vector &state) {
+    return assemble_at_rest(state) ? limits(of_volume, system.negative_residual()).l2_norm()
+                                   : std::numeric_limits<double>::infinity();
+  };
+  Vector none = x, trial = x;
+  none = 0;
+  double now = error(x), damping = 1;
+  Vector update = projection(x, x_change, limits(of_volume, system.negative_residual()));
+  const bool is_nonlinear = is_any(of_volume) && has_large_strain();
+  for (unsigned int pass = 0; pass < most_passes && damping >= smallest_damping; ++pass) {
+    double next = 0;
+    const bool is_last = !is_nonlinear || update.linfty_norm() <= rounding * size;
+    for (damping = 1; !is_last && damping >= smallest_damping; damping /= 2) {
+      trial = x;
+      trial.add(damping, update);
+      next = error(trial);
+      if (next < now)
+        break;
+    }
+    if (damping >= smallest_damping)
+      x.add(damping, update);
+    else if (update.linfty_norm() <= small * size)
+      return;
+    if (is_last)
+      return;
+    now = next;
+    assemble_mass(x);
+    assemble_at_rest(x);
+    const Vector limited = limits(of_volume, system.negative_residual());
+    update = projection(x, none, limited);
+  }
+  refuse_positions(limits(of_volume, system.negative_residual()));
+}
+
+template <int dim>
+void StepProblem<dim>::refuse_positions(const Vector &limited) const
+{
+  unsigned int worst = 0;
+  for (unsigned int b = 0; b < limited.n_blocks(); ++b)
+    if (is_of_pressure(b) &&
+        (!is_of_pressure(worst) || limited.block(b).l2_norm() > limited.block(worst).l2_norm()))
+      worst = b;
+  const Section &domain = model.domains[model.numbering->blocks()[worst].domain_index]->section;
+  domain.fail("Initial",
+              "changes the volume of this incompressible body, and no displacement that keeps the volume is "
+              "found near it. Give one with det F = 1, or let loads bring the body there from rest.");
+}
+
+/// Of bodies that are compressible: those which belong to the displacement.
+template <int dim>
+void StepProblem<dim>::find_pressures(const Rows &of_volume, Vector &x)
+{
+  const auto are_pressures = [this](const unsigned int b) { return is_of_pressure(b); };
+  const unsigned int most_passes = 10;
+  const double rounding = 1e-12;
+  Vector none = x;
+  none = 0;
+  for (unsigned int pass = 0; pass < most_passes && assemble_at_rest(x); ++pass) {
+    Vector rest = only(are_pressures, system.negative_residual());
+    copy_rows(of_volume, none, rest);
+    const Vector update = only(are_pressures, solve_mass(x, rest));
+    x += update;
+    if (!(update.linfty_norm() > rounding * x.linfty_norm()) || !assemble_mass(x))
+      return;
+  }
 }
 
 /// Of incompressible bodies, with what is prescribed and moves (the tangent knows of free unknowns alone),
 /// and with what makes them swell in time. Differences: central along the motion, from the beginning on in
 /// time.
 template <int dim>
-void StepProblem<dim>::find_rates_of_volume(const Vector &x, const Vector &rate, const Rows &rows,
-                                            Vector &negative_rates)
+void StepProblem<dim>::find_rates_of_volume(const double begin, const Vector &x, const Vector &rate,
+                                            const Rows &rows, Vector &negative_rates)
 {
-  const double share = 1e-5, speed = rate.linfty_norm(); // of the smallest cell, what is moved at most
+  const double speed = rate.linfty_norm();
   Vector none = rate, moved = x, change = x;
   none = 0;
   change = 0;
@@ -645,7 +774,7 @@ void StepProblem<dim>::find_rates_of_volume(const Vector &x, const Vector &rate,
       for (const auto &cell : domain->mesh().active_cell_iterators())
         if (cell->is_locally_owned())
           size = std::min(size, cell->minimum_vertex_distance());
-    const double later = share * dealii::Utilities::MPI::min(size, model.communicator) / speed;
+    const double later = small_share * dealii::Utilities::MPI::min(size, model.communicator) / speed;
     for (const double sign : {1., -1.}) {
       moved = x;
       moved.add(sign * later, rate);
@@ -653,10 +782,11 @@ void StepProblem<dim>::find_rates_of_volume(const Vector &x, const Vector &rate,
     }
   }
   moved = x;
-  const double later = share * t; // t is the end of the first step
+  const double later = small_share * (t - begin);
   const std::array<double, 3> factors = {{-1.5, 2, -0.5}};
-  for (unsigned int k = 0; k < 3 && !system.is_outdated(0) && !system.is_outdated(2 * later); ++k) {
-    system.set_time(k * later);
+  for (unsigned int k = 0; k < 3 && !system.is_outdated(begin) && !system.is_outdated(begin + 2 * later);
+       ++k) {
+    system.set_time(begin + k * later);
     add(factors[k] / later);
   }
   copy_rows(rows, change, negative_rates);

@@ -33,8 +33,10 @@ private:
   const bool is_large;
 };
 
-/// The equation of the pressure, @f[ S = g - p/\kappa, \qquad g = U'(J_e)/\kappa, \quad J_e = J/(1 + e)^3,
-/// @f] and g = tr H - 3 e of small displacements. 1/kappa = 0 keeps the volume.
+/// The equation of the pressure, @f[ S = J - J_p, \qquad J_p = (1 + e)^3 J_e, \quad U'(J_e) = p/\kappa, @f]
+/// with the volume J_p that has the pressure, and S = tr H - 3 e - p/kappa of small displacements. 1/kappa =
+/// 0 keeps the volume. Since P:dF = p dJ, stress and volume follow from one energy, and the work of the
+/// pressure is what it stores.
 ///
 /// Reference: Simo, Taylor & Pister (1985); Boffi, Brezzi & Fortin (2013), section 8.12 for the elements.
 template <int dim>
@@ -87,13 +89,19 @@ public:
 
 private:
   SolidLaw::Place place(const State<dim> &state, unsigned int derivative) const;
-  /// g and its derivatives.
+  /// J - 1, or tr H.
   struct Volume
   {
-    double g = 0, by_strain = 0;
+    double change = 0;
     dealii::Tensor<2, 3> by_F;
   };
+  /// Likewise.
+  struct VolumeOfPressure
+  {
+    double change, by_pressure, by_temperature;
+  };
   bool find_volume(const State<dim> &state, Volume &volume) const;
+  VolumeOfPressure find_volume_of_pressure(const State<dim> &state) const;
 
   const SolidTerm<dim> &solid;
   const Volumetric U;

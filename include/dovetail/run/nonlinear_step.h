@@ -151,6 +151,7 @@ private:
   bool starts_anew(double begin, double t) const;
   bool has_switched_by_fields() const;
   bool has_pushed_by_fields() const;
+  bool has_shrunk() const;
   bool may_predict() const;
   using Ranges = std::map<std::string, ValueRange>; ///< by field
   void widen(Ranges &ranges, const Vector &x) const;

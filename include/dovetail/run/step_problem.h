@@ -49,6 +49,10 @@ public:
   /// @pre begin_step(); the system's rates are set afterwards. @return nothing if a law is not defined at x.
   std::optional<Vector> second_rates(double now, const Vector &x, const Vector &rate,
                                      const Vector &of_constrained, double h, Vector &forces);
+  /// Change the @p rate at @p x, by as little as the mass allows, such that incompressible bodies at large
+  /// strain keep their volume from the time @p now on. @pre likewise
+  void keep_volume(double now, const Vector &x, Vector &rate);
+  bool limits_volume() const { return has_pressures() && has_large_strain(); } ///< perhaps
   /// Before the first step: change what moves in the state @p x and its @p rate, by as little as the mass
   /// allows, such that it follows by constraints of ties and cells, and that multipliers of interfaces and
   /// pressures of incompressible bodies find their equations solved. Momentum is kept. @pre likewise
@@ -85,7 +89,11 @@ public:
   bool is_small(const Vector &dx, const Vector &x) const override;
   void accept_state() override { system.accept_state(); }
   bool adapt(const Vector &x) override;
-  bool may_cross_limit_points() const override { return may_jump && has_large_strain(); }
+  bool may_cross_limit_points() const override
+  {
+    return may_jump && has_large_strain() &&
+           model.order_in_time() < 2; // with inertia a small step has a solution
+  }
   bool stabilise(const Vector &x, double share) override;
   void iteration_ends(unsigned int number, double residual, unsigned int linear_iterations,
                       double damping) override;
@@ -127,7 +135,16 @@ private:
   Rows incompressible_rows() const;
   bool is_any(const Rows &rows) const;
   void project_start(Vector &x, Vector &rate);
-  void find_rates_of_volume(const Vector &x, const Vector &rate, const Rows &rows, Vector &negative_rates);
+  void follow_rates(Vector &rate);
+  void assemble_mass_of_start(const Vector &x);
+  bool assemble_at_rest(const Vector &x);
+  Vector limits(const Rows &of_volume, const Vector &residual) const;
+  Vector projection(const Vector &x, const Vector &change, const Vector &limited);
+  void project_positions(const Rows &of_volume, const Vector &x_change, Vector &x);
+  void refuse_positions(const Vector &limited) const;
+  void find_pressures(const Rows &of_volume, Vector &x);
+  void find_rates_of_volume(double begin, const Vector &x, const Vector &rate, const Rows &rows,
+                            Vector &negative_rates);
   bool is_of_multipliers(const unsigned int b) const
   {
     return model.numbering->blocks()[b].is_of_multipliers;

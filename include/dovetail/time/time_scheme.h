@@ -56,6 +56,7 @@ public:
   /// of that time hold, start_second_rates(), before it is asked.
   virtual bool asks_for_second_rates(const StepTime & /*step*/) const { return false; }
   virtual void start_second_rates(const Vector & /*second_rates*/) {}
+  void change_rate(const Vector &rate) { remembered.rates[0] = rate; } ///< of the last good step
 
   void start(const Vector &x);                     ///< at the time 0 with the state @p x
   void start(const Vector &x, const Vector &rate); ///< likewise, if some term asks for second rates

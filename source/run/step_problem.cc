@@ -577,13 +577,15 @@ bool StepProblem<dim>::has_inertia(const unsigned int b) const
   return domain.material.order_in_time(domain.fields()[block.field_index].first_component) > 1;
 }
 
-/// Of constrained unknowns, just after the beginning, where what is prescribed may jump; others stay.
+/// Of constrained unknowns, just after the beginning, where what is prescribed may jump; others stay, as does
+/// what is prescribed where constraints change by then.
 template <int dim>
 void StepProblem<dim>::follow_rates(Vector &rate)
 {
   const double later = small_share * t; // t is the end of the first step
-  system.distribute_rate(rate, true);
-  if (system.is_outdated(0) || system.is_outdated(3 * later))
+  const bool is_known = !system.is_outdated(0) && !system.is_outdated(3 * later);
+  system.distribute_rate(rate, is_known);
+  if (!is_known)
     return;
   std::vector<Vector> given(3, system.owned_vector()); // what follows if all that is free is zero
   for (unsigned int k = 0; k < 3; ++k) {

@@ -584,6 +584,8 @@ std::vector<bool> Interface<dim>::unknowns_in_jump(const typename Pairing<dim>::
               in_jump[first + c * n + a] = true;
       }
     }
+  if (leading.empty()) // the tie has no terms at points
+    return in_jump;
   // across a gap that is hardly more than rounding a node may be in the jump and those that follow it not,
   // but they get entries from it
   const LeadingUnknowns &of_group = leading_unknowns(group);

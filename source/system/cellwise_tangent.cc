@@ -42,7 +42,7 @@ CellwiseTangent<dim>::CellwiseTangent(const CellwiseTangent &other)
     : PartOperator(other), model(other.model), rows(other.rows), place_of_block(other.place_of_block),
       own_rows(other.own_rows), columns(other.columns), import(other.import), constrained(other.constrained),
       follow(other.follow), is_condensed(other.is_condensed), block_pairs(other.block_pairs),
-      diagonal(other.diagonal), unit_of_diagonal(other.unit_of_diagonal)
+      diagonal(other.diagonal)
 {
   for (const auto &[d, cells] : other.operators)
     operators[d] = cells->copy();
@@ -286,18 +286,14 @@ void CellwiseTangent<dim>::find_diagonal()
     std::transform(values, values + n, values, [](const double w) { return w * w; });
   }
   condense(own, squares, {});
-  own.NormInf(&unit_of_diagonal);
-  diagonal.clear();
-  diagonal.reserve(own.MyLength());
-  for (int i = 0; i < own.MyLength(); ++i)
-    diagonal.push_back(unit_of_diagonal > 0 ? static_cast<float>(own[i] / unit_of_diagonal) : 0);
+  diagonal.assign(own.Values(), own.Values() + own.MyLength());
 }
 
 template <int dim>
 void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
 {
   for (unsigned int i = 0; i < diagonal.size(); ++i)
-    values[i] += unit_of_diagonal * diagonal[i];
+    values[i] += diagonal[i];
 }
 
 /// C P at the unknowns that follow others.

@@ -94,8 +94,7 @@ private:
   std::shared_ptr<Epetra_CrsMatrix> follow; ///< a row for each of them: those it follows
   std::vector<bool> is_condensed;
   std::set<std::pair<unsigned int, unsigned int>> block_pairs;
-  std::vector<float> diagonal; ///< in its unit; for smoothers and estimates
-  double unit_of_diagonal = 0; ///< the largest size of an entry
+  std::vector<double> diagonal;
 };
 
 } // namespace dovetail

@@ -366,7 +366,7 @@ std::vector<double> Eigenvalues::multiply_vectors(const std::vector<double> &S, 
 {
   const int n_vectors = 3, n_rows = S.size() / n;
   for (int i = Z.size(); i < n_vectors * n; ++i)
-    Z.push_back(std::sin(1e4 * (1 + i))); // irregular
+    Z.push_back(std::sin(1e4 * (1 + i) * (1 + i))); // squared, or two of them would give the third
   std::vector<double> SZ(n_vectors * n_rows), MZ(n_vectors * n);
   const Teuchos::BLAS<int, double> blas;
   blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, n_rows, n_vectors, n, 1., S.data(), n, Z.data(), n, 0.,

@@ -313,7 +313,7 @@ double Volumetric::change_at(const double strain) const
   if (choice == 4)
     return std::expm1(strain);
   const auto excess = [&](const double log_J) { return times(1., std::expm1(log_J)).U_1 - strain; };
-  double log_J = strain;
+  double log_J = strain > 0 ? std::log1p(exponent) / exponent : strain; // where U' is largest
   for (unsigned int i = 0; i < 10 && excess(log_J) * strain < 0; ++i)
     log_J *= 2;
   if (!(excess(log_J) * strain >= 0))

@@ -26,6 +26,9 @@ const double exact_linear_residual = 1e-11;
 const double share_of_exact = 0.1; ///< that the solver is asked for
 /// Of the first step, and of the smallest cell, for differences.
 const double small_share = 1e-5;
+/// Of Newton's method for the beginning of a motion.
+const double smallest_damping = 1e-4;
+const unsigned int most_passes = 50;
 
 std::vector<bool> blocks_of_constraints(const Numbering &numbering)
 {
@@ -546,13 +549,10 @@ void StepProblem<dim>::keep_volume(const double now, const Vector &x, Vector &ra
   if (!is_any(of_volume))
     return;
   const double end = t;
-  Vector none = rate, rates_of_volume = rate;
+  Vector none = rate;
   none = 0;
-  system.tangent().vmult(rates_of_volume, rate);
-  rates_of_volume *= -1;
-  find_rates_of_volume(now, x, rate, of_volume, rates_of_volume);
   Vector limited = none;
-  copy_rows(of_volume, rates_of_volume, limited);
+  find_rates_of_volume(now, x, rate, of_volume, limited);
   rate += projection(x, none, limited);
   system.set_time(end);
 }
@@ -682,8 +682,7 @@ bool StepProblem<dim>::assemble_at_rest(const Vector &x)
 template <int dim>
 void StepProblem<dim>::project_positions(const Rows &of_volume, const Vector &x_change, Vector &x)
 {
-  const double smallest_damping = 1e-4, rounding = 1e-13, small = 1e-8; // of updates, relative to the bodies
-  const unsigned int most_passes = 50;
+  const double rounding = 1e-13, small = 1e-8; // of updates, relative to the bodies
   double size = 0;
   for (const auto &domain : model.domains)
     size = std::max(size, domain->typical_length());
@@ -693,8 +692,9 @@ void StepProblem<dim>::project_positions(const Rows &of_volume, const Vector &x_
   };
   Vector none = x, trial = x;
   none = 0;
+  x += projection(x, x_change, none); // closes nothing, so that it is not damped
   double now = error(x), damping = 1;
-  Vector update = projection(x, x_change, limits(of_volume, system.negative_residual()));
+  Vector update = projection(x, none, limits(of_volume, system.negative_residual()));
   const bool is_nonlinear = is_any(of_volume) && has_large_strain();
   for (unsigned int pass = 0; pass < most_passes && damping >= smallest_damping; ++pass) {
     double next = 0;
@@ -735,12 +735,12 @@ void StepProblem<dim>::refuse_positions(const Vector &limited) const
               "found near it. Give one with det F = 1, or let loads bring the body there from rest.");
 }
 
-/// Of bodies that are compressible: those which belong to the displacement.
+/// Of bodies that are compressible: those which belong to the displacement. Newton's method, damped such that
+/// the volumetric functions have them.
 template <int dim>
 void StepProblem<dim>::find_pressures(const Rows &of_volume, Vector &x)
 {
   const auto are_pressures = [this](const unsigned int b) { return is_of_pressure(b); };
-  const unsigned int most_passes = 10;
   const double rounding = 1e-12;
   Vector none = x;
   none = 0;
@@ -749,6 +749,8 @@ void StepProblem<dim>::find_pressures(const Rows &of_volume, Vector &x)
     copy_rows(of_volume, none, rest);
     const Vector update = only(are_pressures, solve_mass(x, rest));
     x += update;
+    for (double damping = 0.5; damping >= smallest_damping && !assemble_at_rest(x); damping /= 2)
+      x.add(-damping, update);
     if (!(update.linfty_norm() > rounding * x.linfty_norm()) || !assemble_mass(x))
       return;
   }

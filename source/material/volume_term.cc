@@ -123,11 +123,11 @@ VolumeTerm<dim>::find_volume_of_pressure(const State<dim> &state) const
   const double m_by_T = temperature ? U.compressibility().at(change) : 0,
                e_by_T = temperature ? strain.at(change) : 0;
   if (!solid.has_large_strain())
-    return {3 * e + m * p, m, 3 * e_by_T + m_by_T * p};
+    return {3 * e + m * p, m, 3 * e_by_T + m_by_T * p, m * p};
   const double J_minus_1 = U.change_at(m * p), stiffness = U.per_bulk_modulus(J_minus_1).U_2;
   const double log_s = 3 * std::log1p(e), cube = std::exp(log_s);
   return {std::expm1(log_s) + cube * J_minus_1, cube * m / stiffness,
-          3 * cube / (1 + e) * e_by_T * (1 + J_minus_1) + cube * m_by_T * p / stiffness};
+          3 * cube / (1 + e) * e_by_T * (1 + J_minus_1) + cube * m_by_T * p / stiffness, J_minus_1};
 }
 
 template <int dim>
@@ -186,10 +186,9 @@ bool VolumeTerm<dim>::expansion_work(const State<dim> &state, const double volum
   const double p = state.value[this->field.first_component], change = volume.change - volume_n;
   double s = 1, J = 1, stiffness = 1, slope = 0; // of J_e U''(J_e) by J_e; stiffness: U''
   if (solid.has_large_strain()) {
-    const double J_minus_1 = U.change_at(m[0] * p);
-    const VolumetricEnergy at = U.per_bulk_modulus(J_minus_1);
+    const VolumetricEnergy at = U.per_bulk_modulus(volume.elastic_change);
     s = 1 + e[0];
-    J = 1 + J_minus_1;
+    J = 1 + volume.elastic_change;
     stiffness = at.U_2;
     slope = at.U_2 + J * at.U_3;
   }

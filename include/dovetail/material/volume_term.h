@@ -95,10 +95,10 @@ private:
     double change = 0;
     dealii::Tensor<2, 3> by_F;
   };
-  /// Likewise.
+  /// Likewise, and J_e - 1.
   struct VolumeOfPressure
   {
-    double change, by_pressure, by_temperature;
+    double change, by_pressure, by_temperature, elastic_change;
   };
   bool find_volume(const State<dim> &state, Volume &volume) const;
   VolumeOfPressure find_volume_of_pressure(const State<dim> &state) const;

@@ -5,6 +5,7 @@
 
 #include <dovetail/material/transient.h>
 #include <dovetail/run/initial_values.h>
+#include <dovetail/run/start_of_motion.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -89,8 +89,7 @@ void NonlinearStep<dim>::start(const double t, Vector &x)
   if (scheme && model.order_in_time() > 1) {
     Vector rate = initial_rates(model, x);
     present_system->begin_step(t, x);
-    problem->begin_step(t, x);
-    problem->satisfy_ties(x, rate);
+    start_of_motion(t).satisfy_ties(x, rate);
     scheme->start(x, rate);
   } else if (scheme)
     scheme->start(x);
@@ -189,11 +188,11 @@ bool NonlinearStep<dim>::has_pushed_by_fields() const
 /// In incompressible bodies at large strain what the motion is off the volume by in the larger step would
 /// have to be closed by accelerations, which grow without limit.
 template <int dim>
-bool NonlinearStep<dim>::has_shrunk() const
+bool NonlinearStep<dim>::has_shrunk()
 {
   const TimeMemory &memory = scheme->memory();
   return !memory.second_rates.empty() && present_step.size < 0.999 * memory.last.size &&
-         problem->limits_volume();
+         start_of_motion(present_step.end).may_limit_volume();
 }
 
 namespace {
@@ -221,14 +220,21 @@ StepOfMotion NonlinearStep<dim>::last_motion(const Vector &x) const
   return motion;
 }
 
+template <int dim>
+StartOfMotion<dim> NonlinearStep<dim>::start_of_motion(const double end)
+{
+  return {model, *present_system, linear_solver, phases, end};
+}
+
 /// Those of constrained unknowns are constant during the step: what is prescribed is known at its end only.
 template <int dim>
 void NonlinearStep<dim>::find_second_rates(const Vector &x)
 {
   const double h = present_step.size, now = present_step.begin + just_after * h;
-  if (scheme->memory().last.size > 0 && problem->limits_volume()) {
+  StartOfMotion<dim> motion = start_of_motion(present_step.end);
+  if (scheme->memory().last.size > 0 && motion.may_limit_volume()) {
     Vector kept = scheme->memory().rates[0];
-    problem->keep_volume(now, x, kept);
+    motion.keep_volume(now, x, kept);
     scheme->change_rate(kept);
   }
   const Vector &rate = scheme->memory().rates[0];
@@ -240,7 +246,7 @@ void NonlinearStep<dim>::find_second_rates(const Vector &x)
   of_constrained.add(h, along);
   of_constrained *= 2 / (h * h);
   Vector forces = x;
-  const auto found = problem->second_rates(now, x, rate, of_constrained, h, forces);
+  const auto found = motion.second_rates(now, x, rate, of_constrained, h, forces);
   second_rates_at_start = found.value_or(of_constrained); // else the step fails by itself
   rates_at_start = rate;
   if (keeps_supports)
@@ -571,10 +577,7 @@ template <int dim>
 std::string NonlinearStep<dim>::what_may_help() const
 {
   if (has_rates()) { // its Initial is no guess
-    const bool may_gain_energy =
-        !scheme->memory().second_rates.empty() &&
-        std::any_of(model.domains.begin(), model.domains.end(),
-                    [](const auto &domain) { return domain->material.has_large_strain(); });
+    const bool may_gain_energy = !scheme->memory().second_rates.empty() && model.has_large_strain();
     return std::string("Take smaller steps: raise Number of steps in the subsection Steps.") +
            (may_gain_energy
                 ? " At large strain oscillations that steps do not resolve may gain energy; a smaller "

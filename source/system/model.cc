@@ -430,6 +430,13 @@ bool Model<dim>::sees_past() const
                      [](const auto &domain) { return domain->material.sees_past(); });
 }
 
+template <int dim>
+bool Model<dim>::has_large_strain() const
+{
+  return std::any_of(domains.begin(), domains.end(),
+                     [](const auto &domain) { return domain->material.has_large_strain(); });
+}
+
 /// Of the fields, by name, for which @p is_asked.
 template <int dim>
 template <typename IsAsked>

@@ -12,6 +12,7 @@
 #include <dovetail/run/condition_switches.h>
 #include <dovetail/run/predictor.h>
 #include <dovetail/run/range_watch.h>
+#include <dovetail/run/start_of_motion.h>
 #include <dovetail/run/step_problem.h>
 #include <dovetail/time/time_scheme.h>
 
@@ -143,6 +144,7 @@ public:
 private:
   void set_up(double t);
   void begin(double t, const Vector &x, const Rates &rates);
+  StartOfMotion<dim> start_of_motion(double end);
   void find_second_rates(const Vector &x);
   void find_supports(double now, const Vector &x, const Vector &forces);
   /// present_step, once it is the step to time @p t.
@@ -151,7 +153,7 @@ private:
   bool starts_anew(double begin, double t) const;
   bool has_switched_by_fields() const;
   bool has_pushed_by_fields() const;
-  bool has_shrunk() const;
+  bool has_shrunk();
   bool may_predict() const;
   using Ranges = std::map<std::string, ValueRange>; ///< by field
   void widen(Ranges &ranges, const Vector &x) const;

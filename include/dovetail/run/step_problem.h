@@ -19,9 +19,6 @@
 
 namespace dovetail {
 
-/// A second rate by so much of the value: rounding leaves nothing of other terms, in any system of units.
-constexpr double mass_alone = 1e40;
-
 /// The system of all domains and interfaces at the time of a step, measured by Convergence and solved by
 /// LinearSolver. Made anew with the system.
 template <int dim>
@@ -42,21 +39,6 @@ public:
   /// if nothing else acted on them: what a constant conductivity without sources would do.
   /// @return false if x stays as it is because that cannot be found.
   bool spread_prescribed_values(Vector &x);
-
-  /// The second rates at a state @p x that moves with @p rate for which the equations of time @p now hold;
-  /// those of constrained unknowns are given. Later in the step, of the size @p h, its equations are
-  /// assembled anew. @p forces: what pressures and multipliers are then, in its blocks of them
-  /// @pre begin_step(); the system's rates are set afterwards. @return nothing if a law is not defined at x.
-  std::optional<Vector> second_rates(double now, const Vector &x, const Vector &rate,
-                                     const Vector &of_constrained, double h, Vector &forces);
-  /// Change the @p rate at @p x, by as little as the mass allows, such that incompressible bodies at large
-  /// strain keep their volume from the time @p now on. @pre likewise
-  void keep_volume(double now, const Vector &x, Vector &rate);
-  bool limits_volume() const { return has_pressures() && has_large_strain(); } ///< perhaps
-  /// Before the first step: change what moves in the state @p x and its @p rate, by as little as the mass
-  /// allows, such that it follows by constraints of ties and cells, and that multipliers of interfaces and
-  /// pressures of incompressible bodies find their equations solved. Momentum is kept. @pre likewise
-  void satisfy_ties(Vector &x, Vector &rate);
 
   /// Of a linear scene: about what the next solve(x, dx) will find. Taken if it leaves a smaller residual.
   void set_guess(const Vector &dx) { guess = dx; }
@@ -91,7 +73,7 @@ public:
   bool adapt(const Vector &x) override;
   bool may_cross_limit_points() const override
   {
-    return may_jump && has_large_strain() &&
+    return may_jump && model.has_large_strain() &&
            model.order_in_time() < 2; // with inertia a small step has a solution
   }
   bool stabilise(const Vector &x, double share) override;
@@ -116,9 +98,6 @@ private:
   double forcing() const;
   std::optional<unsigned int> solve_from_guess(Vector &dx);
   double measure(bool is_defined);
-  bool assemble_mass(const Vector &x);
-  Vector solve_mass(const Vector &x, const Vector &right_hand_side);
-  void set_rates_alone(const Vector &x, const Vector &rate, const Vector &second_rate);
   double refine_linear_solution(const Vector &x, Vector &dx);
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);
@@ -126,25 +105,7 @@ private:
   void make_other_matrix();
   void make_other_tangent(const Vector &x);
   void give_tangent(); ///< to the linear solver, if it is new
-  bool has_large_strain() const;
   bool is_scalar(unsigned int block) const;
-  using Rows = std::vector<std::vector<unsigned int>>; ///< owned ones, by block
-  bool is_of_pressure(unsigned int block) const;
-  bool has_inertia(unsigned int block) const;
-  bool has_pressures() const;
-  Rows incompressible_rows() const;
-  bool is_any(const Rows &rows) const;
-  void project_start(Vector &x, Vector &rate);
-  void follow_rates(Vector &rate);
-  void assemble_mass_of_start(const Vector &x);
-  bool assemble_at_rest(const Vector &x);
-  Vector limits(const Rows &of_volume, const Vector &residual) const;
-  Vector projection(const Vector &x, const Vector &change, const Vector &limited);
-  void project_positions(const Rows &of_volume, const Vector &x_change, Vector &x);
-  void refuse_positions(const Vector &limited) const;
-  void find_pressures(const Rows &of_volume, Vector &x);
-  void find_rates_of_volume(double begin, const Vector &x, const Vector &rate, const Rows &rows,
-                            Vector &negative_rates);
   bool is_of_multipliers(const unsigned int b) const
   {
     return model.numbering->blocks()[b].is_of_multipliers;

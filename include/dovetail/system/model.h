@@ -51,6 +51,7 @@ public:
 
   unsigned int order_in_time() const; ///< of the rates that materials ask for
   bool sees_past() const;             ///< some material asks for the values of the steps before
+  bool has_large_strain() const;      ///< of some solid
   bool is_linear() const;             ///< one Newton iteration is exact
   bool
   is_linear(const std::vector<std::string> &fields) const; ///< likewise, for these fields of field_groups()

@@ -223,12 +223,21 @@ double StepControl<dim>::almost_end() const
   return steps.end_time - 1e-6 * std::min(size, steps.size());
 }
 
+/// The sum of sizes up to @p time has rounding errors, and a load such as if(t <= 0.5, 1, 0) may see the last
+/// digit: the time of an equal step is its share of the End time.
+template <int dim>
+double StepControl<dim>::without_rounding(const double time) const
+{
+  const double equal = steps.end_time * std::round(time / steps.size()) / steps.n_steps;
+  return std::abs(time - equal) < 1e-9 * steps.size() ? equal : time;
+}
+
 /// A step that a toggle cuts short is followed by one that ends where that would have ended: steps stay
 /// equal.
 template <int dim>
 double StepControl<dim>::end_of_next()
 {
-  double next = t + size < almost_end() ? t + size : steps.end_time;
+  double next = t + size < almost_end() ? without_rounding(t + size) : steps.end_time;
   if (cut_short > t)
     next = std::min(next, cut_short);
   const double end = step.end_before_switch(t, next);

@@ -669,8 +669,9 @@ void Nitsche<dim>::linearise_mean_flux(const Interface<dim> &interface, const Ti
       const dealii::Tensor<1, dim> *gradients = sides.shape_gradients[side] + domain.layout().first_shape(d);
       const double *values = pairing.values(side, q) + domain.layout().first_shape(d);
       const bool is_multiplier = pressures[field.index][side] == d,
-                 varies_by_value = field.varies_by_value(side, d) || is_multiplier;
-      const double share = is_multiplier ? 1 : theta_here; // of delta{A}
+                 varies_by_value = field.varies_by_value(side, d) || is_multiplier,
+                 is_of_field = d - field.first_component[side] < field.n_components; // wraps below the first
+      const double share = is_multiplier ? 1 : is_of_field ? theta_here : 0;         // of delta{A}
       for (unsigned int c = 0; c < n_c; ++c) {
         const unsigned int pair = (field.first_component[side] + c) * n + d;
         const dealii::Tensor<1, dim> by_gradient =

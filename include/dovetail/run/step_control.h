@@ -67,6 +67,7 @@ public:
 private:
   enum class Outcome { converged, inexact, out_of_range, failed, failed_at_any_size };
   double almost_end() const;
+  double without_rounding(double time) const;
   NewtonResult try_arc(const Vector &x, double &next, Vector &trial, unsigned int &n_iterations);
   NewtonResult end_path(const Vector &x, double &next, Vector &trial);
   double end_of_next();

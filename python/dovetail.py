@@ -26,6 +26,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import uuid
 
 __all__ = ["Scene", "Result", "InputError", "find_program"]
 
@@ -100,7 +101,7 @@ class Scene:
         timeout    in seconds
 
         Returns a Result, also where a step did not converge. Raises InputError where the input is wrong, and
-        RuntimeError where the program failed.
+        RuntimeError where the program failed, or another run has replaced the results.
         """
         return self._call([], ranks, directory, program, timeout)
 
@@ -133,7 +134,7 @@ class Result:
     log        what the program printed
     """
 
-    def __init__(self, status, log):
+    def __init__(self, status, log, runs):
         self.converged = status == DONE
         self.log = log
         found = re.findall(r"^ *results: (.*)$", log, re.MULTILINE)
@@ -141,9 +142,12 @@ class Result:
         self.report = None
         self._history = None
         if self.directory is not None:
-            with open(os.path.join(self.directory, "report.json")) as stream:
-                self.report = json.load(stream)
             self._history = _read_columns(os.path.join(self.directory, "probes.csv"))
+            with open(os.path.join(self.directory, "report.json")) as stream:  # that a run replaces first
+                self.report = json.load(stream)
+            if self.report.get("run") not in runs:
+                raise RuntimeError("Another run has replaced the results in %s before they were read. Give runs at the "
+                                   "same time directories of their own." % self.directory)
 
     @property
     def probes(self):
@@ -200,10 +204,12 @@ def _environment():
 
 
 def _run(command, timeout):
+    run = uuid.uuid4().hex
     done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          env=_environment(), universal_newlines=True, timeout=timeout)
+                          env=dict(_environment(), DOVETAIL_RUN=run), universal_newlines=True, timeout=timeout)
     if done.returncode in (DONE, NOT_CONVERGED):
-        return Result(done.returncode, done.stdout)
+        # mpirun may start the first rank on another machine, without this environment
+        return Result(done.returncode, done.stdout, {run, None} if command[0] == "mpirun" else {run})
     errors = [line for line in done.stderr.splitlines() if line.startswith("Error: ")]
     message = errors[0][len("Error: "):] if errors else done.stderr.strip()
     raise (InputError if done.returncode == WRONG_INPUT else RuntimeError)(message)

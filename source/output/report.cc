@@ -7,6 +7,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <cstdlib>
+
 namespace dovetail {
 
 namespace {
@@ -29,12 +31,15 @@ Report::Report(const std::string &directory, const MPI_Comm &communicator)
     : file_name(directory + "/report.json"), communicator(communicator)
 {
   make_directory(directory, communicator);
+  const char *run = std::getenv("DOVETAIL_RUN"); // of the module for Python, which knows its report by it
   content = {{"version", DOVETAIL_VERSION},
              {"dealii", DEAL_II_PACKAGE_VERSION},
              {"ranks", dealii::Utilities::MPI::n_mpi_processes(communicator)},
              {"dofs", 0},
              {"converged", false},
              {"errors against", "Exact, where it is given"}};
+  if (run != nullptr)
+    content["run"] = run;
   for (const char *key : {"domains", "interfaces", "balance", "probes", "places of extremes"})
     content[key] = nlohmann::ordered_json::object();
   for (const char *key : {"steps", "adaptive cycles"})

@@ -203,6 +203,7 @@ void Mortar<dim>::add_constraints(const Interface<dim> &interface, TieConstraint
     row.weights.clear();
     row.own_gradient.clear();
     row.source_gain.clear();
+    row.of_source.clear();
   }
 }
 
@@ -211,35 +212,42 @@ void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &con
                             const MPI_Comm &communicator)
 {
   const Domain<dim> &to = *interface.sides[destination].domain;
+  const bool is_of_both = interface.sides[source].domain == &to;
   std::map<Index, GapConstraint> constrained;
+  std::map<Index, double> own_of_source; // the part of an unknown's own weight, where the source has it, too
   for (const auto &[dof, row] : space->rows) {
-    // differs from the diagonal where the source has the same unknown
-    const auto find = [dof = dof](const std::map<Index, double> &weights) {
-      const auto found = weights.find(dof);
+    const auto find = [](const std::map<Index, double> &weights, const Index other) {
+      const auto found = weights.find(other);
       return found == weights.end() ? 0. : found->second;
     };
-    const double own = find(row.weights) - find(row.own_gradient);
+    // differs from the diagonal where the source has the same unknown
+    const double own = find(row.weights, dof) - find(row.own_gradient, dof);
     if (std::abs(own) < 1e-10 * row.diagonal)
       continue;
     GapConstraint &constraint = constrained[dof];
-    const auto add = [own, &to](GapLine &line, const Index other, const double weight) {
-      const bool is_of_destination =
-          other >= to.first_dof() && other < to.first_dof() + to.dof_handler().n_dofs();
-      (is_of_destination ? line.from_destination : line.from_source)[other] -= weight / own;
+    const auto add = [own](std::map<Index, double> &part, const Index other, const double weight) {
+      part[other] -= weight / own;
     };
-    for (const auto &[other, weight] : row.weights)
-      if (other != dof)
-        add(constraint.first, other, weight);
+    for (const auto &[other, weight] : row.weights) {
+      const bool is_of_body = other >= to.first_dof() && other < to.first_dof() + to.dof_handler().n_dofs();
+      const double of_source = is_of_both ? find(row.of_source, other) : is_of_body ? 0. : weight;
+      if (other == dof && of_source != 0)
+        own_of_source[dof] = of_source / own;
+      if (other != dof && of_source != 0)
+        add(constraint.first.from_source, other, of_source);
+      if (other != dof && of_source != weight)
+        add(constraint.first.from_destination, other, weight - of_source);
+    }
     constraint.first.offset = -row.constant / own;
     if (row.own_gradient.empty())
       continue;
     constraint.wanted = constraint.first;
-    add(constraint.wanted, dof, find(row.own_gradient));
+    add(constraint.wanted.from_destination, dof, find(row.own_gradient, dof));
     for (const auto &[other, weight] : row.own_gradient)
       if (other != dof)
-        add(constraint.first, other, -weight);
+        add(constraint.first.from_destination, other, -weight);
     for (const auto &[other, weight] : row.source_gain)
-      add(constraint.first, other, weight);
+      add(constraint.first.from_source, other, weight);
     auto &entries = constraint.first.from_destination;
     for (auto entry = entries.begin(); entry != entries.end();)
       entry = std::abs(entry->second) <= 1e-14 ? entries.erase(entry) : std::next(entry);
@@ -249,7 +257,9 @@ void Mortar<dim>::add_lines(const Interface<dim> &interface, TieConstraints &con
   for (const auto &[dof, line] :
        gap_constraints(constrained, to, constraints, communicator, interface.work())) {
     constraints.add(dof, line.as_constraint());
-    shares_of_force[dof] = {{-line.source_weight(), 1 - line.destination_weight()}};
+    const auto own = own_of_source.find(dof);
+    const double both = own == own_of_source.end() ? 0. : own->second;
+    shares_of_force[dof] = {{both - line.source_weight(), 1 - line.destination_weight() - both}};
     if (const GapConstraint &constraint = constrained.at(dof); !constraint.wanted.from_destination.empty())
       source_shares[dof] = line.source_weight() / constraint.first.source_weight();
   }

@@ -529,10 +529,13 @@ void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<d
   const auto &source_dofs = pairing.cells[source][group.cells[source]].dofs;
   const unsigned int first =
       interface.sides[source].domain->layout().first(field.first_component[source] + row.component);
+  const bool is_of_both = interface.sides[source].domain == interface.sides[destination].domain;
   for (unsigned int k = 0; k < n_source; ++k)
     if (moment[k] != 0) {
       row.weights[source_dofs[first + k]] -= moment[k];
       row.source_weight -= moment[k];
+      if (is_of_both)
+        row.of_source[source_dofs[first + k]] -= moment[k];
     }
 }
 
@@ -570,7 +573,7 @@ void MultiplierSpace<dim>::add_own_gradient(const typename Pairing<dim>::Group &
 template <int dim>
 void MultiplierSpace<dim>::Row::add(const Row &other)
 {
-  for (const auto part : {&Row::weights, &Row::own_gradient, &Row::source_gain})
+  for (const auto part : {&Row::weights, &Row::own_gradient, &Row::source_gain, &Row::of_source})
     for (const auto &[dof, weight] : other.*part)
       (this->*part)[dof] += weight;
   for (const auto sum : {&Row::diagonal, &Row::constant, &Row::source_weight, &Row::destination_weight})

@@ -47,6 +47,7 @@ public:
     /// If the destination's gradient bridges a share of a gap: its part of the weights, and what the source's
     /// gain if its own gradient bridges that share instead.
     std::map<Index, double> own_gradient, source_gain;
+    std::map<Index, double> of_source; ///< the source's part of the weights, if one body has both sides
     /// Sums of the weights of each side's unknowns.
     double source_weight = 0, destination_weight = 0;
     unsigned int field = 0, component = 0; ///< of Interface::fields
@@ -56,8 +57,8 @@ public:
     template <typename Archive>
     void serialize(Archive &archive, const unsigned int)
     {
-      archive &weights &diagonal &constant &own_gradient &source_gain &source_weight &destination_weight
-          &field &component;
+      archive &weights &diagonal &constant &own_gradient &source_gain &of_source &source_weight
+          &destination_weight &field &component;
     }
   };
 

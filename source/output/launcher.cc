@@ -21,8 +21,9 @@ void skip_network_if_alone()
   if (is_launched())
     return;
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-  setenv("OMPI_MCA_pml", "ob1", 0);
+  setenv("OMPI_MCA_pml", "ob1", 1); // also in place of what suits several ranks (.ci/mpi_environment)
   setenv("OMPI_MCA_btl", "self", 0);
+  setenv("OMPI_MCA_coll", "self,basic,libnbc", 0);
   // all such processes would share one directory, and one that ends removes it while another starts
   setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   setenv("OMPI_MCA_sharedfp", "^sm", 0); // it would look for that directory

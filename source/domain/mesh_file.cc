@@ -5,6 +5,7 @@
 #include <dovetail/domain/mesh_text.h>
 
 #include <boost/algorithm/string/case_conv.hpp>
+#include <boost/algorithm/string/predicate.hpp>
 
 #include <cstdlib>
 #include <filesystem>
@@ -46,6 +47,16 @@ const std::set<std::string> suffixes_of_meshio = {".vtu",  ".e",     ".ex2",  ".
                                                   ".bdf",  ".nas",   ".fem",  ".xdmf", ".xmf",
                                                   ".mesh", ".meshb", ".cgns", ".h5m",  ".su2"};
 
+/// Its third line says so. Of this format, meshio reads what is binary.
+bool is_binary_vtk(const std::string &file_name)
+{
+  std::ifstream file(file_name, std::ios::binary);
+  std::string line;
+  for (unsigned int n = 0; n < 3; ++n)
+    std::getline(file, line);
+  return boost::starts_with(line, "BINARY");
+}
+
 /// A new directory, taken away at the end.
 class TemporaryDirectory
 {
@@ -84,21 +95,22 @@ bool is_known_mesh_format(const std::string &file_name)
 
 MeshFile read_mesh_file(const std::string &file_name, const unsigned int dim)
 {
-  if (suffixes_of_meshio.count(suffix_of(file_name)) > 0) {
+  const std::string suffix = suffix_of(file_name);
+  if (suffixes_of_meshio.count(suffix) > 0 || (suffix == ".vtk" && is_binary_vtk(file_name))) {
     content_of(file_name);
     const TemporaryDirectory directory;
     const std::string converted = directory.path + "/mesh.msh";
     convert_by_meshio(file_name, converted);
     MeshText text(content_of(converted));
     MeshFile mesh = read_gmsh(text, dim);
-    mesh.format = suffix_of(file_name) + ", converted by meshio";
+    mesh.format = suffix + ", converted by meshio";
     mesh.note = file_name + " was converted by the Python module meshio";
     return mesh;
   }
   MeshText text(content_of(file_name), file_name);
-  MeshFile mesh = readers.at(suffix_of(file_name))(text, dim);
+  MeshFile mesh = readers.at(suffix)(text, dim);
   if (mesh.format.empty())
-    mesh.format = suffix_of(file_name);
+    mesh.format = suffix;
   return mesh;
 }
 

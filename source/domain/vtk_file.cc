@@ -34,7 +34,6 @@ public:
   {
     text.check(text.rest_of_line().substr(0, 5) == "# vtk", "expected '# vtk DataFile Version …'");
     text.rest_of_line(); // a title
-    text.check(text.peek() != "BINARY", "the file is binary. Save it as ASCII");
     for (const char *word : {"ASCII", "DATASET", "UNSTRUCTURED_GRID"})
       text.expect(word);
     while (!text.peek().empty())

@@ -496,7 +496,11 @@ std::string Section::peek(const std::string &subsection, const std::string &name
   const std::string path = subsection.empty() ? section_path : join_path(section_path, subsection);
   state().declarations.add_known_entry(path, name);
   const SceneTree::Entry *entry = state().tree.find(path, name);
-  return entry ? with_tables(entry->value, state().tables) : "";
+  try {
+    return entry ? with_tables(entry->value, state().tables) : "";
+  } catch (const UserError &error) {
+    Section(text, path).fail(name, error.what());
+  }
 }
 
 void Section::give(const std::string &subsection, const std::string &name, const std::string &value,

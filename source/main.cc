@@ -149,13 +149,18 @@ std::string needs_scene(const Arguments &arguments)
 void on_first_rank(const bool is_first_rank, const std::function<void()> &action)
 {
   std::string problem;
+  bool is_of_output = false;
   if (is_first_rank)
     try {
       action();
     } catch (const std::exception &error) {
       problem = error.what();
+      is_of_output = dynamic_cast<const OutputError *>(&error) != nullptr;
     }
   problem = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, problem);
+  is_of_output = dealii::Utilities::MPI::broadcast(MPI_COMM_WORLD, is_of_output);
+  if (is_of_output)
+    throw OutputError(problem);
   if (!problem.empty())
     throw UserError(problem);
 }

@@ -228,7 +228,11 @@ std::string last_line_of(const std::string &file)
 void convert_by_meshio(const std::string &file_name, const std::string &result)
 {
   const std::string script = result + ".py", log = result + ".log";
-  std::ofstream(script) << converter;
+  const std::string no_room = "its conversion cannot be written to " +
+                              std::filesystem::path(result).parent_path().parent_path().string() +
+                              ". Is the disk full? Set TMPDIR to a directory with room.";
+  if (!(std::ofstream(script) << converter << std::flush))
+    throw MeshError(no_room);
   const std::string command =
       "for python in python3 /usr/bin/python3; do if $python -c 'import meshio' 2> /dev/null; then exec "
       "$python " +
@@ -242,6 +246,8 @@ void convert_by_meshio(const std::string &file_name, const std::string &result)
     throw MeshError(
         "its format is read by way of the Python module meshio, which is not installed (in Debian "
         "and Ubuntu: apt install python3-meshio). Install it, or save the mesh in Gmsh's format.");
+  if (reason.empty() || reason.find("No space left") != std::string::npos)
+    throw MeshError(no_room);
   for (const auto &[module, package] :
        {std::pair("netCDF4", "python3-netcdf4"), std::pair("h5py", "python3-h5py")})
     if (reason.find("No module named '" + std::string(module)) != std::string::npos)

@@ -93,6 +93,15 @@ std::vector<std::string> Declarations::known_subsections(const std::string &path
   return names;
 }
 
+std::vector<std::string> Declarations::sections_with(const std::string &entry) const
+{
+  std::vector<std::string> paths;
+  for (const Declaration &declaration : declarations)
+    if (declaration.name == entry && std::find(paths.begin(), paths.end(), declaration.path) == paths.end())
+      paths.push_back(declaration.path);
+  return paths;
+}
+
 std::vector<std::string> Declarations::subsections_of(const std::string &path) const
 {
   std::vector<std::string> names;

@@ -37,6 +37,8 @@ public:
   /// What may stand in the section @p path, as far as anybody has asked.
   std::vector<std::string> known_entries(const std::string &path) const;
   std::vector<std::string> known_subsections(const std::string &path) const;
+  /// The paths of the sections that have such an entry.
+  std::vector<std::string> sections_with(const std::string &entry) const;
 
   std::map<std::string, std::string> used() const; ///< path -> value
   void print_used(std::ostream &out) const;

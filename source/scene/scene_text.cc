@@ -26,11 +26,33 @@ std::string remedy(const std::string &name, const std::vector<std::string> &know
   return guess.empty() ? "Known " + kind + ": " + comma_separated(known) + "." : guess;
 }
 
+/// 'Interface' of 'Interface seam'.
+std::string kind_of(const std::string &path)
+{
+  const std::string name = last_name(path);
+  return name.substr(0, name.find(' '));
+}
+
+/// "It belongs to …", if sections of another kind have such an entry.
+std::string where_it_belongs(const SceneState &state, const std::string &path, const std::string &entry)
+{
+  std::vector<std::string> sections;
+  for (const std::string &section : state.declarations.sections_with(entry))
+    if (kind_of(section) != kind_of(path))
+      sections.push_back(section.empty() ? "the top of the scene" : section);
+  if (sections.empty())
+    return "";
+  const bool are_many = sections.size() > 3;
+  sections.resize(std::min<std::size_t>(sections.size(), 3));
+  return "It belongs to " + comma_separated(sections) + (are_many ? ", …. " : ". ");
+}
+
 [[noreturn]] void refuse_entry(const SceneState &state, const std::string &path, const std::string &name)
 {
   const SceneTree::Entry *type = state.tree.find(path, "Type");
   const std::string condition = type && name != "Type" ? " with Type = " + type->value : "";
   throw UserError(state.where(path, name) + quoted("entry", name) + " is not known here" + condition + ". " +
+                  where_it_belongs(state, path, name) +
                   remedy(name, state.declarations.known_entries(path), "entries"));
 }
 

@@ -49,6 +49,9 @@ private:
   {
     while (text.peek() == "$Comments")
       skip(std::string(text.word()));
+    text.check(text.peek().substr(0, 1) != "(",
+               "it is a mesh of ANSYS Fluent, which meshio, too, calls .msh. In meshio, write it with "
+               "file_format = \"gmsh\"");
     text.check(text.peek() == "$MeshFormat",
                "it does not begin with $MeshFormat, as meshes of Gmsh do since version 2. In Gmsh, save the "
                "mesh as 'Version 4.1 ASCII'");

@@ -3,8 +3,8 @@
 //
 // VTK's legacy format, an unstructured grid in ASCII with CELLS as before version 5 (number of points,
 // points) or since then (OFFSETS, CONNECTIVITY); VTK file formats, vtk.org. The ids are the cell data
-// "MaterialID", or "CellEntityIds" as Gmsh calls them, of cells and of faces alike, 0 without them. Nodes and
-// elements are counted from 0, as VTK does.
+// "MaterialID", or "CellEntityIds" as Gmsh calls them and "gmsh:physical" as meshio does, of cells and of
+// faces alike, 0 without them. Nodes and elements are counted from 0, as VTK does.
 
 #include <dovetail/domain/mesh_text.h>
 
@@ -68,7 +68,7 @@ private:
   /// Without a MaterialID the entities count.
   bool is_name_of_ids(const std::string_view name) const
   {
-    return name == "MaterialID" || (name == "CellEntityIds" && ids.empty());
+    return name == "MaterialID" || ((name == "CellEntityIds" || name == "gmsh:physical") && ids.empty());
   }
 
   void read_points()

@@ -34,10 +34,10 @@ bool follows_fields(const Model<dim> &model)
 } // namespace
 
 template <int dim>
-NonlinearStep<dim>::NonlinearStep(const Section &scene, Model<dim> &model, Phases &phases, Notes &notes,
-                                  Log &log)
-    : model(model), phases(phases), notes(notes), log(log), newton(scene.subsection("Newton")),
-      scheme(make_time_scheme(scene.subsection("Steps"))),
+NonlinearStep<dim>::NonlinearStep(const Section &scene, Model<dim> &model, const unsigned int n_equal_steps,
+                                  Phases &phases, Notes &notes, Log &log)
+    : model(model), n_equal_steps(n_equal_steps), phases(phases), notes(notes), log(log),
+      newton(scene.subsection("Newton")), scheme(make_time_scheme(scene.subsection("Steps"))),
       linear_solver(scene.subsection("Linear solver"),
                     scene.documenting() ? std::vector<SolveGroup>() : solve_groups())
 {
@@ -57,7 +57,12 @@ void NonlinearStep<dim>::add_to(Plan &plan) const
 template <int dim>
 std::vector<SolveGroup> NonlinearStep<dim>::solve_groups() const
 {
-  return make_solve_groups<dim>(model, [this]() -> const BlockSystem<dim> & { return *present_system; });
+  auto groups =
+      make_solve_groups<dim>(model, [this]() -> const BlockSystem<dim> & { return *present_system; });
+  if (model.has_constant_tangent())
+    for (SolveGroup &group : groups)
+      group.n_solves = n_equal_steps;
+  return groups;
 }
 
 template <int dim>

@@ -69,7 +69,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
         const Phases::Scope scope(phases, "mesh");
         return Model<dim>(scene, communicator);
       }()),
-      probes(scene, model), step(scene, model, phases, notes, log),
+      probes(scene, model), step(scene, model, steps.n_equal(), phases, notes, log),
       results(*text, scene.subsection("Output"), model, probes, phases, notes, log),
       step_control(steps, step, results, notes, log, communicator),
       adaptive_cycles(scene, model, probes, step, results, phases, notes, log),

@@ -21,6 +21,14 @@ const std::string automatic = "automatic", name_of_direct = "direct", name_of_mu
                   name_of_matrix_free = "matrix-free";
 
 const double few_iterations = 14, many_iterations = 100;
+const double few_entries = 6e5; ///< up to which factors cost about as much as products
+
+/// About, of quadrilaterals or hexahedra: (degree + 2)^dim nodes. Products take about the same time for each
+/// degree, and what makes or factorises entries takes time for each of them.
+double entries_of_row(const GroupFacts &facts)
+{
+  return facts.n_components * std::pow(facts.degree + 2., facts.dim);
+}
 
 /// A solver of a group, and whether it has seen the present values of the matrix.
 struct Member
@@ -58,6 +66,7 @@ struct LinearSolver::Group
   void forget_matrix();
   bool is_direct_by_size() const;
   double iterations_of_direct() const;
+  double iterations_worth_factors() const;
   bool is_matrix_free_by_degree() const;
   bool needs_entries() const { return takes_direct() || chosen.solver->needs_entries(); }
   bool lacks_entries() const { return is_direct && system.plain().cells() != nullptr; }
@@ -121,17 +130,35 @@ double LinearSolver::Group::iterations_of_direct() const
   return share * 0.01 * std::sqrt(n) * std::pow(across, 1.5);
 }
 
-/// Factorisation wins while the fill is small, and longer for L D L^T: the table of
+/// From how many iterations on, as iterations_of_direct() counts them, the factors of bodies that are not
+/// flat do not pay. An iteration by products takes less time, by the entries of a row. Bodies that are as
+/// long as many cubes in a row need more of them.
+double LinearSolver::Group::iterations_worth_factors() const
+{
+  const GroupFacts &facts = system.facts();
+  if (!is_matrix_free_by_degree())
+    return few_iterations;
+  const double n_nodes = static_cast<double>(facts.n_unknowns) / facts.n_components,
+               n_of_cube = std::pow(3 * facts.shape.nodes_across, 3);
+  return few_iterations * std::pow(3 / (facts.degree + 2.), facts.dim) *
+         std::sqrt(facts.n_solves * std::max(1., n_nodes / n_of_cube));
+}
+
+/// Factorisation wins while the fill is small, and longer for L D L^T: the tables of
 /// doc/theory/linear_solvers.md. In thin bodies the fill is small, and in flat ones aggregates longer than
-/// the thickness leave much to the iteration.
+/// the thickness leave much to the iteration. Beside products the entries cost, too, unless the bodies may be
+/// slender: that takes many iterations.
 bool LinearSolver::Group::is_direct_by_size() const
 {
   const GroupFacts &facts = system.facts();
-  const bool is_cheaper = facts.is_positive_definite();
-  const unsigned long largest = facts.dim == 2 ? (is_cheaper ? 100000 : 60000) : (is_cheaper ? 12000 : 6000);
+  const bool is_cheaper = facts.is_positive_definite(), knows_shape = facts.shape.nodes_across > 0;
+  double largest = facts.dim == 2 ? (is_cheaper ? 100000 : 60000) : (is_cheaper ? 12000 : 6000);
+  if (is_matrix_free_by_degree() && (knows_shape || facts.n_components == 1))
+    largest = std::min(largest, few_entries * std::sqrt(facts.n_solves) /
+                                    (entries_of_row(facts) * (is_cheaper ? 1 : 2)));
   const bool is_flat = facts.shape.distance_by_thickness > 0.7,
-             is_thin = facts.shape.nodes_across > 0 &&
-                       iterations_of_direct() < (is_flat ? many_iterations : few_iterations);
+             is_thin = knows_shape &&
+                       iterations_of_direct() < (is_flat ? many_iterations : iterations_worth_factors());
   return owner.type == name_of_direct ||
          (owner.type == automatic && !is_patient && (facts.n_unknowns <= largest || is_thin));
 }

@@ -131,12 +131,14 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     };
     const auto &blocks = model.numbering->blocks();
     std::set<std::string> body_fields;
+    group.n_components = 0;
     for (unsigned int b = 0; b < blocks.size(); ++b)
       if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end()) {
         (blocks[b].is_constraint ? group.multiplier_blocks : group.blocks).push_back(b);
         group.n_unknowns += blocks[b].end - blocks[b].begin;
-        if (!blocks[b].is_constraint)
-          body_fields.insert(blocks[b].field);
+        if (!blocks[b].is_constraint && body_fields.insert(blocks[b].field).second)
+          group.n_components +=
+              model.domains[blocks[b].domain_index]->fields()[blocks[b].field_index].n_components;
       }
     group.is_symmetric = body_fields.size() == 1 && model.is_symmetric(*body_fields.begin());
     if (group.is_symmetric) // on all ranks or none: nothing has been assembled yet

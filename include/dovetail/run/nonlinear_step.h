@@ -31,7 +31,9 @@ class NonlinearStep
 {
 public:
   /// Reads the sections `Newton` and `Linear solver` of a scene; the others are kept by reference.
-  NonlinearStep(const Section &scene, Model<dim> &model, Phases &phases, Notes &notes, Log &log);
+  /// @p n_equal_steps: as many steps are of one size at least, unless some fail.
+  NonlinearStep(const Section &scene, Model<dim> &model, unsigned int n_equal_steps, Phases &phases,
+                Notes &notes, Log &log);
 
   /// The equations on the present meshes with what is active at time @p t. Collective.
   void make_system(double t);
@@ -162,6 +164,7 @@ private:
   std::string what_may_help() const;
 
   Model<dim> &model;
+  const unsigned int n_equal_steps;
   Phases &phases;
   Notes &notes;
   Log &log;

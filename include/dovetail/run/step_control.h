@@ -33,6 +33,7 @@ struct Steps
   double smallest, largest;    ///< sizes
   unsigned int largest_number; ///< of steps along a path
   bool controls_errors() const { return tolerance > 0; }
+  unsigned int n_equal() const { return controls_errors() ? 1 : n_steps; } ///< if none fails
 };
 
 /// Goes from the time 0 to the end by steps that are halved where they fail and doubled where they do not, or

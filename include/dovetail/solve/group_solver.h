@@ -71,11 +71,13 @@ struct GroupTraits
 {
   std::string name; ///< for messages: its fields
   unsigned int dim = 3;
-  unsigned int degree = 1;      ///< the largest one of the bodies
-  unsigned long n_unknowns = 0; ///< of all ranks
-  bool is_symmetric = true;     ///< and, but for multipliers, positive definite; may change with K
-  std::string why_entries;      ///< why the cells' part of K must have entries; empty if products do
-  BodyShape shape;              ///< of bodies in space that resist to be bent
+  unsigned int degree = 1;       ///< the largest one of the bodies
+  unsigned int n_components = 1; ///< of all fields
+  unsigned long n_unknowns = 0;  ///< of all ranks
+  unsigned int n_solves = 1;     ///< that a matrix is kept for: where it never changes
+  bool is_symmetric = true;      ///< and, but for multipliers, positive definite; may change with K
+  std::string why_entries;       ///< why the cells' part of K must have entries; empty if products do
+  BodyShape shape;               ///< of bodies in space that resist to be bent
 };
 
 /// What is known of a group beside its operator. The functions may be called in GroupSolver::prepare.

@@ -500,43 +500,36 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
   for (const auto &[field, cells] : operators)
     cells->set_tangent(cell->active_cell_index(), q, JxW / cell_values.JxW(q), response);
 
-  std::vector<double> &values = size_of_value;
-  values.assign(n, 0.);
-  std::vector<dealii::Tensor<1, dim>> &gradients = size_of_gradient;
-  gradients.assign(n, {});
+  const auto &phi = point.shape_values();
+  tabulate_sizes(dim, phi.size(), phi.data(), point.shape_gradients()[0].begin_raw(), sizes_of_shapes);
+  size_of_unknowns.resize(n);
+  size_of_products.assign(n, {});
   for (unsigned int d = 0; d < n; ++d)
-    if (has_operator(d)) {
-      const double *const x = &unknowns[layout.first(d)], *const phi =
-                                                              &point.shape_values()[layout.first_shape(d)];
-      const dealii::Tensor<1, dim> *const grad_phi = &point.shape_gradients()[layout.first_shape(d)];
-      for (unsigned int b = 0, n_nodes = layout.n_nodes(d); b < n_nodes; ++b) {
-        values[d] += std::abs(phi[b] * x[b]);
-        for (unsigned int L = 0; L < dim; ++L)
-          gradients[d][L] += std::abs(grad_phi[b][L] * x[b]);
-      }
-    }
+    if (has_operator(d))
+      add_up_sizes(sizes_of_shapes, layout.first_shape(d), layout.n_nodes(d), &unknowns[layout.first(d)],
+                   size_of_unknowns[d].data());
   for (const auto &[c, d, index, coupling] : pairs_without_entries) {
-    dealii::Tensor<1, dim> flux;
-    double source =
-        coupling.source_by_value || has_force ? std::abs(response.source_by_value[index]) * values[d] : 0;
+    const std::array<double, dim + 1> &of_field = size_of_unknowns[d];
+    std::array<double, dim + 1> &flux_and_source = size_of_products[c];
+    double &source = flux_and_source[dim];
+    if (coupling.source_by_value || has_force)
+      source += std::abs(response.source_by_value[index]) * of_field[dim];
     for (unsigned int J = 0; J < dim; ++J) {
       if (coupling.flux_by_value)
-        flux[J] = std::abs(response.by_value[index][J]) * values[d];
+        flux_and_source[J] += std::abs(response.by_value[index][J]) * of_field[dim];
       if (coupling.source_by_gradient)
-        source += std::abs(response.source_by_gradient[index][J]) * gradients[d][J];
+        source += std::abs(response.source_by_gradient[index][J]) * of_field[J];
       for (unsigned int L = 0; coupling.flux_by_gradient && L < dim; ++L)
-        flux[J] += std::abs(response.by_gradient[index][J][L]) * gradients[d][L];
-    }
-    double *const sizes = &product_sizes[layout.first(c)];
-    const double *const phi = &point.shape_values()[layout.first_shape(c)];
-    const dealii::Tensor<1, dim> *const grad_phi = &point.shape_gradients()[layout.first_shape(c)];
-    for (unsigned int a = 0, n_nodes = layout.n_nodes(c); a < n_nodes; ++a) {
-      double size = source * std::abs(phi[a]);
-      for (unsigned int J = 0; J < dim; ++J)
-        size += flux[J] * std::abs(grad_phi[a][J]);
-      sizes[a] += size * JxW;
+        flux_and_source[J] += std::abs(response.by_gradient[index][J][L]) * of_field[L];
     }
   }
+  for (unsigned int c = 0; c < n; ++c)
+    if (has_operator(c)) {
+      for (double &size : size_of_products[c])
+        size *= JxW;
+      add_sizes(sizes_of_shapes, layout.first_shape(c), layout.n_nodes(c), size_of_products[c].data(),
+                &product_sizes[layout.first(c)]);
+    }
   for (unsigned int c = 0; has_force && c < dim; ++c) // the next cell begins with what laws leave at zero
     for (unsigned int d = 0; d < dim; ++d)
       source_by_displacement(c, d) += by_position[c][d];

@@ -5,8 +5,10 @@
 
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/scene/undefined.h>
+#include <dovetail/widest_vectors.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -480,6 +482,52 @@ bool CellTerms<dim>::has_operator(const unsigned int component) const
                      [&](const auto &entry) { return entry.first.has_component(component); });
 }
 
+namespace {
+
+/// Of functions at a point: rows of the sizes of their @p gradients by direction, then of their @p values.
+DOVETAIL_WIDEST_VECTORS void tabulate_sizes(const unsigned int dim, const unsigned int n,
+                                            const double *const values, const double *const gradients,
+                                            double *const __restrict__ sizes)
+{
+  for (unsigned int d = 0; d < dim; ++d)
+    for (unsigned int a = 0; a < n; ++a)
+      sizes[d * n + a] = std::abs(gradients[std::size_t(a) * dim + d]);
+  for (unsigned int a = 0; a < n; ++a)
+    sizes[dim * n + a] = std::abs(values[a]);
+}
+
+/// sums[d] = sum_a row_d[a] |x[a]| for a < @p n, of rows that are @p stride apart.
+DOVETAIL_WIDEST_VECTORS void sum_sizes_of_rows(const unsigned int n_rows, const std::size_t stride,
+                                               const unsigned int n, const double *row, const double *const x,
+                                               double *const sums)
+{
+  constexpr unsigned int width = 8;
+  for (unsigned int d = 0; d < n_rows; ++d, row += stride) {
+    double s[width] = {};
+    unsigned int a = 0;
+    for (; a + width <= n; a += width)
+      for (unsigned int k = 0; k < width; ++k)
+        s[k] += row[a + k] * std::abs(x[a + k]);
+    for (; a < n; ++a)
+      s[0] += row[a] * std::abs(x[a]);
+    for (unsigned int k = 1; k < width; ++k)
+      s[0] += s[k];
+    sums[d] = s[0];
+  }
+}
+
+/// y[a] += sum_d factors[d] row_d[a].
+DOVETAIL_WIDEST_VECTORS void add_rows(const unsigned int n_rows, const std::size_t stride,
+                                      const unsigned int n, const double *row, const double *const factors,
+                                      double *const __restrict__ y)
+{
+  for (unsigned int d = 0; d < n_rows; ++d, row += stride)
+    for (unsigned int a = 0; factors[d] != 0 && a < n; ++a)
+      y[a] += factors[d] * row[a];
+}
+
+} // namespace
+
 /// The derivatives at the current point, and the sizes of their products with the unknowns.
 template <int dim>
 void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, const unsigned int q,
@@ -500,36 +548,39 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
   for (const auto &[field, cells] : operators)
     cells->set_tangent(cell->active_cell_index(), q, JxW / cell_values.JxW(q), response);
 
-  const auto &phi = point.shape_values();
-  tabulate_sizes(dim, phi.size(), phi.data(), point.shape_gradients()[0].begin_raw(), sizes_of_shapes);
-  size_of_unknowns.resize(n);
-  size_of_products.assign(n, {});
+  const unsigned int n_shapes = layout.n_shapes();
+  std::vector<double> sizes_of_shapes((dim + 1) * n_shapes);
+  tabulate_sizes(dim, n_shapes, point.shape_values().data(), point.shape_gradients()[0].begin_raw(),
+                 sizes_of_shapes.data());
+  std::vector<double> &values = size_of_value;
+  values.assign(n, 0.);
+  std::vector<dealii::Tensor<1, dim>> &gradients = size_of_gradient;
+  gradients.assign(n, {});
   for (unsigned int d = 0; d < n; ++d)
-    if (has_operator(d))
-      add_up_sizes(sizes_of_shapes, layout.first_shape(d), layout.n_nodes(d), &unknowns[layout.first(d)],
-                   size_of_unknowns[d].data());
+    if (has_operator(d)) {
+      const double *const x = &unknowns[layout.first(d)], *const sizes =
+                                                              &sizes_of_shapes[layout.first_shape(d)];
+      sum_sizes_of_rows(dim, n_shapes, layout.n_nodes(d), sizes, x, gradients[d].begin_raw());
+      sum_sizes_of_rows(1, n_shapes, layout.n_nodes(d), sizes + dim * n_shapes, x, &values[d]);
+    }
+  std::vector<std::array<double, dim + 1>> of_products(n); // flux, source
   for (const auto &[c, d, index, coupling] : pairs_without_entries) {
-    const std::array<double, dim + 1> &of_field = size_of_unknowns[d];
-    std::array<double, dim + 1> &flux_and_source = size_of_products[c];
-    double &source = flux_and_source[dim];
+    std::array<double, dim + 1> &product = of_products[c];
     if (coupling.source_by_value || has_force)
-      source += std::abs(response.source_by_value[index]) * of_field[dim];
+      product[dim] += JxW * std::abs(response.source_by_value[index]) * values[d];
     for (unsigned int J = 0; J < dim; ++J) {
       if (coupling.flux_by_value)
-        flux_and_source[J] += std::abs(response.by_value[index][J]) * of_field[dim];
+        product[J] += JxW * std::abs(response.by_value[index][J]) * values[d];
       if (coupling.source_by_gradient)
-        source += std::abs(response.source_by_gradient[index][J]) * of_field[J];
+        product[dim] += JxW * std::abs(response.source_by_gradient[index][J]) * gradients[d][J];
       for (unsigned int L = 0; coupling.flux_by_gradient && L < dim; ++L)
-        flux_and_source[J] += std::abs(response.by_gradient[index][J][L]) * of_field[L];
+        product[J] += JxW * std::abs(response.by_gradient[index][J][L]) * gradients[d][L];
     }
   }
   for (unsigned int c = 0; c < n; ++c)
-    if (has_operator(c)) {
-      for (double &size : size_of_products[c])
-        size *= JxW;
-      add_sizes(sizes_of_shapes, layout.first_shape(c), layout.n_nodes(c), size_of_products[c].data(),
-                &product_sizes[layout.first(c)]);
-    }
+    if (has_operator(c))
+      add_rows(dim + 1, n_shapes, layout.n_nodes(c), &sizes_of_shapes[layout.first_shape(c)],
+               of_products[c].data(), &product_sizes[layout.first(c)]);
   for (unsigned int c = 0; has_force && c < dim; ++c) // the next cell begins with what laws leave at zero
     for (unsigned int d = 0; d < dim; ++d)
       source_by_displacement(c, d) += by_position[c][d];

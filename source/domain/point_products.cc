@@ -82,47 +82,6 @@ namespace {
 
 constexpr unsigned int block = ShapeTable::block;
 
-DOVETAIL_WIDEST_VECTORS void set_sizes(const unsigned int dim, const unsigned int n, const std::size_t stride,
-                                       const double *const values, const double *const gradients,
-                                       double *const __restrict__ sizes)
-{
-  for (unsigned int d = 0; d < dim; ++d)
-    for (unsigned int a = 0; a < n; ++a)
-      sizes[d * stride + a] = std::abs(gradients[std::size_t(a) * dim + d]);
-  for (unsigned int a = 0; a < n; ++a)
-    sizes[dim * stride + a] = std::abs(values[a]);
-}
-
-DOVETAIL_WIDEST_VECTORS void sum_sizes_of_rows(const unsigned int n_rows, const std::size_t stride,
-                                               const unsigned int n, const double *row, const double *const x,
-                                               double *const sums)
-{
-  for (unsigned int d = 0; d < n_rows; ++d, row += stride) {
-    double s[block] = {};
-    unsigned int i = 0;
-    for (; i + block <= n; i += block)
-      for (unsigned int b = 0; b < block; ++b)
-        s[b] += row[i + b] * std::abs(x[i + b]);
-    for (; i < n; ++i)
-      s[0] += row[i] * std::abs(x[i]);
-    for (unsigned int b = 1; b < block; ++b)
-      s[0] += s[b];
-    sums[d] = s[0];
-  }
-}
-
-DOVETAIL_WIDEST_VECTORS void add_rows(const unsigned int n_rows, const std::size_t stride,
-                                      const unsigned int n, const double *row, const double *const factors,
-                                      double *const __restrict__ y)
-{
-  for (unsigned int d = 0; d < n_rows; ++d, row += stride) {
-    const double factor = factors[d];
-    if (factor != 0)
-      for (unsigned int i = 0; i < n; ++i)
-        y[i] += factor * row[i];
-  }
-}
-
 /// Of a block of functions, with the rows of phi @p n apart.
 template <unsigned int dim>
 [[gnu::always_inline]] inline void
@@ -219,25 +178,6 @@ DOVETAIL_WIDEST_VECTORS void sum_block(const std::size_t n, const double *const 
 }
 
 } // namespace
-
-void tabulate_sizes(const unsigned int dim, const unsigned int n_functions, const double *const values,
-                    const double *const gradients, ShapeTable &sizes)
-{
-  sizes.reinit(1, dim + 1, n_functions);
-  set_sizes(dim, n_functions, sizes.stride, values, gradients, sizes.row(0, 0));
-}
-
-void add_up_sizes(const ShapeTable &sizes, const unsigned int first, const unsigned int n,
-                  const double *const x, double *const sums)
-{
-  sum_sizes_of_rows(sizes.n_directions, sizes.stride, n, sizes.row(0, 0) + first, x, sums);
-}
-
-void add_sizes(const ShapeTable &sizes, const unsigned int first, const unsigned int n,
-               const double *const factors, double *const y)
-{
-  add_rows(sizes.n_directions, sizes.stride, n, sizes.row(0, 0) + first, factors, y);
-}
 
 void add_forces(const ShapeTable &gradients, const double *const A, double *const sums, double *const sizes)
 {

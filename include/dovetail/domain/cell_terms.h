@@ -15,7 +15,6 @@
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/full_matrix.h>
 
-#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -224,10 +223,8 @@ private:
   Flows given;
   std::vector<double> given_of_cell; ///< by component, of the last cell
   std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
-  std::vector<double> source_at_points; // scratch
-  ShapeTable sizes_of_shapes;
-  std::vector<std::array<double, dim + 1>> size_of_unknowns,
-      size_of_products; ///< gradient or flux, then value
+  std::vector<double> source_at_points, size_of_value; // scratch
+  std::vector<dealii::Tensor<1, dim>> size_of_gradient;
   std::vector<double> force_sizes, product_sizes;
 };
 

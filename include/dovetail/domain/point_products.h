@@ -36,16 +36,6 @@ struct ShapeTable
   std::vector<double> values;
 };
 
-/// The sizes of functions at one point: of their @p gradients by direction, then of their @p values.
-void tabulate_sizes(unsigned int dim, unsigned int n_functions, const double *values, const double *gradients,
-                    ShapeTable &sizes);
-
-/// sums[d] = sum_b sizes_d[first + b] |x[b]| for b < @p n, for each direction d of the only point.
-void add_up_sizes(const ShapeTable &sizes, unsigned int first, unsigned int n, const double *x, double *sums);
-
-/// y[a] += sum_d factors[d] sizes_d[first + a] for a < @p n.
-void add_sizes(const ShapeTable &sizes, unsigned int first, unsigned int n, const double *factors, double *y);
-
 /// sums[a] += sum_q f_a(q) and sizes[a] += sum_q |f_a(q)| with f_a(q) = grad phi_a(q) . A(q), for the flux
 /// @p A [point][direction] times the weight of the point.
 void add_forces(const ShapeTable &gradients, const double *A, double *sums, double *sizes);

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <set>
 
 namespace dovetail {
@@ -33,6 +35,21 @@ std::string why_entries(const Model<dim> &model, const std::vector<std::string> 
       return reason;
   }
   return "";
+}
+
+/// How many the fields of a group's bodies have.
+template <int dim>
+std::vector<unsigned int> components_of_fields(const Model<dim> &model, const SolveGroup &group)
+{
+  std::map<std::string, unsigned int> of_field;
+  for (const unsigned int b : group.blocks) {
+    const Block &block = model.numbering->blocks()[b];
+    of_field[block.field] = model.domains[block.domain_index]->fields()[block.field_index].n_components;
+  }
+  std::vector<unsigned int> result;
+  for (const auto &[field, n_components] : of_field)
+    result.push_back(n_components);
+  return result;
 }
 
 /// The boundary ids of a domain at which it is tied to another one, and goes on there.
@@ -131,14 +148,12 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     };
     const auto &blocks = model.numbering->blocks();
     std::set<std::string> body_fields;
-    group.n_components = 0;
     for (unsigned int b = 0; b < blocks.size(); ++b)
       if (std::find(fields.begin(), fields.end(), blocks[b].field) != fields.end()) {
         (blocks[b].is_constraint ? group.multiplier_blocks : group.blocks).push_back(b);
         group.n_unknowns += blocks[b].end - blocks[b].begin;
-        if (!blocks[b].is_constraint && body_fields.insert(blocks[b].field).second)
-          group.n_components +=
-              model.domains[blocks[b].domain_index]->fields()[blocks[b].field_index].n_components;
+        if (!blocks[b].is_constraint)
+          body_fields.insert(blocks[b].field);
       }
     group.is_symmetric = body_fields.size() == 1 && model.is_symmetric(*body_fields.begin());
     if (group.is_symmetric) // on all ranks or none: nothing has been assembled yet
@@ -146,9 +161,9 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
         return model.is_symmetric(field);
       };
     group.why_entries = why_entries(model, fields, group);
-    if (dim == 3 && std::all_of(group.blocks.begin(), group.blocks.end(), [&](const unsigned int b) {
-          return model.domains[blocks[b].domain_index]->fields()[blocks[b].field_index].n_components > 1;
-        }))
+    const auto components = components_of_fields(model, group);
+    group.n_components = std::accumulate(components.begin(), components.end(), 0u);
+    if (dim == 3 && std::all_of(components.begin(), components.end(), [](const auto n) { return n > 1; }))
       group.present_shape = [&model, blocks = group.blocks]() { return shape_of(model, blocks); };
     group.field = [&model](const unsigned int block) { return model.numbering->blocks()[block].field; };
     groups.push_back(std::move(group));

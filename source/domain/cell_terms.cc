@@ -84,8 +84,9 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
-      fluxes(n * responses.size()), uniform_response(n), lumped(all_lumped_components(domain)),
-      lumped_response(n), given(n), given_of_cell(n, 0.), source_of_component(n)
+      fluxes(n * responses.size()), uniform_response(n), is_asked(n, true), is_sized(n, false),
+      lumped(all_lumped_components(domain)), lumped_response(n), given(n), given_of_cell(n, 0.),
+      source_of_component(n)
 {
   const auto &fields = domain.fields();
   for (unsigned int c = 0; c < n; ++c)
@@ -185,9 +186,9 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
 {
   std::fill(residual.begin(), residual.end(), 0.);
   force_sizes.assign(layout.size(), 0.);
-  if (!operators.empty())
-    product_sizes.assign(layout.size(), 0.);
-  if (tangent)
+  const bool gives_away = tangent && is_any_asked(pairs_without_entries);
+  product_sizes.assign(gives_away ? layout.size() : 0, 0.);
+  if (tangent && has_entries(cell))
     std::fill_n(&(*tangent)(0, 0), tangent->n_elements(), 0.);
   if (tangent && !lumped.empty())
     lumped_tangent.reinit(residual.size(), residual.size());
@@ -196,7 +197,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   enter(cell);
   if (tangent == nullptr)
     has_uniform_tangent = false; // the next cell is not compared with the one of the last tangent
-  const bool needs_shapes = !with_source.empty() || !lumped.empty() || (tangent && !operators.empty());
+  const bool needs_shapes = !with_source.empty() || !lumped.empty() || gives_away;
   if (!needs_shapes)
     point.enter(cell_values, unknowns);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
@@ -215,7 +216,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     for (unsigned int c = 0; c < n; ++c)
       fluxes[c * cell_values.n_quadrature_points + q] = JxW * response.flux[c];
     add_source_of_laws(response, JxW, residual);
-    if (tangent && !operators.empty())
+    if (gives_away)
       give_away(cell, q, JxW, unknowns);
     if (!add_lumped_storage(q, JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr)) {
       has_uniform_tangent = false;
@@ -223,7 +224,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     }
   }
   add_fluxes(residual);
-  if (tangent && !pairs.empty())
+  if (tangent && is_any_asked(pairs))
     add_tangent(*tangent);
   if (tangent && !lumped.empty())
     tangent->add(1, lumped_tangent);
@@ -414,11 +415,14 @@ template <int dim>
 bool CellTerms<dim>::has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const
 {
   for (const Pair &pair : pairs)
-    if ((pair.coupling.flux_by_gradient && a.by_gradient[pair.index] != b.by_gradient[pair.index]) ||
-        (pair.coupling.flux_by_value && a.by_value[pair.index] != b.by_value[pair.index]) ||
-        (pair.coupling.source_by_gradient &&
-         a.source_by_gradient[pair.index] != b.source_by_gradient[pair.index]) ||
-        (pair.coupling.source_by_value && a.source_by_value[pair.index] != b.source_by_value[pair.index]))
+    if (!is_asked[pair.c])
+      continue;
+    else if ((pair.coupling.flux_by_gradient && a.by_gradient[pair.index] != b.by_gradient[pair.index]) ||
+             (pair.coupling.flux_by_value && a.by_value[pair.index] != b.by_value[pair.index]) ||
+             (pair.coupling.source_by_gradient &&
+              a.source_by_gradient[pair.index] != b.source_by_gradient[pair.index]) ||
+             (pair.coupling.source_by_value &&
+              a.source_by_value[pair.index] != b.source_by_value[pair.index]))
       return false;
   return true;
 }
@@ -432,6 +436,38 @@ void CellTerms<dim>::give_tangent_to(const Field &field, CellOperator<dim> &cell
   });
   pairs_without_entries.insert(pairs_without_entries.end(), middle, pairs.end());
   pairs.erase(middle, pairs.end());
+  find_sized();
+}
+
+template <int dim>
+void CellTerms<dim>::leave_out_coupling(const Field &field, const Field &by)
+{
+  const auto middle = std::stable_partition(pairs.begin(), pairs.end(), [&](const Pair &pair) {
+    return !field.has_component(pair.c) || !by.has_component(pair.d);
+  });
+  pairs_without_entries.insert(pairs_without_entries.end(), middle, pairs.end());
+  pairs.erase(middle, pairs.end());
+  find_sized();
+}
+
+template <int dim>
+void CellTerms<dim>::ask_for(const std::vector<bool> &fields)
+{
+  const std::vector<bool> before = is_asked;
+  for (unsigned int f = 0; f < fields.size(); ++f)
+    for (unsigned int c = 0; c < domain.fields()[f].n_components; ++c)
+      is_asked[domain.fields()[f].first_component + c] = fields[f];
+  has_uniform_tangent = has_uniform_tangent && is_asked == before;
+  find_sized();
+}
+
+template <int dim>
+void CellTerms<dim>::find_sized()
+{
+  is_sized.assign(n, false);
+  for (const Pair &pair : pairs_without_entries)
+    if (is_asked[pair.c])
+      is_sized[pair.d] = true;
 }
 
 /// Calls @p visit with the faces of a cell and the conditions that have a tangent there.
@@ -539,14 +575,16 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
   const auto source_by_displacement = [&](const unsigned int c, const unsigned int d) -> double & {
     return responses[q].source_by_value[(force.first_component() + c) * n + force.first_component() + d];
   };
-  const bool has_force = force.depends_on_displacement() && has_operator(force.first_component());
+  const bool has_force = force.depends_on_displacement() && has_operator(force.first_component()) &&
+                         is_asked[force.first_component()];
   if (has_force)
     by_position = force.derivative(cell_values.quadrature_point(q), point.state.t);
   for (unsigned int c = 0; has_force && c < dim; ++c)
     for (unsigned int d = 0; d < dim; ++d)
       source_by_displacement(c, d) -= by_position[c][d];
   for (const auto &[field, cells] : operators)
-    cells->set_tangent(cell->active_cell_index(), q, JxW / cell_values.JxW(q), response);
+    if (is_asked[field.first_component])
+      cells->set_tangent(cell->active_cell_index(), q, JxW / cell_values.JxW(q), response);
 
   const unsigned int n_shapes = layout.n_shapes();
   std::vector<double> sizes_of_shapes((dim + 1) * n_shapes);
@@ -557,7 +595,7 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
   std::vector<dealii::Tensor<1, dim>> &gradients = size_of_gradient;
   gradients.assign(n, {});
   for (unsigned int d = 0; d < n; ++d)
-    if (has_operator(d)) {
+    if (is_sized[d]) {
       const double *const x = &unknowns[layout.first(d)], *const sizes =
                                                               &sizes_of_shapes[layout.first_shape(d)];
       sum_sizes_of_rows(dim, n_shapes, layout.n_nodes(d), sizes, x, gradients[d].begin_raw());
@@ -565,6 +603,8 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
     }
   std::vector<std::array<double, dim + 1>> of_products(n); // flux, source
   for (const auto &[c, d, index, coupling] : pairs_without_entries) {
+    if (!is_asked[c])
+      continue;
     std::array<double, dim + 1> &product = of_products[c];
     if (coupling.source_by_value || has_force)
       product[dim] += JxW * std::abs(response.source_by_value[index]) * values[d];
@@ -578,7 +618,7 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
     }
   }
   for (unsigned int c = 0; c < n; ++c)
-    if (has_operator(c))
+    if (has_operator(c) && is_asked[c])
       add_rows(dim + 1, n_shapes, layout.n_nodes(c), &sizes_of_shapes[layout.first_shape(c)],
                of_products[c].data(), &product_sizes[layout.first(c)]);
   for (unsigned int c = 0; has_force && c < dim; ++c) // the next cell begins with what laws leave at zero
@@ -681,8 +721,8 @@ void CellTerms<dim>::add_pairs(dealii::FullMatrix<double> &tangent)
 {
   for (const auto &[c, d, index, coupling] : pairs) {
     const bool is_from_symmetry = is_symmetric(domain, c, d);
-    if (is_from_symmetry && d < c)
-      continue; // it has been copied
+    if (!is_asked[c] || (is_from_symmetry && d < c))
+      continue; // or it has been copied
     const ShapeTable &rows = tables.table(layout, c, coupling.in_source(), cell_values),
                      &columns = tables.table(layout, d, coupling.flux_by_value || coupling.source_by_value,
                                              cell_values);

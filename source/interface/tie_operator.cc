@@ -14,19 +14,15 @@
 namespace dovetail {
 
 template <int dim>
-bool TieOperator<dim>::is_possible(const Interface<dim> &interface)
+bool TieOperator<dim>::is_possible(const Interface<dim> &interface, const TiedField &field)
 {
-  if (interface.fields.size() != 1 || interface.tie().parts().point_terms == nullptr)
-    return false;
-  const TiedField &field = interface.fields[0];
-  return (field.n_components == 1 || field.n_components == dim) &&
-         interface.components[0].size() == field.n_components &&
-         interface.components[1].size() == field.n_components;
+  return interface.tie().parts().point_terms != nullptr && field.names[0] == field.names[1] &&
+         (field.n_components == 1 || field.n_components == dim);
 }
 
 template <int dim>
-TieOperator<dim>::TieOperator(const Interface<dim> &interface)
-    : interface(&interface), n_components(interface.fields[0].n_components)
+TieOperator<dim>::TieOperator(const Interface<dim> &interface, const TiedField &field)
+    : interface(&interface), field(&field), n_components(field.n_components)
 {
 }
 
@@ -45,8 +41,11 @@ void TieOperator<dim>::for_each_unknown(
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &group : interface->pairing().groups) {
     interface->group_dofs(group, dofs);
-    for (const auto dof : dofs)
-      visit(dof);
+    for (const unsigned int side : {0u, 1u}) {
+      const unsigned int first = interface->first_unknown(side, field->first_component[side]);
+      for (unsigned int i = first; i < first + n_components * n_nodes(side); ++i)
+        visit(dofs[i]);
+    }
   }
 }
 
@@ -69,22 +68,22 @@ void TieOperator<dim>::find_nodes(const std::function<int(dealii::types::global_
     const LeadingUnknowns &of_group = leading(g);
     interface->group_dofs(interface->pairing().groups[g], dofs);
     nodes_of_group.emplace_back();
-    unsigned int first = 0; // of a side
     for (const unsigned int side : {0u, 1u}) {
-      const std::vector<unsigned int> &leaders = of_group.nodes[side][0];
-      const unsigned int n_nodes = interface->n_local(side) / n_components;
+      const unsigned int first = interface->first_unknown(side, field->first_component[side]),
+                         place = first_position(side), n_nodes = this->n_nodes(side);
+      const std::vector<unsigned int> &leaders = of_group.nodes[side][place];
       std::vector<std::vector<unsigned int>> led(leaders.size());
       for (unsigned int i = 0; i < leaders.size(); ++i)
         led[i].push_back(leaders[i]);
       for (unsigned int a = 0; a < n_nodes; ++a)
-        if (const unsigned int i = of_group.leader[first + a] - of_group.first[side][0]; leaders[i] != a)
+        if (const unsigned int i = of_group.leader[first + a] - of_group.first[side][place]; leaders[i] != a)
           led[i].push_back(a);
       for (const std::vector<unsigned int> &line : led) {
         std::vector<int> key;
         for (const unsigned int a : line)
           key.push_back(index(dofs[first + a]));
-        const auto [place, is_new] = number.try_emplace(key, nodes.size());
-        nodes_of_group.back().push_back(place->second);
+        const auto [known, is_new] = number.try_emplace(key, nodes.size());
+        nodes_of_group.back().push_back(known->second);
         if (!is_new)
           continue;
         nodes.emplace_back();
@@ -94,7 +93,6 @@ void TieOperator<dim>::find_nodes(const std::function<int(dealii::types::global_
             nodes.back().index.push_back(index(dofs[first + c * n_nodes + a]));
         }
       }
-      first += interface->n_local(side);
     }
   }
   summands.clear();
@@ -120,12 +118,14 @@ void TieOperator<dim>::find_blocks()
     const LeadingUnknowns &of_group = leading(g);
     const std::vector<bool> in_jump = interface->unknowns_in_jump(interface->pairing().groups[g]);
     jumps.emplace_back(nodes_of_group[g].size(), by_flux);
-    for (unsigned int i = 0; i < in_jump.size(); ++i)
-      if (in_jump[i]) {
-        const unsigned int lead = of_group.leader[i], side = lead < of_group.n_of_side[0] ? 0 : 1,
-                           n = of_group.nodes[side][0].size();
-        jumps[g][side * of_group.nodes[0][0].size() + (lead - side * of_group.n_of_side[0]) % n] = true;
-      }
+    for (const unsigned int side : {0u, 1u}) {
+      const unsigned int first = interface->first_unknown(side, field->first_component[side]),
+                         place = first_position(side), n = of_group.nodes[side][place].size(),
+                         before = side == 0 ? 0 : of_group.nodes[0][first_position(0)].size();
+      for (unsigned int i = first; i < first + n_components * n_nodes(side); ++i)
+        if (in_jump[i])
+          jumps[g][before + (of_group.leader[i] - of_group.first[side][place]) % n] = true;
+    }
     for (unsigned int i = 0; i < nodes_of_group[g].size(); ++i)
       places[nodes_of_group[g][i]].emplace_back(g, i);
   }
@@ -134,7 +134,7 @@ void TieOperator<dim>::find_blocks()
   std::vector<unsigned int> last_row(nodes.size(), dealii::numbers::invalid_unsigned_int); // with this column
   for (unsigned int row = 0; row < nodes.size(); ++row) {
     for (const auto &[g, i] : places[row]) {
-      const unsigned int n_source = leading(g).nodes[0][0].size();
+      const unsigned int n_source = leading(g).nodes[0][first_position(0)].size();
       for (unsigned int j = 0; j < nodes_of_group[g].size(); ++j)
         if (const unsigned int other = nodes_of_group[g][j];
             other >= row && last_row[other] != row &&
@@ -181,10 +181,11 @@ void TieOperator<dim>::add(const unsigned int group, const dealii::FullMatrix<do
 {
   const LeadingUnknowns &of_group = leading(group);
   const std::vector<unsigned int> &own = nodes_of_group[group];
-  const unsigned int n = n_components, n_source = of_group.nodes[0][0].size();
+  const std::array<unsigned int, 2> place = {{first_position(0), first_position(1)}};
+  const unsigned int n = n_components, n_source = of_group.nodes[0][place[0]].size();
   const auto unknown = [&](const unsigned int i, const unsigned int c) {
     const unsigned int side = i < n_source ? 0 : 1;
-    return of_group.first[side][c] + i - side * n_source;
+    return of_group.first[side][place[side] + c] + i - side * n_source;
   };
   position_of.resize(nodes.size());
   for (unsigned int i = 0; i < own.size(); ++i) {
@@ -210,6 +211,18 @@ void TieOperator<dim>::add(const unsigned int group, const dealii::FullMatrix<do
         }
     }
   }
+}
+
+template <int dim>
+void TieOperator<dim>::clear_own_entries(dealii::FullMatrix<double> &of_all) const
+{
+  for (const unsigned int row_side : {0u, 1u})
+    for (const unsigned int side : {0u, 1u}) {
+      const unsigned int first_row = interface->first_unknown(row_side, field->first_component[row_side]),
+                         first = interface->first_unknown(side, field->first_component[side]);
+      for (unsigned int i = 0; i < n_components * n_nodes(row_side); ++i)
+        std::fill_n(&of_all(first_row + i, first), n_components * n_nodes(side), 0.);
+    }
 }
 
 template <int dim>

@@ -4,6 +4,7 @@
 #include <dovetail/output/plan.h>
 
 #include <algorithm>
+#include <map>
 #include <sstream>
 
 namespace dovetail {
@@ -64,10 +65,24 @@ void plan_geometry(const Model<dim> &model, Plan &plan)
   held.append_to(plan.needed, model.domains.size());
 }
 
+/// By field.
+template <int dim>
+std::map<std::string, unsigned int> stages_of_fields(const Model<dim> &model)
+{
+  const auto groups = model.field_groups();
+  const std::vector<unsigned int> stages = model.stages();
+  std::map<std::string, unsigned int> result;
+  for (unsigned int g = 0; g < groups.size(); ++g)
+    for (const std::string &field : groups[g])
+      result[field] = stages[g];
+  return result;
+}
+
 template <int dim>
 void plan_fields(const Model<dim> &model, Plan &plan)
 {
   DomainNames laws, absent, uncoupled;
+  const std::map<std::string, unsigned int> stage = stages_of_fields(model);
   for (const auto &group : model.field_groups())
     for (const std::string &name : group)
       for (const auto &domain : model.domains)
@@ -81,9 +96,11 @@ void plan_fields(const Model<dim> &model, Plan &plan)
   for (const auto &domain : model.domains)
     for (unsigned int f = 0; f < domain->fields().size(); ++f)
       for (unsigned int g = 0; g < domain->fields().size(); ++g)
-        if (!domain->material.depends(f, g))
-          uncoupled.add("block " + domain->fields()[f].name + " by " + domain->fields()[g].name,
-                        "not coupled", domain->name);
+        if (const std::string &field = domain->fields()[f].name, &by = domain->fields()[g].name;
+            !domain->material.depends(f, g))
+          uncoupled.add("block " + field + " by " + by, "not coupled", domain->name);
+        else if (model.solves_stages_apart() && stage.at(field) != stage.at(by))
+          uncoupled.add("block " + field + " by " + by, by + " is solved first", domain->name);
   laws.append_to(plan.needed, model.domains.size());
   absent.append_to(plan.left_out, model.domains.size());
   uncoupled.append_to(plan.left_out, model.domains.size());

@@ -69,6 +69,7 @@ template <int dim>
 void NonlinearStep<dim>::make_system(const double t)
 {
   present_system = std::make_unique<BlockSystem<dim>>(model);
+  present_system->leave_out_couplings(model.solves_stages_apart());
   predictor.forget();
   set_up(t);
   problem = std::make_unique<StepProblem<dim>>(model, *present_system, newton, linear_solver, phases, log);
@@ -482,6 +483,7 @@ bool NonlinearStep<dim>::predict(const double t, const Vector &x, Vector &trial)
     problem->set_guess(guess);
     return false;
   }
+  problem->first_stage(); // what iterates judges the guess
   Vector moves = x;
   present_system->constrain(moves);
   moves -= x;
@@ -547,6 +549,7 @@ template <int dim>
 void NonlinearStep<dim>::find_loads(const double t, const Vector &x)
 {
   begin(t, x);
+  problem->first_stage();           // as Newton's method does
   problem->residual_and_tangent(x); // moving prescribed values are loads by the tangent
 }
 

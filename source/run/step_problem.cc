@@ -59,23 +59,15 @@ StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system,
   }
 }
 
-/// A group that is affine gets a stage of its own, since one update solves it there. Others iterate beside
-/// those that drive them: one after the other they would take more assemblies. A linear scene has one stage,
-/// because the linear solver takes the groups one after the other anyway.
 template <int dim>
 std::vector<typename StepProblem<dim>::Stage> StepProblem<dim>::make_stages() const
 {
   const auto groups = model.field_groups();
-  const auto depends = [this](const auto &fields, const auto &on_fields) {
-    return std::any_of(fields.begin(), fields.end(), [&](const std::string &field) {
-      return std::any_of(on_fields.begin(), on_fields.end(),
-                         [&](const std::string &other) { return model.depends(field, other); });
-    });
-  };
+  const std::vector<unsigned int> number = model.stages();
   std::vector<Stage> result;
   std::vector<std::string> fields; // of the last stage
   for (unsigned int g = 0; g < groups.size(); ++g) {
-    if (g == 0 || (depends(groups[g], fields) && model.is_linear(groups[g]) && !model.is_linear())) {
+    if (g == 0 || number[g] != number[g - 1]) {
       result.push_back({g, g, {}, true});
       fields.clear();
     }
@@ -121,6 +113,10 @@ bool StepProblem<dim>::next_stage()
     return false;
   stages = {{0, stages.back().end_group, has_block, false}};
   enter_stage(0);
+  if (system.leaves_out_couplings()) {
+    system.leave_out_couplings(false);
+    make_other_matrix();
+  }
   return true;
 }
 
@@ -155,6 +151,7 @@ void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
     start = x;
   is_first_assembly = true;
   criterion.begin_step();
+  present_stage = 0; // whose tangent is assembled
   enter_all_stages();
   smallest_at_start.clear();
   largest_at_start.clear();
@@ -190,7 +187,7 @@ double StepProblem<dim>::residual_and_tangent(const Vector &x)
   const bool with_tangent = !system.keeps_tangent();
   has_new_tangent = has_new_tangent || with_tangent;
   is_stabilised = is_stabilised && !with_tangent;
-  return measure(system.assemble(x, with_tangent));
+  return measure(system.assemble(x, with_tangent, stages[present_stage].has_block));
 }
 
 /// What has been assembled.
@@ -557,7 +554,7 @@ bool StepProblem<dim>::is_scalar(const unsigned int b) const
 template <int dim>
 bool StepProblem<dim>::spread_prescribed_values(Vector &x)
 {
-  if (!std::isfinite(residual_and_tangent(x)))
+  if (!std::isfinite(measure(system.assemble(x, true))))
     return false;
   linear_solver.set_matrix(system.tangent());
   has_new_tangent = false;

@@ -193,6 +193,14 @@ BlockMatrix &BlockMatrix::operator=(const double zero)
   return *this;
 }
 
+void BlockMatrix::set_zero(const std::vector<bool> &rows)
+{
+  for (unsigned int p = 0; p < parts.size(); ++p)
+    if (rows[numberings[p].blocks()[0]])
+      for (const auto &[column, part] : parts[p])
+        *part = 0;
+}
+
 void BlockMatrix::copy_from(const BlockMatrix &other)
 {
   clear();

@@ -79,7 +79,6 @@ BlockSystem<dim>::BlockSystem(Model<dim> &model, const Form form) : model(model)
   is_of_multipliers.assign(fields.size(), false);
   for (unsigned int b = 0; b < field_of_block.size(); ++b)
     is_of_multipliers[field_of_block[b]] = model.numbering->blocks()[b].is_of_multipliers;
-  make_cell_terms();
 }
 
 template <int dim>
@@ -235,7 +234,7 @@ void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms,
       const bool is_without_entries = f == g && !has_entries(fields[f].name);
       const bool depends =
           (form == Form::direct ? domain.material.depends(f, g) : domain.material.depends(g, f)) &&
-          !is_without_entries;
+          !is_without_entries && !is_left_out(fields[f].name, fields[g].name);
       all_couple = all_couple && depends;
       any_couples = any_couples || depends;
       has_all_entries = has_all_entries && !is_without_entries;
@@ -259,6 +258,12 @@ void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms,
       else if (has_boundary_terms) {
         dealii::Table<2, bool> with_boundary(couples);
         terms.add_boundary_couplings(cell, with_boundary);
+        for (unsigned int f = 0; f < fields.size(); ++f)
+          for (unsigned int g = 0; g < fields.size(); ++g)
+            for (unsigned int i = begin(fields[f]);
+                 is_left_out(fields[f].name, fields[g].name) && i < end(fields[f]); ++i)
+              for (unsigned int j = begin(fields[g]); j < end(fields[g]); ++j)
+                with_boundary(i, j) = false;
         lines.add_entries_local_to_global(dofs, pattern, false, with_boundary);
       } else
         lines.add_entries_local_to_global(dofs, pattern, false, couples);
@@ -285,8 +290,7 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
   dealii::Table<2, bool> depends(n, n);
   for (unsigned int i = 0; i < n; ++i)
     for (unsigned int j = 0; j < n; ++j)
-      depends(i, j) = form == Form::direct ? interface.couples(component[i], component[j])
-                                           : interface.couples(component[j], component[i]);
+      depends(i, j) = has_entries(interface, component[i], component[j]);
   const bool by_flux = interface.tie().parts().point_terms->couples_fluxes();
   const bool by_inside = interface.tie().parts().point_terms->couples_insides(interface);
   const auto is_of_source = [&](const unsigned int i) { return i < interface.n_local(source); };
@@ -321,7 +325,7 @@ BlockSystem<dim>::make_pattern(const double t, const dealii::AffineConstraints<d
   for (const auto &interface : model.interfaces) {
     const TieParts<dim> parts = interface->tie().parts();
     if (interface->is_active(t)) {
-      if (parts.point_terms != nullptr && !is_given_as_products(*interface))
+      if (parts.point_terms != nullptr)
         add_pattern(*interface, lines, pattern);
       for (unsigned int i = 0; parts.multipliers != nullptr && i < parts.multipliers->n_terms(); ++i)
         lines.add_entries_local_to_global(parts.multipliers->term_dofs(i), pattern, false);
@@ -355,6 +359,8 @@ void BlockSystem<dim>::make_sparsity(const double t)
   find_dropped(t);
   if (!model.interfaces.empty())
     tie_seconds += timer.wall_time();
+  find_shares();
+  make_cell_terms();
   dealii::DynamicSparsityPattern pattern = make_pattern(t, constraints);
   has_tangent = false;
   n_tangents = 0;
@@ -365,6 +371,79 @@ void BlockSystem<dim>::make_sparsity(const double t)
   matrix.reinit(model.numbering->split(model.numbering->owned), parts_of_blocks(), pattern,
                 model.communicator);
   make_cell_operators(t);
+}
+
+/// Which unknowns are solved together.
+template <int dim>
+void BlockSystem<dim>::find_shares()
+{
+  const auto groups = model.field_groups();
+  const std::vector<unsigned int> stages =
+      has_couplings ? std::vector<unsigned int>(groups.size(), 0) : model.stages();
+  stage_of_field.clear();
+  for (unsigned int g = 0; g < groups.size(); ++g)
+    for (const std::string &field : groups[g])
+      stage_of_field[field] = stages[g];
+  stage_of_block.clear();
+  for (const Block &block : model.numbering->blocks())
+    stage_of_block.push_back(stage_of_field.at(block.field));
+  asked_stages.assign(stages.back() + 1, true);
+  shares.assign(model.domains.size(), {});
+  for (unsigned int d = 0; d < model.domains.size(); ++d) {
+    const auto &fields = model.domains[d]->fields();
+    const CellLayout<dim> &layout = model.domains[d]->layout();
+    for (unsigned int f = 0; f < fields.size(); ++f) {
+      const unsigned int stage = stage_of_field.at(fields[f].name);
+      auto share = std::find_if(shares[d].begin(), shares[d].end(),
+                                [&](const Share &other) { return other.stage == stage; });
+      if (share == shares[d].end())
+        share = shares[d].insert(share, {stage, {}, {}});
+      share->fields.push_back(f);
+      for (unsigned int i = layout.first(fields[f].first_component);
+           i < layout.first(fields[f].first_component + fields[f].n_components); ++i)
+        share->unknowns.push_back(i);
+    }
+  }
+}
+
+template <int dim>
+bool BlockSystem<dim>::is_left_out(const std::string &field, const std::string &by) const
+{
+  return stage_of_field.at(field) != stage_of_field.at(by);
+}
+
+template <int dim>
+typename BlockSystem<dim>::Shares
+BlockSystem<dim>::shares_of(const std::vector<dealii::types::global_dof_index> &dofs) const
+{
+  if (asked_stages.size() == 1)
+    return {{0, {}, {}}};
+  Shares result;
+  for (unsigned int i = 0; i < dofs.size(); ++i) {
+    const unsigned int stage = stage_of_block[model.numbering->block_of(dofs[i])];
+    auto share =
+        std::find_if(result.begin(), result.end(), [&](const Share &other) { return other.stage == stage; });
+    if (share == result.end())
+      share = result.insert(share, {stage, {}, {}});
+    share->unknowns.push_back(i);
+  }
+  return result;
+}
+
+/// The stages that have some of the blocks; empty: all.
+template <int dim>
+void BlockSystem<dim>::ask_for(const std::vector<bool> &blocks)
+{
+  asked_stages.assign(asked_stages.size(), blocks.empty());
+  for (unsigned int b = 0; b < blocks.size(); ++b)
+    if (blocks[b])
+      asked_stages[stage_of_block[b]] = true;
+  for (unsigned int d = 0; d < model.domains.size(); ++d) {
+    std::vector<bool> fields;
+    for (const Field &field : model.domains[d]->fields())
+      fields.push_back(asked_stages[stage_of_field.at(field.name)]);
+    cell_terms[d]->ask_for(fields);
+  }
 }
 
 /// Whether the tangent of the cells has entries in a field's own block.
@@ -389,32 +468,72 @@ void BlockSystem<dim>::make_cell_terms()
   }
 }
 
-/// Whether the terms of a tie need no entries, like the cells on both sides.
+/// Whether the terms of a tied field need no entries, like the cells on both sides.
 template <int dim>
-bool BlockSystem<dim>::is_given_as_products(const Interface<dim> &interface) const
+bool BlockSystem<dim>::is_given_as_products(const Interface<dim> &interface, const TiedField &field) const
 {
-  return form == Form::direct && TieOperator<dim>::is_possible(interface) &&
-         interface.fields[0].names[source] == interface.fields[0].names[destination] &&
-         !has_entries(interface.fields[0].names[source]);
+  return form == Form::direct && TieOperator<dim>::is_possible(interface, field) &&
+         !has_entries(field.names[source]);
+}
+
+/// Whether the tangent of a tie has entries in the row of a component and the column of another one, counted
+/// over both sides.
+template <int dim>
+bool BlockSystem<dim>::has_entries(const Interface<dim> &interface, const unsigned int row,
+                                   const unsigned int column) const
+{
+  if (!(form == Form::direct ? interface.couples(row, column) : interface.couples(column, row)))
+    return false;
+  const auto field_of = [&](const unsigned int i) -> const Field & {
+    const unsigned int n = interface.components[source].size();
+    const auto &side = interface.sides[i < n ? source : destination];
+    const unsigned int c = i < n ? interface.components[source][i] : interface.components[destination][i - n];
+    const auto &fields = side.domain->fields();
+    return *std::find_if(fields.begin(), fields.end(),
+                         [c](const Field &field) { return field.has_component(c); });
+  };
+  const std::string &name = field_of(row).name, &by = field_of(column).name;
+  return !is_left_out(name, by) &&
+         (name != by ||
+          std::none_of(interface.fields.begin(), interface.fields.end(), [&](const auto &field) {
+            return field.names[source] == name && is_given_as_products(interface, field);
+          }));
+}
+
+/// Those of its fields that have some, and are asked for.
+template <int dim>
+std::vector<TieOperator<dim> *> BlockSystem<dim>::products_of(const Interface<dim> &interface) const
+{
+  std::vector<TieOperator<dim> *> products;
+  for (const auto &[part, cells] : cellwise)
+    for (const TiedField &field : interface.fields)
+      if (TieOperator<dim> *of_field = cells->of_tie(interface, field);
+          of_field != nullptr && is_asked(matrix.numbering(part).blocks()[0]))
+        products.push_back(of_field);
+  return products;
 }
 
 /// In place of entries, where the groups do without.
 template <int dim>
 void BlockSystem<dim>::make_cell_operators(const double t)
 {
-  if (!cellwise.empty())
-    make_cell_terms();
+  for (unsigned int d = 0; d < model.domains.size(); ++d)
+    for (const Field &field : model.domains[d]->fields())
+      for (const Field &by : model.domains[d]->fields())
+        if (is_left_out(field.name, by.name))
+          cell_terms[d]->leave_out_coupling(field, by);
   cellwise.clear();
   const auto &blocks = model.numbering->blocks();
   for (unsigned int b = 0; b < blocks.size(); ++b)
     if (const unsigned int part = matrix.part_of(b);
         !blocks[b].is_constraint && !has_entries(blocks[b].field) && cellwise.count(part) == 0) {
-      std::vector<const Interface<dim> *> interfaces;
+      std::vector<typename CellwiseTangent<dim>::FieldOfTie> ties;
       for (const auto &interface : model.interfaces)
-        if (interface->is_active(t) && is_given_as_products(*interface) &&
-            interface->fields[0].names[source] == blocks[b].field)
-          interfaces.push_back(interface.get());
-      cellwise[part] = std::make_shared<CellwiseTangent<dim>>(model, matrix.numbering(part), interfaces);
+        for (const TiedField &field : interface->fields)
+          if (interface->is_active(t) && is_given_as_products(*interface, field) &&
+              field.names[source] == blocks[b].field)
+            ties.emplace_back(interface.get(), &field);
+      cellwise[part] = std::make_shared<CellwiseTangent<dim>>(model, matrix.numbering(part), ties);
       matrix.set_operator(part, cellwise[part]);
     }
   for (unsigned int b = 0; b < blocks.size(); ++b)
@@ -647,7 +766,7 @@ void throw_on_all_ranks(const std::exception_ptr &fault, const MPI_Comm &communi
 template <int dim>
 AffineResidual<dim> *BlockSystem<dim>::affine_residual()
 {
-  if (!has_tangent || !has_rates() || !cellwise.empty() || form != Form::direct ||
+  if (!has_tangent || !has_rates() || !cellwise.empty() || form != Form::direct || asked_stages.size() > 1 ||
       !AffineResidual<dim>::is_possible(model, time))
     return nullptr;
   if (!affine) {
@@ -777,10 +896,24 @@ std::vector<double> squares_of_products(const BlockMatrix &matrix, const Vector 
 
 } // namespace
 
+/// Those of the stages that are asked for are assembled anew.
+template <int dim>
+void BlockSystem<dim>::begin_tangent(const std::vector<bool> &of_blocks)
+{
+  ask_for(of_blocks);
+  std::vector<bool> rows;
+  for (unsigned int b = 0; b < field_of_block.size(); ++b)
+    rows.push_back(is_asked(b));
+  matrix.set_zero(rows);
+  for (const auto &[part, cells] : cellwise)
+    if (is_asked(matrix.numbering(part).blocks()[0]))
+      cells->begin(constraints);
+}
+
 /// Where the second tangent is that of another step, as in the start of a scheme, a third one may never come.
 /// The rounding that tangent_at_x stands for falls and grows with x also where the tangent is a sum.
 template <int dim>
-bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
+bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const std::vector<bool> &of_blocks)
 {
   const unsigned int few_tangents = 2;
   if ((!with_tangent || n_tangents >= few_tangents) && affine_residual() != nullptr) {
@@ -795,11 +928,8 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
   ghosted_scratch = x;
   move_constraints_from(ghosted_scratch);
   right_hand_side = 0;
-  if (with_tangent) {
-    matrix = 0;
-    for (const auto &part : cellwise)
-      part.second->begin(constraints);
-  }
+  if (with_tangent)
+    begin_tangent(of_blocks);
   problem_here = {};
   last_undefined() = {};
   const unsigned int n_blocks = field_of_block.size();
@@ -817,19 +947,21 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent)
     matrix.compress(dealii::VectorOperation::add);
   right_hand_side.compress(dealii::VectorOperation::add);
   if (with_tangent)
-    for (const auto &part : cellwise) {
-      part.second->finish();
-      if (moves_constraints())
-        part.second->subtract_moves(constraints, right_hand_side);
-    }
+    for (const auto &[part, cells] : cellwise)
+      if (is_asked(matrix.numbering(part).blocks()[0])) {
+        cells->finish();
+        if (moves_constraints())
+          cells->subtract_moves(constraints, right_hand_side);
+      }
   if (share < 1)
     right_hand_side.add(share - 1, held_back);
   for (auto *block_sums : {&sizes.forces, &sizes.on_free, &sizes.tangents, &sizes.products})
     dealii::Utilities::MPI::sum(*block_sums, model.communicator, *block_sums);
-  if (with_tangent) {
-    tangent_at_x = sizes.tangents;
-    products_at_x = sizes.products;
-  }
+  for (unsigned int b = 0; with_tangent && b < n_blocks; ++b)
+    if (is_asked(b)) {
+      tangent_at_x[b] = sizes.tangents[b];
+      products_at_x[b] = sizes.products[b];
+    }
   throw_on_all_ranks(fault, model.communicator);
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   has_tangent = with_tangent ? is_defined : has_tangent;
@@ -987,8 +1119,45 @@ void BlockSystem<dim>::note_undefined(const std::string &where)
   problem_here.reason += " [" + where + "]";
 }
 
+/// Of the tangent those stages that are asked for.
 template <int dim>
-void BlockSystem<dim>::scatter(const std::vector<double> &residual,
+void BlockSystem<dim>::scatter(const Shares &shares, const std::vector<double> &residual,
+                               const std::vector<dealii::types::global_dof_index> &dofs,
+                               const bool with_tangent, const unsigned int cell_index, const unsigned int d)
+{
+  for (unsigned int s = 0; s < shares.size(); ++s) {
+    const std::vector<unsigned int> &unknowns = shares[s].unknowns;
+    const unsigned int n = unknowns.size();
+    const bool has_matrix = with_tangent && asked_stages[shares[s].stage], is_all = shares.size() == 1;
+    if (!is_all) {
+      residual_of_share.resize(n);
+      dofs_of_share.resize(n);
+      for (unsigned int i = 0; i < n; ++i) {
+        residual_of_share[i] = residual[unknowns[i]];
+        dofs_of_share[i] = dofs[unknowns[i]];
+      }
+    }
+    if (!is_all && has_matrix) {
+      if (matrix_of_share.m() != n)
+        matrix_of_share.reinit(n, n, true);
+      for (unsigned int i = 0; i < n; ++i)
+        for (unsigned int j = 0; j < n; ++j)
+          matrix_of_share(i, j) = local_matrix(unknowns[i], unknowns[j]);
+    }
+    const auto &matrix_here = is_all ? local_matrix : matrix_of_share;
+    const auto &residual_here = is_all ? residual : residual_of_share;
+    const auto &dofs_here = is_all ? dofs : dofs_of_share;
+    const bool may_be_known =
+        has_matrix && cell_index != dealii::numbers::invalid_unsigned_int && positions[d][s] != nullptr;
+    if (!may_be_known || !positions[d][s]->add(cell_index, dofs_here, constraints, matrix_here, residual_here,
+                                               right_hand_side))
+      scatter(matrix_here, residual_here, dofs_here, has_matrix);
+  }
+}
+
+template <int dim>
+void BlockSystem<dim>::scatter(const dealii::FullMatrix<double> &of_matrix,
+                               const std::vector<double> &residual,
                                const std::vector<dealii::types::global_dof_index> &dofs,
                                const bool with_tangent)
 {
@@ -997,12 +1166,33 @@ void BlockSystem<dim>::scatter(const std::vector<double> &residual,
     local_rhs[i] = -residual[i];
   if (with_tangent && form == Form::transposed) {
     local_transpose.reinit(residual.size(), residual.size(), true);
-    local_transpose.copy_transposed(local_matrix);
+    local_transpose.copy_transposed(of_matrix);
     distribute_local_to_global(constraints, local_transpose, local_rhs, dofs, matrix, right_hand_side);
   } else if (with_tangent)
-    distribute_local_to_global(constraints, local_matrix, local_rhs, dofs, matrix, right_hand_side);
+    distribute_local_to_global(constraints, of_matrix, local_rhs, dofs, matrix, right_hand_side);
   else
     constraints.distribute_local_to_global(local_rhs, dofs, right_hand_side);
+}
+
+/// From the second tangent on.
+template <int dim>
+void BlockSystem<dim>::keep_positions(const unsigned int d, const bool with_tangent)
+{
+  positions.resize(model.domains.size());
+  positions[d].resize(shares[d].size());
+  if (!with_tangent || form != Form::direct || !cell_terms[d]->has_entries())
+    return;
+  for (unsigned int s = 0; s < shares[d].size(); ++s)
+    if (asked_stages[shares[d][s].stage] &&
+        std::any_of(shares[d][s].fields.begin(), shares[d][s].fields.end(), [&](const unsigned int f) {
+          return shares[d].size() == 1 || has_entries(model.domains[d]->fields()[f].name);
+        })) {
+      if (positions[d][s])
+        positions[d][s]->keep();
+      else
+        positions[d][s] =
+            std::make_unique<KeptPositions<dim>>(*model.domains[d], shares[d][s].fields, matrix);
+    }
 }
 
 template <int dim>
@@ -1013,17 +1203,14 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns(n_local), residual(n_local);
   local_matrix.reinit(n_local, n_local);
-  positions.resize(model.domains.size());
-  if (with_tangent && form == Form::direct && cell_terms[d]->has_entries() && !positions[d])
-    positions[d] = std::make_unique<KeptPositions<dim>>(domain, matrix);
-  if (with_tangent && has_tangent && positions[d])
-    positions[d]->keep();
+  keep_positions(d, with_tangent);
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      if (with_tangent && positions[d])
-        positions[d]->prefetch(cell->active_cell_index());
+      for (unsigned int s = 0; with_tangent && s < shares[d].size(); ++s)
+        if (positions[d][s] && asked_stages[shares[d][s].stage])
+          positions[d][s]->prefetch(cell->active_cell_index());
       if (!cell_terms[d]->assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr)) {
         note_undefined("domain " + domain.name + ", the cell around " + in_words(cell->center()));
         return false;
@@ -1032,12 +1219,48 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
       add_sizes(dofs, cell_terms[d]->forces(), unknowns, cell_terms[d]->longest_sum(), has_local_matrix);
       if (with_tangent && !cell_terms[d]->products().empty())
         add_products(dofs, cell_terms[d]->products(), cell_terms[d]->longest_sum());
-      if (!has_local_matrix || !positions[d] ||
-          !positions[d]->add(cell->active_cell_index(), dofs, constraints, local_matrix, residual,
-                             right_hand_side))
-        scatter(residual, dofs, has_local_matrix);
+      scatter(shares[d], residual, dofs, has_local_matrix, cell->active_cell_index(), d);
     }
   return true;
+}
+
+/// Anywhere.
+template <int dim>
+bool BlockSystem<dim>::has_entries(const Interface<dim> &interface) const
+{
+  const unsigned int n = interface.components[source].size() + interface.components[destination].size();
+  for (unsigned int row = 0; row < n; ++row)
+    for (unsigned int column = 0; column < n; ++column)
+      if (has_entries(interface, row, column))
+        return true;
+  return false;
+}
+
+/// The terms of a group. @p rest: what is not given as products
+/// @return whether they are defined
+template <int dim>
+bool BlockSystem<dim>::assemble_products(PointTerms<dim> &terms, const Interface<dim> &interface,
+                                         const unsigned int g,
+                                         const std::vector<TieOperator<dim> *> &products,
+                                         const std::vector<dealii::types::global_dof_index> &dofs,
+                                         const std::vector<double> &unknowns, std::vector<double> &residual,
+                                         dealii::FullMatrix<double> *rest)
+{
+  const LeadingUnknowns &leading = products[0]->leading(g);
+  residual_of_leading.assign(leading.size(), 0.);
+  of_leading.reinit(leading.size(), leading.size());
+  const bool is_defined = terms.assemble_leading(interface, interface.pairing().groups[g], time, unknowns,
+                                                 residual_of_leading, &of_leading);
+  leading.expand(residual_of_leading, residual);
+  for (TieOperator<dim> *of_field : products)
+    of_field->add(g, of_leading);
+  add_products(dofs, leading.sizes_of_products(of_leading, unknowns), dofs.size());
+  if (rest == nullptr)
+    return is_defined;
+  leading.expand(of_leading, *rest);
+  for (const TieOperator<dim> *of_field : products)
+    of_field->clear_own_entries(*rest);
+  return is_defined;
 }
 
 template <int dim>
@@ -1045,45 +1268,40 @@ bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vecto
                                           const bool with_tangent)
 {
   PointTerms<dim> &terms = *interface.tie().parts().point_terms;
-  TieOperator<dim> *products = nullptr;
-  for (const auto &part : cellwise)
-    if (with_tangent && products == nullptr)
-      products = part.second->of_interface(interface);
+  const std::vector<TieOperator<dim> *> products =
+      with_tangent ? products_of(interface) : std::vector<TieOperator<dim> *>();
   std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns, residual, residual_of_leading;
-  dealii::FullMatrix<double> of_leading;
+  std::vector<double> unknowns, residual;
   const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
   unknowns.resize(n_local);
-  const bool has_local_matrix = with_tangent && products == nullptr;
+  const bool has_local_matrix = with_tangent && has_entries(interface);
   if (has_local_matrix)
     local_matrix.reinit(n_local, n_local);
+  Shares shares_here; // those of all groups
   const auto &groups = interface.pairing().groups;
   for (unsigned int g = 0; g < groups.size(); ++g) {
     const auto &group = groups[g];
     interface.group_dofs(group, dofs);
+    if (g == 0)
+      shares_here = shares_of(dofs);
     ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
     residual.assign(n_local, 0.);
     bool is_defined = true;
-    if (products != nullptr) {
-      const LeadingUnknowns &leading = products->leading(g);
-      residual_of_leading.assign(leading.size(), 0.);
-      of_leading.reinit(leading.size(), leading.size());
-      is_defined = terms.assemble_leading(interface, group, time, unknowns, residual_of_leading, &of_leading);
-      leading.expand(residual_of_leading, residual);
-      products->add(g, of_leading);
-      add_products(dofs, leading.sizes_of_products(of_leading, unknowns), n_local);
-    } else {
-      if (with_tangent)
+    if (!products.empty())
+      is_defined = assemble_products(terms, interface, g, products, dofs, unknowns, residual,
+                                     has_local_matrix ? &local_matrix : nullptr);
+    else {
+      if (with_tangent && has_local_matrix)
         local_matrix = 0;
-      is_defined =
-          terms.assemble(interface, group, time, unknowns, residual, with_tangent ? &local_matrix : nullptr);
+      is_defined = terms.assemble(interface, group, time, unknowns, residual,
+                                  has_local_matrix ? &local_matrix : nullptr);
     }
     if (!is_defined) {
       note_undefined("interface " + interface.name + " near " +
                      in_words(interface.pairing().X(source, group.begin)));
       return false;
     }
-    add_sizes(dofs, residual, unknowns, n_local, has_local_matrix);
+    add_sizes(dofs, residual, unknowns, n_local, has_local_matrix && products.empty());
     if (const auto position = merge_repeated(interface, dofs); !position.empty()) {
       std::vector<double> merged_residual(dofs.size(), 0.);
       dealii::FullMatrix<double> merged(dofs.size(), dofs.size());
@@ -1093,10 +1311,10 @@ bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vecto
           merged(position[i], position[j]) += local_matrix(i, j);
       }
       std::swap(merged, local_matrix);
-      scatter(merged_residual, dofs, has_local_matrix);
+      scatter(shares_of(dofs), merged_residual, dofs, has_local_matrix);
       std::swap(merged, local_matrix);
     } else
-      scatter(residual, dofs, has_local_matrix);
+      scatter(shares_here, residual, dofs, has_local_matrix);
   }
   return true;
 }
@@ -1112,7 +1330,8 @@ void BlockSystem<dim>::assemble_multipliers(const Interface<dim> &interface, con
   if (!interface.is_active(time)) { // they are zero
     local_matrix.reinit(1, 1);
     local_matrix(0, 0) = 1;
-    for_each_multiplier(interface, [&](const auto dof) { scatter({ghosted(dof)}, {dof}, with_tangent); });
+    for_each_multiplier(
+        interface, [&](const auto dof) { scatter(shares_of({dof}), {ghosted(dof)}, {dof}, with_tangent); });
     return;
   }
   for (unsigned int i = 0; i < multipliers->n_terms(); ++i) {
@@ -1126,7 +1345,7 @@ void BlockSystem<dim>::assemble_multipliers(const Interface<dim> &interface, con
     if (dofs.size() > 1) // in the multiplier's equation the traces cancel
       row_values.back() = multipliers->magnitude_of_term(i, unknowns);
     add_sizes(dofs, row_values, unknowns, dofs.size(), with_tangent);
-    scatter(residual, dofs, with_tangent);
+    scatter(shares_of(dofs), residual, dofs, with_tangent);
   }
 }
 

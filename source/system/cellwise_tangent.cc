@@ -23,7 +23,7 @@ namespace dovetail {
 
 template <int dim>
 CellwiseTangent<dim>::CellwiseTangent(const Model<dim> &model, const RowNumbering &rows,
-                                      const std::vector<const Interface<dim> *> &interfaces)
+                                      const std::vector<FieldOfTie> &given_ties)
     : model(model), rows(rows), place_of_block(model.numbering->blocks().size(), -1)
 {
   for (unsigned int i = 0; i < rows.blocks().size(); ++i) {
@@ -32,8 +32,8 @@ CellwiseTangent<dim>::CellwiseTangent(const Model<dim> &model, const RowNumberin
     place_of_block[rows.blocks()[i]] = i;
     operators[block.domain_index] = CellOperator<dim>::make(domain, domain.fields()[block.field_index]);
   }
-  for (const Interface<dim> *interface : interfaces)
-    ties.push_back(std::make_unique<TieOperator<dim>>(*interface));
+  for (const auto &[interface, field] : given_ties)
+    ties.push_back(std::make_unique<TieOperator<dim>>(*interface, *field));
   collect_columns();
 }
 

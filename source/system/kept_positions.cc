@@ -10,21 +10,28 @@
 namespace dovetail {
 
 template <int dim>
-KeptPositions<dim>::KeptPositions(const Domain<dim> &domain, const BlockMatrix &matrix)
-    : matrix(matrix), n_local(domain.dofs_per_cell()), n_cells(domain.mesh().n_active_cells()),
-      columns(n_local)
+KeptPositions<dim>::KeptPositions(const Domain<dim> &domain, const std::vector<unsigned int> &fields,
+                                  const BlockMatrix &matrix)
+    : matrix(matrix), n_cells(domain.mesh().n_active_cells())
 {
   const CellLayout<dim> &layout = domain.layout();
-  for (const Field &field : domain.fields())
-    for (unsigned int a = 0; a < layout.n_nodes(field.first_component); ++a) {
+  for (const unsigned int f : fields) {
+    const Field &field = domain.fields()[f];
+    const unsigned int n_nodes = layout.n_nodes(field.first_component);
+    for (unsigned int a = 0; a < n_nodes; ++a) {
       nodes.emplace_back();
       for (unsigned int c = 0; c < field.n_components; ++c)
-        nodes.back().push_back(layout.index(field.first_component + c, a));
+        nodes.back().push_back(n_local + c * n_nodes + a);
     }
+    n_local += field.n_components * n_nodes;
+  }
   const dealii::BlockIndices &indices = matrix.get_row_indices();
   const Index end = domain.first_dof() + domain.dof_handler().n_dofs();
+  unsigned int field_of_block = 0;
   for (unsigned int b = 0; b < indices.size(); ++b)
-    if (const Index begin = indices.block_start(b); begin >= domain.first_dof() && begin < end) {
+    if (const Index begin = indices.block_start(b);
+        begin >= domain.first_dof() && begin < end &&
+        std::find(fields.begin(), fields.end(), field_of_block++) != fields.end()) {
       const RowNumbering &numbering = matrix.numbering(matrix.part_of(b));
       const auto &members = numbering.blocks();
       const unsigned int i = std::find(members.begin(), members.end(), b) - members.begin();
@@ -35,6 +42,7 @@ KeptPositions<dim>::KeptPositions(const Domain<dim> &domain, const BlockMatrix &
   const Epetra_CrsMatrix &entries = matrix.part(part, part).trilinos_matrix();
   for (int row = 0; row < entries.NumMyRows() && columns_are_rows; ++row)
     columns_are_rows = entries.LCID(entries.GRID(row)) == row;
+  columns.resize(n_local);
   all_rows.resize(n_local);
   positions.resize(nodes.size() * nodes.size());
 }

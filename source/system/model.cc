@@ -415,6 +415,25 @@ std::vector<std::vector<std::string>> Model<dim>::field_groups() const
 }
 
 template <int dim>
+std::vector<unsigned int> Model<dim>::stages() const
+{
+  std::vector<unsigned int> result;
+  std::vector<std::string> fields; // of the last stage
+  for (const auto &group : field_groups()) {
+    const bool is_driven = std::any_of(group.begin(), group.end(), [&](const std::string &field) {
+      return std::any_of(fields.begin(), fields.end(),
+                         [&](const std::string &other) { return depends(field, other); });
+    });
+    const bool follows = is_driven && is_linear(group) && !is_linear();
+    if (follows)
+      fields.clear();
+    result.push_back(result.empty() ? 0 : result.back() + (follows ? 1 : 0));
+    fields.insert(fields.end(), group.begin(), group.end());
+  }
+  return result;
+}
+
+template <int dim>
 unsigned int Model<dim>::order_in_time() const
 {
   unsigned int order = 0;

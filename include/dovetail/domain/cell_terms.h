@@ -15,6 +15,7 @@
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/lac/full_matrix.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -54,6 +55,10 @@ public:
   /// assemble_boundary() adds; the latter stays in the tangent.
   void leave_out_given() { leaves_out_given = true; }
   void leave_out_boundary() { leaves_out_boundary = true; }
+  /// From now on the tangent has no terms of a field by another one.
+  void leave_out_coupling(const Field &field, const Field &by);
+  /// From now on assemble() may leave out the terms of the tangent in the rows of other fields.
+  void ask_for(const std::vector<bool> &fields);
   const Domain<dim> &body() const { return domain; }
   /// Whether some condition has a tangent on a face of the cell.
   bool has_boundary_tangent(const typename Domain<dim>::cell_iterator &cell) const;
@@ -62,7 +67,7 @@ public:
                               dealii::Table<2, bool> &couples) const;
   bool lumps_storage() const { return !lumped.empty(); } ///< on the diagonal of the tangent
   /// Whether the tangent of every cell has entries, and of this one.
-  bool has_entries() const { return !pairs.empty() || lumps_storage(); }
+  bool has_entries() const { return is_any_asked(pairs) || lumps_storage(); }
   bool has_entries(const typename Domain<dim>::cell_iterator &cell) const
   {
     return has_entries() || has_boundary_tangent(cell);
@@ -110,7 +115,7 @@ public:
 
   /// Of the last assemble(), by local unknown: the sum of the absolute contributions of all points.
   const std::vector<double> &forces() const { return force_sizes; }
-  /// By local unknown, of the tangent that has been given away: at least sum_j |K_ij x_j|.
+  /// By local unknown, of the tangent that has been given away or left out: at least sum_j |K_ij x_j|.
   const std::vector<double> &products() const { return product_sizes; }
   /// How many roundings stand behind an entry of the residual: the terms of a gradient, of the product with
   /// the flux, of the sum over the points, and of that over the cells at a node.
@@ -157,6 +162,7 @@ private:
   void add_pairs(dealii::FullMatrix<double> &tangent);
   bool has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const;
   bool has_operator(unsigned int component) const;
+  void find_sized();
   template <typename Visit>
   void for_each_tangent(const typename Domain<dim>::cell_iterator &cell, const Visit &visit) const;
   void give_away(const typename Domain<dim>::cell_iterator &cell, unsigned int q, double JxW,
@@ -207,8 +213,15 @@ private:
     unsigned int c, d, index;
     Coupling coupling;
   };
+  bool is_any_asked(const std::vector<Pair> &of_pairs) const
+  {
+    return std::any_of(of_pairs.begin(), of_pairs.end(),
+                       [this](const Pair &pair) { return is_asked[pair.c]; });
+  }
   std::vector<Pair> pairs, pairs_without_entries;
-  std::vector<std::pair<Field, CellOperator<dim> *>> operators; ///< of the latter
+  std::vector<bool> is_asked; ///< by component: its rows of the tangent
+  std::vector<bool> is_sized; ///< by component: what it multiplies in pairs_without_entries
+  std::vector<std::pair<Field, CellOperator<dim> *>> operators; ///< of the latter, but for what is left out
   std::vector<unsigned int> with_source;                        ///< components for which the laws have one
   bool has_loads = false;                                       ///< some of them is not storage alone
   const Rates *rates = nullptr;

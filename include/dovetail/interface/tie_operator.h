@@ -17,7 +17,8 @@
 
 namespace dovetail {
 
-/// The tangent of the PointTerms of an interface, in the groups of this rank and before any constraint,
+/// The tangent of the PointTerms of an interface in the rows and columns of one tied field, in the groups of
+/// this rank and before any constraint,
 /// @f[ S = G^T T G, @f]
 /// with T in the leading unknowns (leading_unknowns.h): those on the faces, and one for each line of nodes
 /// into a cell, which neighbours share. T has three to nine times fewer entries than S for degree 4 in 3D. It
@@ -28,22 +29,26 @@ template <int dim>
 class TieOperator
 {
 public:
-  /// Whether one can take the terms of an interface: they are of one field, which depends on no other one.
-  static bool is_possible(const Interface<dim> &interface);
+  /// Whether one can take the terms of a field of the interface.
+  static bool is_possible(const Interface<dim> &interface, const TiedField &field);
 
   /// @pre is_possible()
-  explicit TieOperator(const Interface<dim> &interface);
+  TieOperator(const Interface<dim> &interface, const TiedField &field);
   std::unique_ptr<TieOperator> copy() const { return std::make_unique<TieOperator>(*this); }
 
   const Interface<dim> &tied() const { return *interface; }
-  /// Calls @p visit with each unknown of the whole system that a group has.
+  const TiedField &of_field() const { return *field; }
+  /// Calls @p visit with each unknown of the field in the whole system that a group has.
   void for_each_unknown(const std::function<void(dealii::types::global_dof_index)> &visit) const;
   /// @p index of each such unknown in the arrays. Finds which blocks T has.
   void number(const std::function<int(dealii::types::global_dof_index)> &index);
 
   const LeadingUnknowns &leading(unsigned int group) const;
   void begin_tangent(); ///< T = 0; then add() for each group and finish_tangent()
+  /// @p of_leading: all unknowns, those of other fields are left out
   void add(unsigned int group, const dealii::FullMatrix<double> &of_leading);
+  /// Of a matrix in all unknowns of a group.
+  void clear_own_entries(dealii::FullMatrix<double> &of_all) const;
   void finish_tangent();
   void add_tangent(double factor, const TieOperator &other); ///< @p other: a copy of this one
 
@@ -86,7 +91,14 @@ private:
   template <int n>
   void multiply(const double *x, double *y, bool of_symmetric_part) const;
 
+  unsigned int first_position(const unsigned int side) const ///< of the components of the field
+  {
+    return interface->position(side, field->first_component[side]);
+  }
+  unsigned int n_nodes(const unsigned int side) const { return field->n_nodes[side]; }
+
   const Interface<dim> *interface;
+  const TiedField *field;
   unsigned int n_components;
   std::vector<Node> nodes;
   std::vector<std::vector<unsigned int>> nodes_of_group; ///< in the order of its leading unknowns

@@ -82,6 +82,7 @@ public:
   }
 
   BlockMatrix &operator=(double zero);
+  void set_zero(const std::vector<bool> &rows); ///< of some blocks, which are whole parts
   void copy_from(const BlockMatrix &other);
   void add(double factor, const BlockMatrix &other); ///< of the same pattern
   void add(size_type row, size_type n, const size_type *columns, const double *values,

@@ -48,6 +48,11 @@ public:
   /// entries. If not, the tangent of the cells is products; that of ties and conditions has entries.
   void choose_entries(const std::vector<bool> &of_groups) { groups_with_entries = of_groups; }
 
+  /// From the next set_up() or make_matrix() on: the blocks of one stage by another (Model::stages) are left
+  /// out of the tangent.
+  void leave_out_couplings(const bool are_left_out) { has_couplings = !are_left_out; }
+  bool leaves_out_couplings() const { return !has_couplings; }
+
   /// Constraints, sparsity and matrix for what is active at time @p t. Collective.
   void set_up(double t);
   /// Those entries that choose_entries() has asked for, and nothing else anew. Collective.
@@ -69,9 +74,10 @@ public:
   /// Within a step: let the ties change their equations at @p x. @return whether one did. Collective.
   bool adapt_ties(double t, const Vector &x);
 
-  /// R(x), and the tangent. @return false, on all ranks alike, if a law is not defined at x. @throw UserError
+  /// R(x), and the tangent, of which rows of other blocks than @p of_blocks may stay as they are (empty: all
+  /// are asked for). @return false, on all ranks alike, if a law is not defined at x. @throw UserError
   /// if what is not defined is not so at any x.
-  bool assemble(const Vector &x, bool with_tangent);
+  bool assemble(const Vector &x, bool with_tangent, const std::vector<bool> &of_blocks = {});
   /// The state of the last assembly becomes the solution so far.
   void accept_state();
   /// Of a solution @p x of time @p t: let all laws remember it. Nothing is remembered, and false returned on
@@ -187,9 +193,22 @@ private:
   void make_sparsity(double t);
   std::vector<unsigned int> parts_of_blocks() const;
   bool has_entries(const std::string &field) const;
+  void find_shares();
+  bool is_left_out(const std::string &field, const std::string &by) const;
+  bool is_asked(unsigned int block) const { return asked_stages[stage_of_block[block]]; }
+  void ask_for(const std::vector<bool> &blocks);
+  void begin_tangent(const std::vector<bool> &of_blocks);
   void make_cell_terms();
   void make_cell_operators(double t);
-  bool is_given_as_products(const Interface<dim> &interface) const;
+  bool is_given_as_products(const Interface<dim> &interface, const TiedField &field) const;
+  bool has_entries(const Interface<dim> &interface, unsigned int row, unsigned int column) const;
+  bool has_entries(const Interface<dim> &interface) const;
+  std::vector<TieOperator<dim> *> products_of(const Interface<dim> &interface) const;
+  bool assemble_products(PointTerms<dim> &terms, const Interface<dim> &interface, unsigned int g,
+                         const std::vector<TieOperator<dim> *> &products,
+                         const std::vector<dealii::types::global_dof_index> &dofs,
+                         const std::vector<double> &unknowns, std::vector<double> &residual,
+                         dealii::FullMatrix<double> *rest);
   dealii::DynamicSparsityPattern make_pattern(double t, const dealii::AffineConstraints<double> &lines) const;
   void add_pattern(const CellTerms<dim> &terms, const dealii::AffineConstraints<double> &lines,
                    dealii::DynamicSparsityPattern &pattern) const;
@@ -215,8 +234,20 @@ private:
                  const std::vector<double> &unknowns, unsigned int longest_sum, bool with_tangent);
   void add_products(const std::vector<dealii::types::global_dof_index> &dofs,
                     const std::vector<double> &products, unsigned int longest_sum);
-  void scatter(const std::vector<double> &residual, const std::vector<dealii::types::global_dof_index> &dofs,
-               bool with_tangent);
+  /// Some of the unknowns of a cell or a group of points, all of those in one stage.
+  struct Share
+  {
+    unsigned int stage;
+    std::vector<unsigned int> unknowns, fields; ///< the latter are known of cells
+  };
+  using Shares = std::vector<Share>;
+  Shares shares_of(const std::vector<dealii::types::global_dof_index> &dofs) const;
+  void scatter(const Shares &shares, const std::vector<double> &residual,
+               const std::vector<dealii::types::global_dof_index> &dofs, bool with_tangent,
+               unsigned int cell_index = dealii::numbers::invalid_unsigned_int, unsigned int d = 0);
+  void scatter(const dealii::FullMatrix<double> &of_matrix, const std::vector<double> &residual,
+               const std::vector<dealii::types::global_dof_index> &dofs, bool with_tangent);
+  void keep_positions(unsigned int d, bool with_tangent);
   void note_undefined(const std::string &where);
 
   Model<dim> &model;
@@ -239,6 +270,11 @@ private:
   double time_of_set_up = 0;
   BlockMatrix matrix;
   std::vector<bool> groups_with_entries;
+  bool has_couplings = true;                ///< of stages
+  std::vector<unsigned int> stage_of_block; ///< since set_up; all in one if they have couplings
+  std::map<std::string, unsigned int> stage_of_field;
+  std::vector<bool> asked_stages; ///< whose rows of the tangent are assembled
+  std::vector<Shares> shares;     ///< of the cells of each domain
   std::map<unsigned int, std::shared_ptr<CellwiseTangent<dim>>> cellwise; ///< by part of the matrix
   bool has_tangent = false;                                               ///< since set_up
   unsigned int n_tangents = 0;                                            ///< assembled, likewise
@@ -254,8 +290,12 @@ private:
   Vector ghosted_scratch;
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
   std::optional<double> time_of_given; ///< that of their given_flows(), if these are complete
-  std::vector<std::unique_ptr<KeptPositions<dim>>> positions; ///< by domain, kept from the second tangent on
-  dealii::FullMatrix<double> local_matrix;
+  /// By domain, and by number of its shares; kept from the second tangent on.
+  std::vector<std::vector<std::unique_ptr<KeptPositions<dim>>>> positions;
+  dealii::FullMatrix<double> local_matrix, matrix_of_share;
+  dealii::FullMatrix<double> of_leading; // scratch
+  std::vector<double> residual_of_share, residual_of_leading;
+  std::vector<dealii::types::global_dof_index> dofs_of_share;
   dealii::Vector<double> local_rhs;
   /// Sums of squares over cells and ties, by block: of the forces; of those on free unknowns, and of
   /// sum_j |K_ij x_j| there, times the number of terms; of the latter as it is.

@@ -31,18 +31,20 @@ template <int dim>
 class CellwiseTangent : public PartOperator
 {
 public:
-  /// @p rows: of the blocks of the field; @p interfaces: those whose terms are a part of K,
+  using FieldOfTie = std::pair<const Interface<dim> *, const TiedField *>;
+
+  /// @p rows: of the blocks of the field; @p ties: those whose terms are a part of K,
   /// TieOperator::is_possible(). Collective.
   CellwiseTangent(const Model<dim> &model, const RowNumbering &rows,
-                  const std::vector<const Interface<dim> *> &interfaces = {});
+                  const std::vector<FieldOfTie> &ties = {});
 
   CellOperator<dim> &of_domain(const unsigned int d) { return *operators.at(d); }
   bool has_domain(const unsigned int d) const { return operators.count(d) > 0; }
   /// nullptr: its terms are no part of K.
-  TieOperator<dim> *of_interface(const Interface<dim> &interface)
+  TieOperator<dim> *of_tie(const Interface<dim> &interface, const TiedField &field)
   {
     for (const auto &tie : ties)
-      if (&tie->tied() == &interface)
+      if (&tie->tied() == &interface && &tie->of_field() == &field)
         return tie.get();
     return nullptr;
   }

@@ -13,16 +13,17 @@
 
 namespace dovetail {
 
-/// Adds the local matrix and vector of one cell after another, as distribute_local_to_global(). The
-/// components of a field at a node follow each other in the matrix, so that one position is looked up for
-/// each pair of nodes. From keep() on it is kept, which takes two bytes. Cells with unknowns that follow
-/// others or are moved, of several parts, or of another rank are not added.
+/// Adds the local matrix and vector of one cell after another, as distribute_local_to_global(), in some of
+/// the fields of a domain. The components of a field at a node follow each other in the matrix, so that one
+/// position is looked up for each pair of nodes. From keep() on it is kept, which takes two bytes. Cells with
+/// unknowns that follow others or are moved, of several parts, or of another rank are not added.
 template <int dim>
 class KeptPositions
 {
 public:
-  /// @p matrix: with these entries as long as this object lives.
-  KeptPositions(const Domain<dim> &domain, const BlockMatrix &matrix);
+  /// @p fields: of the domain, ascending; @p matrix: with these entries as long as this object lives.
+  KeptPositions(const Domain<dim> &domain, const std::vector<unsigned int> &fields,
+                const BlockMatrix &matrix);
 
   /// From now on the cells are expected to come again.
   void keep();
@@ -51,12 +52,12 @@ private:
   bool find(const std::vector<Index> &dofs, int *row_of_dof, std::uint16_t *positions);
 
   const BlockMatrix &matrix;
-  const unsigned int n_local;                   ///< unknowns of a cell
+  unsigned int n_local = 0;                     ///< unknowns of a cell in these fields
   std::vector<std::vector<unsigned int>> nodes; ///< their components of one field
   unsigned int part = 0;
   bool columns_are_rows = true; ///< the numbers of the rows are those of their own columns
   bool has_one_part = true;
-  struct BlockOfDofs ///< of the domain
+  struct BlockOfDofs ///< of the fields
   {
     Index begin, end;
     unsigned int number, first_row; ///< among all blocks; of this rank in the part

@@ -49,6 +49,15 @@ public:
   /// field comes after those its fluxes depend on. Fields that depend on each other stand in one group.
   std::vector<std::vector<std::string>> field_groups() const;
 
+  /// Of each group its number in the order in which Newton's method solves them: a group that is affine, and
+  /// that is driven by others, is solved when those have converged. Others iterate together: one after the
+  /// other they would take more assemblies. A linear scene has one stage, because the linear solver takes the
+  /// groups one after the other anyway.
+  std::vector<unsigned int> stages() const;
+  /// Whether no block of one stage by another is needed: residuals tell what drives a stage. Accelerations at
+  /// the beginning of a motion are those of all fields at once.
+  bool solves_stages_apart() const { return order_in_time() < 2; }
+
   unsigned int order_in_time() const; ///< of the rates that materials ask for
   bool sees_past() const;             ///< some material asks for the values of the steps before
   bool has_large_strain() const;      ///< of some solid

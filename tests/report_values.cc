@@ -8,12 +8,14 @@
 //   check EXPRESSION            its value, six digits, one line per report
 //   check EXPRESSION < NUMBER   yes, or no and the value; also >
 //   rate EXPRESSION             log2 of the ratio of successive reports, for runs that halve the mesh size
+//   rounding NUMBER             how much of what flows rounding may hide in the steps in time of this scene
 //
 // EXPRESSION is operands joined by ` + `, ` - `, ` * `, ` / ` with the usual precedence, or in parentheses
 // with blanks inside, `( a + b ) / c`; an operand is a number or the path of a value in the report, like
 // interfaces/seam/jump L2/temperature or steps/-1/newton iterations
 // (-1: the last). Arrays are taken component by component. A field of a domain that is not in balance at the
-// end, or a step in time that is not, or that loses energy, adds a line.
+// end, or a step in time that is not (to 1e-10, or to `rounding` where the program says that rounding hides as
+// much), or that loses energy, adds a line.
 
 #include <nlohmann/json.hpp>
 
@@ -180,9 +182,10 @@ double allowed_imbalance(const nlohmann::json &report)
   return 1e-10;
 }
 
-// Prints the step in time of which most is missing, if that is more than 1e-10 of what flows or is stored,
-// and more than rounding hides.
-void check_steps(const nlohmann::json &report)
+// Prints the step in time of which most is missing, if that is more than 1e-10 of what flows or is stored, or
+// than the scene says of rounding where the program finds that rounding can hide as much. Where the program
+// finds no imbalance since nothing flows but rounding, there is none.
+void check_steps(const nlohmann::json &report, const double rounding_of_scene)
 {
   const std::string in_time = "rates in time";
   bool is_in_time = false;
@@ -195,7 +198,8 @@ void check_steps(const nlohmann::json &report)
     if (is_in_time && step.contains("imbalance")) {
       const double excess =
           step.at("imbalance").is_number()
-              ? step.at("imbalance").get<double>() / std::max(1e-10, step.value("rounding of imbalance", 0.))
+              ? step.at("imbalance").get<double>() /
+                    std::max(1e-10, std::min(rounding_of_scene, step.value("rounding of imbalance", 0.)))
               : HUGE_VAL;
       if (excess > largest_excess) {
         largest_excess = excess;
@@ -270,17 +274,20 @@ int main(int argc, char **argv)
     }
     std::ifstream checks(argv[1]);
     bool any = false;
-    for (std::string kind, expression; checks >> kind >> std::ws && std::getline(checks, expression);
-         any = true) {
+    double rounding = 0;
+    for (std::string kind, expression; checks >> kind >> std::ws && std::getline(checks, expression);) {
       expression.erase(expression.find_last_not_of(" \t\r") + 1);
-      if (kind == "rate")
+      any = any || kind != "rounding";
+      if (kind == "rounding")
+        rounding = std::stod(expression);
+      else if (kind == "rate")
         rate(reports, expression);
       else
         check(reports, expression);
     }
     for (const nlohmann::json &report : reports) {
       check_balance(report);
-      check_steps(report);
+      check_steps(report, rounding);
       check_energy(report);
     }
     if (!any)

@@ -14,8 +14,8 @@
 // with blanks inside, `( a + b ) / c`; an operand is a number or the path of a value in the report, like
 // interfaces/seam/jump L2/temperature or steps/-1/newton iterations
 // (-1: the last). Arrays are taken component by component. A field of a domain that is not in balance at the
-// end, or a step in time that is not (to 1e-10, or to `rounding` where the program says that rounding hides as
-// much), or that loses energy, adds a line.
+// end, or a step in time that is not (to 1e-10, or to `rounding` where the program says that rounding hides
+// as much), or that loses energy, adds a line.
 
 #include <nlohmann/json.hpp>
 
@@ -127,6 +127,11 @@ Values evaluate(const nlohmann::json &report, const std::string &expression)
   return operand(report, expression);
 }
 
+bool is_text(const nlohmann::json &value)
+{
+  return value.is_array() ? value.empty() || value[0].is_string() : !value.is_number();
+}
+
 void check(const std::vector<nlohmann::json> &reports, const std::string &expression)
 {
   const std::size_t comparison = next_operator(expression, "<>", 0);
@@ -142,8 +147,8 @@ void check(const std::vector<nlohmann::json> &reports, const std::string &expres
       }
       std::cout << (holds ? " yes" : " no," + values);
     } else if (next_operator(expression, "+-*/", 0) == std::string::npos && !is_number(expression) &&
-               !find(report, expression).is_number() && !find(report, expression).is_array())
-      std::cout << ' ' << find(report, expression).dump(); // true, a text
+               is_text(find(report, expression)))
+      std::cout << ' ' << find(report, expression).dump(); // true, a text, several of them
     else
       for (const double value : evaluate(report, expression))
         std::cout << ' ' << six_digits(value);

@@ -262,6 +262,11 @@ void Interface<dim>::read_fields()
   else if (asked == std::vector<std::string>{"none"} && !pairs.empty())
     asked.clear();
   for (const std::string &field : asked) {
+    section.check(field != "none" || std::count(common.begin(), common.end(), field) > 0, "Fields",
+                  asked.size() > 1
+                      ? "names 'none' beside other fields: it stands alone, and leaves the Co-fields."
+                      : "is none, which ties the Co-fields alone, but there are no Co-fields. Set "
+                        "Co-fields, or remove the interface from Interfaces.");
     for (const InterfaceSide<dim> &side : sides)
       if (const Field *side_field = side.domain->material.find_field(field); side_field != nullptr)
         section.check(side_field->is_continuous, "Fields",

@@ -9,6 +9,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -16,7 +17,11 @@ namespace dovetail {
 
 namespace {
 
-const NoteName of_resolution("resolution", "a conductivity varies much within one cell");
+const NoteName of_resolution("resolution",
+                             "a conductivity, or the volume of a mixed solid, varies much within one cell");
+
+/// Of the volumes at the points of cells, as root of the mean square.
+const double largest_spread = 0.1;
 
 /// Largest over smallest conductivity of a field within one cell, and the centre of that cell.
 template <int dim>
@@ -55,6 +60,86 @@ Variation<dim> variation_on_this_rank(const Domain<dim> &domain, const Field &fi
   return worst;
 }
 
+/// Of a mixed solid at large strain: J/J_p at the quadrature points, whose mean over a cell is nearly one.
+template <int dim>
+struct Volumes
+{
+  double squares = 0, volume = 0;   ///< integrals of (J/J_p - 1)^2 and 1
+  double smallest = 1, largest = 1; ///< within the worst cell
+  dealii::Point<dim> place;         ///< its centre
+
+  template <typename Archive>
+  void serialize(Archive &archive, const unsigned int)
+  {
+    archive &squares &volume &smallest &largest &place;
+  }
+  void add(const Volumes &other)
+  {
+    squares += other.squares;
+    volume += other.volume;
+    if (other.largest - other.smallest > largest - smallest) {
+      smallest = other.smallest;
+      largest = other.largest;
+      place = other.place;
+    }
+  }
+  double spread() const { return volume > 0 ? std::sqrt(squares / volume) : 0.; }
+};
+
+/// The equation of the pressure (doc/theory/laws.md) has the source J - J_p.
+template <int dim>
+Volumes<dim> volumes_of(const Domain<dim> &domain, const Field &pressure, const Vector &solution,
+                        const double t, const MPI_Comm &communicator)
+{
+  dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(),
+                               gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
+                               dealii::update_values | dealii::update_gradients |
+                                   dealii::update_quadrature_points | dealii::update_JxW_values);
+  CellPoints<dim> point(domain, t);
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns(domain.dofs_per_cell());
+  Volumes<dim> own, all;
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
+      point.enter(cell);
+      domain.cell_dofs(cell, dofs);
+      solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+      Volumes<dim> here = {0, 0, 1, 1, cell->center()};
+      for (const unsigned int q : values.quadrature_point_indices()) {
+        point.reinit(values, q, unknowns);
+        if (!point.evaluate(false))
+          continue;
+        const double J = determinant(point.displacement_gradient() + dealii::unit_symmetric_tensor<3>()),
+                     ratio = J / (J - point.response.source[pressure.first_component]),
+                     dV = domain.measure(values, q);
+        here.squares += (ratio - 1) * (ratio - 1) * dV;
+        here.volume += dV;
+        here.smallest = std::min(here.smallest, ratio);
+        here.largest = std::max(here.largest, ratio);
+      }
+      own.add(here);
+    }
+  for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, own))
+    all.add(of_rank);
+  return all;
+}
+
+template <int dim>
+std::string explain_volumes(const Domain<dim> &domain, const Volumes<dim> &volumes)
+{
+  std::ostringstream words;
+  words.precision(2);
+  words
+      << domain.name << ": the volume at points of its cells differs by " << 100 * volumes.spread()
+      << " % (root mean square) from the one that belongs to the pressure, which holds in the mean of cells; "
+         "around "
+      << in_words(volumes.place) << " it is from " << volumes.smallest << " to " << volumes.largest
+      << " times that. The mesh does not resolve the deformation, and strains and stresses may be far off. "
+         "Refine it there";
+  return words.str();
+}
+
 } // namespace
 
 template <int dim>
@@ -64,6 +149,11 @@ NoteList explain_resolution(const Model<dim> &model, const Vector &solution, con
   for (const auto &domain : model.domains)
     for (unsigned int f = 0; f < domain->fields().size(); ++f) {
       const Field &field = domain->fields()[f];
+      if (field.is_multiplier && domain->material.has_large_strain()) {
+        const auto volumes = volumes_of(*domain, field, solution, t, model.communicator);
+        if (volumes.spread() > largest_spread)
+          notes.push_back(of_resolution(explain_volumes(*domain, volumes)));
+      }
       if (field.n_components > 1 || domain->material.is_linear(f))
         continue;
       const auto gathered = dealii::Utilities::MPI::all_gather(

@@ -95,7 +95,9 @@ void NonlinearStep<dim>::start(const double t, Vector &x)
   if (scheme && model.order_in_time() > 1) {
     Vector rate = initial_rates(model, x);
     present_system->begin_step(t, x);
-    start_of_motion(t).satisfy_ties(x, rate);
+    StartOfMotion<dim> motion = start_of_motion(t);
+    motion.satisfy_ties(x, rate);
+    notes.add(motion.notes());
     scheme->start(x, rate);
   } else if (scheme)
     scheme->start(x);
@@ -229,7 +231,7 @@ StepOfMotion NonlinearStep<dim>::last_motion(const Vector &x) const
 template <int dim>
 StartOfMotion<dim> NonlinearStep<dim>::start_of_motion(const double end)
 {
-  return {model, *present_system, linear_solver, phases, end};
+  return {model, *present_system, *problem, linear_solver, phases, end};
 }
 
 /// Those of constrained unknowns are constant during the step: what is prescribed is known at its end only.
@@ -682,13 +684,7 @@ std::vector<std::string> NonlinearStep<dim>::describe_failure() const
   std::ostringstream words;
   words.precision(3);
   words << what_failed() << " of the " << block.field << (block.is_of_multipliers ? " at " : " of ")
-        << block.name;
-  if (const auto place = place_of_largest(model, present_system->negative_residual(), part)) {
-    words << ", in the cell at (" << (*place)[0];
-    for (unsigned int d = 1; d < dim; ++d)
-      words << ", " << (*place)[d];
-    words << ')';
-  }
+        << block.name << in_cell_of_largest(model, present_system->negative_residual(), part);
   std::vector<std::string> sentences = {words.str() + ". " + what_may_help()};
   if (const Undefined &why = present_system->why_undefined())
     sentences.push_back("a state was tried that is not defined: " + why.reason);
@@ -708,6 +704,9 @@ void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
     return;
   if (const auto motion = present_system->find_unrestrained_mode(true))
     notes.add(of_failure("nothing holds " + motion->in_words()));
+  for (const auto &pressure : present_system->find_free_pressures())
+    notes.add(of_failure("nothing that is free can change the volume of " + pressure.in_words() +
+                         ": what is prescribed around incompressible bodies must keep it"));
 }
 
 template class NonlinearStep<2>;

@@ -3,15 +3,21 @@
 
 #include <dovetail/run/start_of_motion.h>
 
+#include <dovetail/system/place.h>
+
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <sstream>
 
 namespace dovetail {
 
 namespace {
+
+const NoteName of_start("jump at the start",
+                        "a motion begins elsewhere than where a condition prescribes it");
 
 /// Of the first step, and of the smallest cell, for differences.
 const double small_share = 1e-5;
@@ -40,9 +46,10 @@ void copy_rows(const std::vector<std::vector<unsigned int>> &rows, const Vector 
 } // namespace
 
 template <int dim>
-StartOfMotion<dim>::StartOfMotion(const Model<dim> &model, BlockSystem<dim> &system, LinearSolver &solver,
-                                  Phases &phases, const double end)
-    : model(model), system(system), linear_solver(solver), phases(phases), end(end)
+StartOfMotion<dim>::StartOfMotion(const Model<dim> &model, BlockSystem<dim> &system,
+                                  StepProblem<dim> &equations, LinearSolver &solver, Phases &phases,
+                                  const double end)
+    : model(model), system(system), equations(equations), linear_solver(solver), phases(phases), end(end)
 {
 }
 
@@ -60,7 +67,7 @@ bool StartOfMotion<dim>::assemble_mass(const Vector &x)
   system.set_rates(rates);
   if (!system.keeps_tangent() && !system.assemble(x, true))
     return false;
-  linear_solver.set_matrix(system.tangent());
+  equations.give_matrix();
   return true;
 }
 
@@ -73,9 +80,7 @@ Vector StartOfMotion<dim>::solve_mass(const Vector &x, const Vector &right_hand_
   for (unsigned int pass = 0; pass < 3 && rest.l2_norm() > exact * right_hand_side.l2_norm(); ++pass) {
     bool is_solved = linear_solver.solve(correction, rest).has_value();
     for (bool is_assembled = true; is_assembled && !is_solved && linear_solver.lacks_operator();) {
-      linear_solver.forget_matrix();
-      system.choose_entries(linear_solver.needs_entries());
-      system.make_matrix();
+      equations.make_other_matrix();
       is_assembled = assemble_mass(x);
       is_solved = is_assembled && linear_solver.solve(correction, rest).has_value();
     }
@@ -210,10 +215,37 @@ template <int dim>
 void StartOfMotion<dim>::satisfy_ties(Vector &x, Vector &rate)
 {
   const double begin = 0;
-  if (!system.is_outdated(begin))
+  if (!system.is_outdated(begin)) {
     system.set_time(begin);
+    compare_start(x);
+  }
   project_start(x, rate);
   system.set_time(end);
+}
+
+/// What moves comes to where it is prescribed within the first step, and brings the energy of that.
+template <int dim>
+void StartOfMotion<dim>::compare_start(const Vector &x)
+{
+  const double rounding = 1e-8; // of the displacements
+  Vector difference = x, others = x;
+  system.constrain(difference);
+  system.follow(others);
+  const Vector given = difference;
+  difference -= others;
+  for (unsigned int b = 0; b < x.n_blocks(); ++b) {
+    const double largest = has_inertia(b) ? difference.block(b).linfty_norm() : 0.;
+    if (largest <= rounding * std::max(x.block(b).linfty_norm(), given.block(b).linfty_norm()))
+      continue;
+    const Block &block = model.numbering->blocks()[b];
+    std::ostringstream words;
+    words.precision(3);
+    words << "the " << block.field << " of " << block.name << " begins up to " << largest
+          << " away from what its conditions prescribe at t = 0" << in_cell_of_largest(model, difference, b)
+          << ". The first step closes this at once, the faster the smaller it is, and the waves of it stay. "
+             "Give an Initial displacement that agrees with the conditions";
+    all_notes.push_back(of_start(words.str()));
+  }
 }
 
 template <int dim>

@@ -19,6 +19,9 @@ namespace dovetail {
 namespace {
 
 const NoteName of_singular_matrix("singular matrix", "a linear system cannot be solved to its tolerance");
+const NoteName of_free_pressure("free pressure",
+                                "a pressure is known but for a constant, because nothing lets the volume of "
+                                "its incompressible body change");
 
 /// Of a linear scene, relative to the forces at work. The balance of forces is asked for to 1e-10 of what is
 /// put in, which is less.
@@ -217,11 +220,38 @@ template <int dim>
 void StepProblem<dim>::give_tangent()
 {
   if (has_new_tangent) {
-    linear_solver.set_matrix(system.tangent());
+    give_matrix();
     if (model.is_linear())
       check_is_held();
   }
+}
+
+template <int dim>
+void StepProblem<dim>::give_matrix()
+{
+  free_pressures = system.find_free_pressures();
+  if (!free_pressures.empty() || tangent_of_held.n_block_rows() > 0)
+    linear_solver.forget_matrix(); // it gets another one than before
+  tangent_of_held.clear();
+  if (!free_pressures.empty()) {
+    tangent_of_held.copy_from(system.tangent());
+    hold(free_pressures, tangent_of_held);
+  }
+  linear_solver.set_matrix(free_pressures.empty() ? system.tangent() : tangent_of_held);
   has_new_tangent = false;
+  for (const auto &pressure : free_pressures)
+    all_notes.push_back(of_free_pressure(
+        "the pressure of " + pressure.in_words() +
+        " is known but for a constant, since these bodies are incompressible and no part of their boundary "
+        "can move such that the volume changes. Its mean is set to zero"));
+}
+
+/// A constant that no equation sees is what rounding makes of it.
+template <int dim>
+void StepProblem<dim>::centre_pressures(const Vector &x, Vector &dx) const
+{
+  for (const auto &pressure : free_pressures)
+    dx.add(-(pressure.mean(x) + pressure.mean(dx)), pressure.mode);
 }
 
 /// How exact an update has to be, relative to its residual: such that what is left of the residual is a tenth
@@ -280,6 +310,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   update_loads = system.negative_residual();
   moving_loads.reset();
   system.distribute(dx);
+  centre_pressures(x, dx);
   keep_stage(dx);
   if (!model.is_linear())
     learn_scales(x, dx);
@@ -556,8 +587,7 @@ bool StepProblem<dim>::spread_prescribed_values(Vector &x)
 {
   if (!std::isfinite(measure(system.assemble(x, true))))
     return false;
-  linear_solver.set_matrix(system.tangent());
-  has_new_tangent = false;
+  give_matrix();
   update_loads = system.negative_residual();
   Vector dx = x;
   if (!linear_solver.solve(dx, find_moving_loads(x)))

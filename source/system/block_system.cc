@@ -332,6 +332,11 @@ BlockSystem<dim>::make_pattern(const double t, const dealii::AffineConstraints<d
     } else
       for_each_multiplier(*interface, [&](const auto dof) { pattern.add(dof, dof); });
   }
+  for (const Block &block : model.numbering->blocks()) // where a pressure that is not known may be held
+    if (block.is_constraint && !block.is_of_multipliers && block.owned.n_elements() > 0) {
+      const auto first = block.begin + block.owned.nth_index_in_set(0);
+      pattern.add(first, first);
+    }
   dealii::SparsityTools::distribute_sparsity_pattern(pattern, model.numbering->owned, model.communicator,
                                                      relevant);
   return pattern;

@@ -4,14 +4,20 @@
 #include <dovetail/system/place.h>
 
 #include <deal.II/base/mpi.h>
+#include <deal.II/base/point.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <sstream>
 #include <utility>
 
 namespace dovetail {
 
+namespace {
+
+/// Nothing for multipliers.
 template <int dim>
 std::optional<dealii::Point<dim>> place_of_largest(const Model<dim> &model, const Vector &vector,
                                                    const unsigned int block)
@@ -54,7 +60,24 @@ std::optional<dealii::Point<dim>> place_of_largest(const Model<dim> &model, cons
   return first.first ? std::optional(first.second) : std::nullopt;
 }
 
-template std::optional<dealii::Point<2>> place_of_largest(const Model<2> &, const Vector &, unsigned int);
-template std::optional<dealii::Point<3>> place_of_largest(const Model<3> &, const Vector &, unsigned int);
+} // namespace
+
+template <int dim>
+std::string in_cell_of_largest(const Model<dim> &model, const Vector &vector, const unsigned int block)
+{
+  const auto place = place_of_largest(model, vector, block);
+  if (!place)
+    return {};
+  std::ostringstream words;
+  words.precision(3);
+  words << ", in the cell at (" << (*place)[0];
+  for (unsigned int d = 1; d < dim; ++d)
+    words << ", " << (*place)[d];
+  words << ')';
+  return words.str();
+}
+
+template std::string in_cell_of_largest(const Model<2> &, const Vector &, unsigned int);
+template std::string in_cell_of_largest(const Model<3> &, const Vector &, unsigned int);
 
 } // namespace dovetail

@@ -18,7 +18,9 @@ inline constexpr double largest_variation = 100;
 
 /// Sentences about scalar fields whose conductivity |dA/dgrad B| varies more than that over the quadrature
 /// points of one cell: on such a mesh the discrete equations may have several solutions, and the one that was
-/// found may be far from the true one. @p solution: ghosted. Collective.
+/// found may be far from the true one. And about mixed solids at large strain whose J at the points of one
+/// cell spreads about the volume that belongs to the pressure, as where a mesh is too coarse. @p solution:
+/// ghosted. Collective.
 template <int dim>
 NoteList explain_resolution(const Model<dim> &model, const Vector &solution, double t);
 

@@ -6,9 +6,7 @@
 
 #pragma once
 
-#include <dovetail/output/phases.h>
-#include <dovetail/solve/linear_solver.h>
-#include <dovetail/system/block_system.h>
+#include <dovetail/run/step_problem.h>
 
 #include <optional>
 #include <vector>
@@ -24,8 +22,8 @@ template <int dim>
 class StartOfMotion
 {
 public:
-  StartOfMotion(const Model<dim> &model, BlockSystem<dim> &system, LinearSolver &solver, Phases &phases,
-                double end);
+  StartOfMotion(const Model<dim> &model, BlockSystem<dim> &system, StepProblem<dim> &equations,
+                LinearSolver &solver, Phases &phases, double end);
 
   /// The second rates at a state @p x that moves with @p rate for which the equations of time @p now hold;
   /// those of constrained unknowns are given. Later in the step, of the size @p h, its equations are
@@ -43,6 +41,7 @@ public:
 
   /// Whether incompressible bodies at large strain are there, perhaps.
   bool may_limit_volume() const { return has_pressures() && model.has_large_strain(); }
+  const NoteList &notes() const { return all_notes; } ///< of satisfy_ties()
 
 private:
   using Rows = std::vector<std::vector<unsigned int>>; ///< owned ones, by block
@@ -59,6 +58,7 @@ private:
   bool assemble_mass(const Vector &x);
   Vector solve_mass(const Vector &x, const Vector &right_hand_side);
   void set_rates_alone(const Vector &x, const Vector &rate, const Vector &second_rate);
+  void compare_start(const Vector &x);
   void project_start(Vector &x, Vector &rate);
   void follow_rates(Vector &rate);
   void assemble_mass_of_start(const Vector &x);
@@ -73,9 +73,11 @@ private:
 
   const Model<dim> &model;
   BlockSystem<dim> &system;
+  StepProblem<dim> &equations;
   LinearSolver &linear_solver;
   Phases &phases;
   const double end;
+  NoteList all_notes;
 };
 
 } // namespace dovetail

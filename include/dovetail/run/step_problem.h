@@ -47,6 +47,12 @@ public:
   /// As residual_and_tangent(x), where Newton's method will begin: it does not assemble there again.
   double start_at(const Vector &x);
 
+  /// The tangent of the last assembly becomes the linear solver's matrix, but for the rows of pressures that
+  /// no equation sees.
+  void give_matrix();
+  /// Where the linear solver lacks an operator: with entries in place of products, or the other way round.
+  void make_other_matrix();
+
   double time() const { return t; }
   bool is_vector(const unsigned int b) const { return !is_scalar(b) && !is_of_multipliers(b); } ///< a block
   /// Norms at the first state of the step: of the residual, of what is prescribed.
@@ -102,7 +108,7 @@ private:
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);
   void check_is_held() const;
-  void make_other_matrix();
+  void centre_pressures(const Vector &x, Vector &dx) const;
   void make_other_tangent(const Vector &x);
   void give_tangent(); ///< to the linear solver, if it is new
   bool is_scalar(unsigned int block) const;
@@ -144,9 +150,11 @@ private:
   std::optional<Vector> moving_loads;
   std::optional<Vector> guess; ///< of the next update
   unsigned int n_guesses = 0;
-  double residual_of_update = 0; ///< where the last update of this stage began; 0: none yet
-  bool is_stabilised = false;    ///< the tangent
-  bool is_at_start = false;      ///< the last assembly, with the tangent, was start_at()
+  double residual_of_update = 0;                 ///< where the last update of this stage began; 0: none yet
+  bool is_stabilised = false;                    ///< the tangent
+  bool is_at_start = false;                      ///< the last assembly, with the tangent, was start_at()
+  std::vector<FreePressure<dim>> free_pressures; ///< by the tangent that the linear solver has
+  BlockMatrix tangent_of_held;                   ///< which it has if there are any
   NoteList all_notes;
 };
 

@@ -9,6 +9,7 @@
 #include <dovetail/scene/undefined.h>
 #include <dovetail/solve/block_matrix.h>
 #include <dovetail/system/cellwise_tangent.h>
+#include <dovetail/system/free_pressures.h>
 #include <dovetail/system/kept_positions.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/nodal_forces.h>
@@ -149,6 +150,11 @@ public:
   /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
   /// nothing where all bodies are surely held, unless @p in_any_case.
   std::optional<UnrestrainedMode<dim>> find_unrestrained_mode(bool in_any_case = false) const;
+  /// Pressures that the last tangent does not see. Collective; costs nothing where no body is incompressible.
+  std::vector<FreePressure<dim>> find_free_pressures() const
+  {
+    return dovetail::find_free_pressures(model, time, matrix, constraints);
+  }
   /// Whether an unknown that this rank owns follows from others, so that its row is trivial.
   bool is_constrained(dealii::types::global_dof_index dof) const { return constraints.is_constrained(dof); }
   /// Whether a multiplier that this rank owns has no equation of its own and is zero: its tie is switched

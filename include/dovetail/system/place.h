@@ -7,16 +7,13 @@
 
 #include <dovetail/system/model.h>
 
-#include <deal.II/base/point.h>
-
-#include <optional>
+#include <string>
 
 namespace dovetail {
 
-/// The centre of a cell at whose nodes the largest absolute entry of a block of @p vector is, the same on all
-/// ranks; nothing for multipliers. Collective.
+/// ", in the cell at (1, 2)": the centre of a cell at whose nodes the largest absolute entry of a block of
+/// @p vector is, the same on all ranks; nothing for multipliers. Collective.
 template <int dim>
-std::optional<dealii::Point<dim>> place_of_largest(const Model<dim> &model, const Vector &vector,
-                                                   unsigned int block);
+std::string in_cell_of_largest(const Model<dim> &model, const Vector &vector, unsigned int block);
 
 } // namespace dovetail

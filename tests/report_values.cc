@@ -129,7 +129,7 @@ Values evaluate(const nlohmann::json &report, const std::string &expression)
 
 bool is_text(const nlohmann::json &value)
 {
-  return value.is_array() ? value.empty() || value[0].is_string() : !value.is_number();
+  return value.is_array() ? !value.empty() && value[0].is_string() : !value.is_number();
 }
 
 void check(const std::vector<nlohmann::json> &reports, const std::string &expression)

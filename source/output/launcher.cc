@@ -22,6 +22,7 @@ void skip_network_if_alone()
     return;
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   setenv("OMPI_MCA_pml", "ob1", 1); // also in place of what suits several ranks (.ci/mpi_environment)
+  setenv("OMPI_MCA_mpi_yield_when_idle", "0", 1); // likewise: there is no rank to let work
   setenv("OMPI_MCA_btl", "self", 0);
   setenv("OMPI_MCA_coll", "self,basic,libnbc", 0);
   // all such processes would share one directory, and one that ends removes it while another starts

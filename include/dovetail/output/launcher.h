@@ -9,7 +9,7 @@ namespace dovetail {
 bool is_launched();
 
 /// A process that mpirun did not start is alone: Open MPI need not look for networks or start a daemon, which
-/// would take it 0.3 s. What the environment says already stays, but for the messages between ranks (pml).
+/// would take it 0.3 s. What the environment says already stays, but for how ranks send messages and wait.
 void skip_network_if_alone();
 
 } // namespace dovetail

@@ -176,9 +176,10 @@ void LinearSolver::Group::set_matrix(const Matrix &matrix)
   chosen.is_prepared = direct.is_prepared = false;
   if (lacks_products()) // nobody has made them, but entries
     chosen = make(name_of_multigrid);
-  wants_products = false;
   if (!is_decided)
     is_direct = is_direct_by_size();
+  // the matrix of a new mesh was made as that of the last one
+  wants_products = !is_direct && !chosen.solver->needs_entries() && system.plain().cells() == nullptr;
   if (!is_patient)
     system.limit_iterations(std::max(many_iterations, iterations_of_direct()));
   is_decided = true;

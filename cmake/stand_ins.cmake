@@ -7,7 +7,7 @@
 option(DOVETAIL_STAND_INS "Programs of the build tree do not load OpenCASCADE, Gmsh, Assimp and VTK" ON)
 
 function(link_stand_ins target)
-  if(NOT DOVETAIL_STAND_INS OR NOT CMAKE_SYSTEM_NAME STREQUAL Linux)
+  if(NOT DOVETAIL_STAND_INS OR NOT CMAKE_SYSTEM_NAME STREQUAL Linux OR CMAKE_BINARY_DIR MATCHES "[ ,]")
     return()
   endif()
   if(CMAKE_BUILD_TYPE STREQUAL Debug)

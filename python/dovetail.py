@@ -146,8 +146,9 @@ class Result:
             with open(os.path.join(self.directory, "report.json")) as stream:  # that a run replaces first
                 self.report = json.load(stream)
             if self.report.get("run") not in runs:
-                raise RuntimeError("Another run has replaced the results in %s before they were read. Give runs at the "
-                                   "same time directories of their own." % self.directory)
+                raise RuntimeError("Another run has replaced the results in %s before they were read, or the program did not "
+                                   "get the variable DOVETAIL_RUN, which the report repeats. Give runs at the same time "
+                                   "directories of their own." % self.directory)
 
     @property
     def probes(self):

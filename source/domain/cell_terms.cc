@@ -618,7 +618,7 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
     }
   }
   for (unsigned int c = 0; c < n; ++c)
-    if (has_operator(c) && is_asked[c])
+    if (is_asked[c])
       add_rows(dim + 1, n_shapes, layout.n_nodes(c), &sizes_of_shapes[layout.first_shape(c)],
                of_products[c].data(), &product_sizes[layout.first(c)]);
   for (unsigned int c = 0; has_force && c < dim; ++c) // the next cell begins with what laws leave at zero

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <sstream>
 
 namespace dovetail {
@@ -224,12 +225,20 @@ double StepControl<dim>::almost_end() const
 }
 
 /// The sum of sizes up to @p time has rounding errors, and a load such as if(t <= 0.5, 1, 0) may see the last
-/// digit: the time of an equal step is its share of the End time.
+/// digit: the time of an equal step is its share of the End time, as a scene would write it (7/10 of 0.6 is
+/// 0.42, not the product's 0.42000000000000004).
 template <int dim>
 double StepControl<dim>::without_rounding(const double time) const
 {
   const double equal = steps.end_time * std::round(time / steps.size()) / steps.n_steps;
-  return std::abs(time - equal) < 1e-9 * steps.size() ? equal : time;
+  if (!(std::abs(time - equal) < 1e-9 * steps.size()))
+    return time;
+  std::ostringstream digits;
+  digits.precision(12);
+  digits << equal;
+  const double written = std::stod(digits.str());
+  return std::abs(written - equal) <= 4 * std::numeric_limits<double>::epsilon() * steps.end_time ? written
+                                                                                                  : equal;
 }
 
 /// A step that a toggle cuts short is followed by one that ends where that would have ended: steps stay

@@ -90,6 +90,7 @@ void StepProblem<dim>::enter_stage(const unsigned int number)
 {
   present_stage = number;
   residual_of_update = 0;
+  tangent_at_rest.clear(); // it has the rows of one stage
   has_block = stages[number].has_block;
   criterion.restrict_to(has_block);
 }
@@ -229,7 +230,16 @@ void StepProblem<dim>::give_tangent()
 template <int dim>
 void StepProblem<dim>::give_matrix()
 {
-  free_pressures = system.find_free_pressures();
+  std::vector<FreePressure<dim>> found = system.find_free_pressures();
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [this](const auto &pressure) { return !has_block[pressure.block]; }),
+              found.end()); // the tangent of other stages is not that of this state
+  if (found.empty() && !free_pressures.empty() && has_block[free_pressures[0].block])
+    all_notes.push_back(of_free_pressure(
+        "the constant in the pressure of " + free_pressures[0].in_words() +
+        " is no longer set to zero: if nothing else can move now, it follows from the errors of ties and "
+        "quadrature alone, and says nothing"));
+  free_pressures = std::move(found);
   if (!free_pressures.empty() || tangent_of_held.n_block_rows() > 0)
     linear_solver.forget_matrix(); // it gets another one than before
   tangent_of_held.clear();

@@ -286,11 +286,14 @@ void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
       component.insert(component.end(),
                        interface.sides[side].domain->layout().n_nodes(interface.components[side][k]),
                        k + (side == source ? 0 : interface.components[source].size()));
-  const unsigned int n = component.size();
-  dealii::Table<2, bool> depends(n, n);
+  const unsigned int n = component.size(), n_components = component.back() + 1;
+  dealii::Table<2, bool> of_components(n_components, n_components), depends(n, n);
+  for (unsigned int row = 0; row < n_components; ++row)
+    for (unsigned int column = 0; column < n_components; ++column)
+      of_components(row, column) = has_entries(interface, row, column);
   for (unsigned int i = 0; i < n; ++i)
     for (unsigned int j = 0; j < n; ++j)
-      depends(i, j) = has_entries(interface, component[i], component[j]);
+      depends(i, j) = of_components(component[i], component[j]);
   const bool by_flux = interface.tie().parts().point_terms->couples_fluxes();
   const bool by_inside = interface.tie().parts().point_terms->couples_insides(interface);
   const auto is_of_source = [&](const unsigned int i) { return i < interface.n_local(source); };
@@ -1229,7 +1232,7 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
   return true;
 }
 
-/// Anywhere.
+/// Whether the tangent of a tie has entries in any row and column.
 template <int dim>
 bool BlockSystem<dim>::has_entries(const Interface<dim> &interface) const
 {
@@ -1546,7 +1549,7 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx, Vector &rest)
         reference[row] = std::max(reference[row], product.l2_norm());
     });
   for (unsigned int b = 0; b < dx.n_blocks(); ++b)
-    if (is_constraint[b] && !is_zero)
+    if ((is_constraint[b] || is_of_multipliers[field_of_block[b]]) && !is_zero) // both sides may be one block
       reference[b] = std::max(reference[b], matrix.size_of_product(b, dx));
   // a block on which nothing acts keeps the rounding of the others, with which it is solved
   std::vector<double> rounding(fields.size(), 0.);

@@ -22,6 +22,8 @@ namespace {
 /// What equations see of a constant pressure, relative to what the cells give: less is rounding.
 const double seen_by_rounding = 1e-12;
 const unsigned int most_iterations = 500; ///< for multipliers
+const double nearest_of_multipliers =
+    1e-5; ///< of the first gradient, relative to what is left: they come no nearer
 
 template <int dim>
 const Field &field_of_pressure(const Domain<dim> &domain, const Block &block)
@@ -107,20 +109,23 @@ public:
   double close(Vector &z, const double enough) const
   {
     Vector rest = product(z, false), along = product(rest, true), forces = along;
-    double gradient = along * along;
-    for (unsigned int i = 0; i < most_iterations && rest.l2_norm() > enough && gradient > 0; ++i) {
+    double gradient = along * along, left = rest.l2_norm();
+    const double least = nearest_of_multipliers * std::sqrt(gradient) / left;
+    for (unsigned int i = 0; i < most_iterations && left > enough && std::sqrt(gradient) > least * left;
+         ++i) {
       forces = product(along, false);
       const double square = forces * forces;
       if (!(square > 0))
         break;
       z.add(-gradient / square, along);
       rest.add(-gradient / square, forces);
+      left = rest.l2_norm();
       Vector next = product(rest, true);
       const double of_next = next * next;
       along.sadd(of_next / gradient, 1., next);
       gradient = of_next;
     }
-    return rest.l2_norm();
+    return left;
   }
 
 private:
@@ -176,7 +181,8 @@ std::vector<FreePressure<dim>> find_free_pressures(const Model<dim> &model, cons
     double size = 0;
     for (unsigned int b = 0; b < blocks.size(); ++b)
       size = std::hypot(size, tangent.size_of_product(b, z));
-    if (Closing<dim>(model, tangent).close(z, seen_by_rounding * size) > seen_by_rounding * size)
+    if (size == 0 || // not assembled, as while another stage is solved
+        Closing<dim>(model, tangent).close(z, seen_by_rounding * size) > seen_by_rounding * size)
       continue;
     for (unsigned int b = 0; b < blocks.size(); ++b)
       if (blocks[b].is_of_multipliers)

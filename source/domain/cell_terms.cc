@@ -415,14 +415,12 @@ template <int dim>
 bool CellTerms<dim>::has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const
 {
   for (const Pair &pair : pairs)
-    if (!is_asked[pair.c])
-      continue;
-    else if ((pair.coupling.flux_by_gradient && a.by_gradient[pair.index] != b.by_gradient[pair.index]) ||
-             (pair.coupling.flux_by_value && a.by_value[pair.index] != b.by_value[pair.index]) ||
-             (pair.coupling.source_by_gradient &&
-              a.source_by_gradient[pair.index] != b.source_by_gradient[pair.index]) ||
-             (pair.coupling.source_by_value &&
-              a.source_by_value[pair.index] != b.source_by_value[pair.index]))
+    if (is_asked[pair.c] &&
+        ((pair.coupling.flux_by_gradient && a.by_gradient[pair.index] != b.by_gradient[pair.index]) ||
+         (pair.coupling.flux_by_value && a.by_value[pair.index] != b.by_value[pair.index]) ||
+         (pair.coupling.source_by_gradient &&
+          a.source_by_gradient[pair.index] != b.source_by_gradient[pair.index]) ||
+         (pair.coupling.source_by_value && a.source_by_value[pair.index] != b.source_by_value[pair.index])))
       return false;
   return true;
 }
@@ -431,12 +429,7 @@ template <int dim>
 void CellTerms<dim>::give_tangent_to(const Field &field, CellOperator<dim> &cells)
 {
   operators.emplace_back(field, &cells);
-  const auto middle = std::stable_partition(pairs.begin(), pairs.end(), [&](const Pair &pair) {
-    return !field.has_component(pair.c) || !field.has_component(pair.d);
-  });
-  pairs_without_entries.insert(pairs_without_entries.end(), middle, pairs.end());
-  pairs.erase(middle, pairs.end());
-  find_sized();
+  leave_out_coupling(field, field); // of the entries
 }
 
 template <int dim>
@@ -587,7 +580,7 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
       cells->set_tangent(cell->active_cell_index(), q, JxW / cell_values.JxW(q), response);
 
   const unsigned int n_shapes = layout.n_shapes();
-  std::vector<double> sizes_of_shapes((dim + 1) * n_shapes);
+  sizes_of_shapes.resize((dim + 1) * n_shapes);
   tabulate_sizes(dim, n_shapes, point.shape_values().data(), point.shape_gradients()[0].begin_raw(),
                  sizes_of_shapes.data());
   std::vector<double> &values = size_of_value;
@@ -601,7 +594,8 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, 
       sum_sizes_of_rows(dim, n_shapes, layout.n_nodes(d), sizes, x, gradients[d].begin_raw());
       sum_sizes_of_rows(1, n_shapes, layout.n_nodes(d), sizes + dim * n_shapes, x, &values[d]);
     }
-  std::vector<std::array<double, dim + 1>> of_products(n); // flux, source
+  std::vector<std::array<double, dim + 1>> &of_products = size_of_product;
+  of_products.assign(n, {});
   for (const auto &[c, d, index, coupling] : pairs_without_entries) {
     if (!is_asked[c])
       continue;

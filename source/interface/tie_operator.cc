@@ -42,8 +42,8 @@ void TieOperator<dim>::for_each_unknown(
   for (const auto &group : interface->pairing().groups) {
     interface->group_dofs(group, dofs);
     for (const unsigned int side : {0u, 1u}) {
-      const unsigned int first = interface->first_unknown(side, field->first_component[side]);
-      for (unsigned int i = first; i < first + n_components * n_nodes(side); ++i)
+      const unsigned int first = first_unknown(side);
+      for (unsigned int i = first; i < first + n_unknowns(side); ++i)
         visit(dofs[i]);
     }
   }
@@ -69,8 +69,8 @@ void TieOperator<dim>::find_nodes(const std::function<int(dealii::types::global_
     interface->group_dofs(interface->pairing().groups[g], dofs);
     nodes_of_group.emplace_back();
     for (const unsigned int side : {0u, 1u}) {
-      const unsigned int first = interface->first_unknown(side, field->first_component[side]),
-                         place = first_position(side), n_nodes = this->n_nodes(side);
+      const unsigned int first = first_unknown(side), place = first_position(side),
+                         n_nodes = field->n_nodes[side];
       const std::vector<unsigned int> &leaders = of_group.nodes[side][place];
       std::vector<std::vector<unsigned int>> led(leaders.size());
       for (unsigned int i = 0; i < leaders.size(); ++i)
@@ -119,10 +119,10 @@ void TieOperator<dim>::find_blocks()
     const std::vector<bool> in_jump = interface->unknowns_in_jump(interface->pairing().groups[g]);
     jumps.emplace_back(nodes_of_group[g].size(), by_flux);
     for (const unsigned int side : {0u, 1u}) {
-      const unsigned int first = interface->first_unknown(side, field->first_component[side]),
-                         place = first_position(side), n = of_group.nodes[side][place].size(),
+      const unsigned int first = first_unknown(side), place = first_position(side),
+                         n = of_group.nodes[side][place].size(),
                          before = side == 0 ? 0 : of_group.nodes[0][first_position(0)].size();
-      for (unsigned int i = first; i < first + n_components * n_nodes(side); ++i)
+      for (unsigned int i = first; i < first + n_unknowns(side); ++i)
         if (in_jump[i])
           jumps[g][before + (of_group.leader[i] - of_group.first[side][place]) % n] = true;
     }
@@ -217,12 +217,9 @@ template <int dim>
 void TieOperator<dim>::clear_own_entries(dealii::FullMatrix<double> &of_all) const
 {
   for (const unsigned int row_side : {0u, 1u})
-    for (const unsigned int side : {0u, 1u}) {
-      const unsigned int first_row = interface->first_unknown(row_side, field->first_component[row_side]),
-                         first = interface->first_unknown(side, field->first_component[side]);
-      for (unsigned int i = 0; i < n_components * n_nodes(row_side); ++i)
-        std::fill_n(&of_all(first_row + i, first), n_components * n_nodes(side), 0.);
-    }
+    for (const unsigned int side : {0u, 1u})
+      for (unsigned int i = 0; i < n_unknowns(row_side); ++i)
+        std::fill_n(&of_all(first_unknown(row_side) + i, first_unknown(side)), n_unknowns(side), 0.);
 }
 
 template <int dim>

@@ -27,36 +27,46 @@ const double largest_spread = 0.1;
 template <int dim>
 using Variation = std::pair<double, dealii::Point<dim>>;
 
-template <int dim>
-Variation<dim> variation_on_this_rank(const Domain<dim> &domain, const Field &field, const Vector &solution,
-                                      const double t)
+/// Calls @p visit with each cell of this rank, the values at its quadrature points and its unknowns.
+template <int dim, typename Visit>
+void for_each_cell(const Domain<dim> &domain, const Vector &solution, const Visit &visit)
 {
-  const unsigned int n = domain.n_components();
   dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(),
                                gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
                                dealii::update_values | dealii::update_gradients |
-                                   dealii::update_quadrature_points);
-  CellPoints<dim> point(domain, t);
+                                   dealii::update_quadrature_points | dealii::update_JxW_values);
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns(domain.dofs_per_cell());
-  Variation<dim> worst(1., dealii::Point<dim>());
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
       domain.cell_dofs(cell, dofs);
       solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      double smallest = std::numeric_limits<double>::infinity(), largest = 0;
-      for (const unsigned int q : values.quadrature_point_indices()) {
-        point.reinit(values, q, unknowns);
-        if (!point.evaluate(true))
-          continue;
-        const double k = point.response.by_gradient[field.first_component * (n + 1)].norm();
-        smallest = std::min(smallest, k);
-        largest = std::max(largest, k);
-      }
-      if (largest > worst.first * smallest)
-        worst = {smallest > 0 ? largest / smallest : std::numeric_limits<double>::max(), cell->center()};
+      visit(cell, values, unknowns);
     }
+}
+
+template <int dim>
+Variation<dim> variation_on_this_rank(const Domain<dim> &domain, const Field &field, const Vector &solution,
+                                      const double t)
+{
+  const unsigned int n = domain.n_components();
+  CellPoints<dim> point(domain, t);
+  Variation<dim> worst(1., dealii::Point<dim>());
+  for_each_cell(
+      domain, solution, [&](const auto &cell, const auto &values, const std::vector<double> &unknowns) {
+        double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+        for (const unsigned int q : values.quadrature_point_indices()) {
+          point.reinit(values, q, unknowns);
+          if (!point.evaluate(true))
+            continue;
+          const double k = point.response.by_gradient[field.first_component * (n + 1)].norm();
+          smallest = std::min(smallest, k);
+          largest = std::max(largest, k);
+        }
+        if (largest > worst.first * smallest)
+          worst = {smallest > 0 ? largest / smallest : std::numeric_limits<double>::max(), cell->center()};
+      });
   return worst;
 }
 
@@ -91,35 +101,25 @@ template <int dim>
 Volumes<dim> volumes_of(const Domain<dim> &domain, const Field &pressure, const Vector &solution,
                         const double t, const MPI_Comm &communicator)
 {
-  dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(),
-                               gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
-                               dealii::update_values | dealii::update_gradients |
-                                   dealii::update_quadrature_points | dealii::update_JxW_values);
   CellPoints<dim> point(domain, t);
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns(domain.dofs_per_cell());
   Volumes<dim> own, all;
-  for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned()) {
-      values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-      point.enter(cell);
-      domain.cell_dofs(cell, dofs);
-      solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      Volumes<dim> here = {0, 0, 1, 1, cell->center()};
-      for (const unsigned int q : values.quadrature_point_indices()) {
-        point.reinit(values, q, unknowns);
-        if (!point.evaluate(false))
-          continue;
-        const double J = determinant(point.displacement_gradient() + dealii::unit_symmetric_tensor<3>()),
-                     ratio = J / (J - point.response.source[pressure.first_component]),
-                     dV = domain.measure(values, q);
-        here.squares += (ratio - 1) * (ratio - 1) * dV;
-        here.volume += dV;
-        here.smallest = std::min(here.smallest, ratio);
-        here.largest = std::max(here.largest, ratio);
-      }
-      own.add(here);
-    }
+  for_each_cell(
+      domain, solution, [&](const auto &cell, const auto &values, const std::vector<double> &unknowns) {
+        Volumes<dim> here = {0, 0, 1, 1, cell->center()};
+        for (const unsigned int q : values.quadrature_point_indices()) {
+          point.reinit(values, q, unknowns);
+          if (!point.evaluate(false))
+            continue;
+          const double J = determinant(point.displacement_gradient() + dealii::unit_symmetric_tensor<3>()),
+                       ratio = J / (J - point.response.source[pressure.first_component]),
+                       dV = domain.measure(values, q);
+          here.squares += (ratio - 1) * (ratio - 1) * dV;
+          here.volume += dV;
+          here.smallest = std::min(here.smallest, ratio);
+          here.largest = std::max(here.largest, ratio);
+        }
+        own.add(here);
+      });
   for (const auto &of_rank : dealii::Utilities::MPI::all_gather(communicator, own))
     all.add(of_rank);
   return all;

@@ -4,7 +4,6 @@
 #include <dovetail/output/plan.h>
 
 #include <algorithm>
-#include <map>
 #include <sstream>
 
 namespace dovetail {
@@ -65,24 +64,11 @@ void plan_geometry(const Model<dim> &model, Plan &plan)
   held.append_to(plan.needed, model.domains.size());
 }
 
-/// By field.
-template <int dim>
-std::map<std::string, unsigned int> stages_of_fields(const Model<dim> &model)
-{
-  const auto groups = model.field_groups();
-  const std::vector<unsigned int> stages = model.stages();
-  std::map<std::string, unsigned int> result;
-  for (unsigned int g = 0; g < groups.size(); ++g)
-    for (const std::string &field : groups[g])
-      result[field] = stages[g];
-  return result;
-}
-
 template <int dim>
 void plan_fields(const Model<dim> &model, Plan &plan)
 {
   DomainNames laws, absent, uncoupled;
-  const std::map<std::string, unsigned int> stage = stages_of_fields(model);
+  const auto stage = model.stages_of_fields();
   for (const auto &group : model.field_groups())
     for (const std::string &name : group)
       for (const auto &domain : model.domains)

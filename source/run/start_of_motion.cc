@@ -108,14 +108,6 @@ void StartOfMotion<dim>::set_rates_alone(const Vector &x, const Vector &rate, co
 }
 
 template <int dim>
-bool StartOfMotion<dim>::is_of_pressure(const unsigned int b) const
-{
-  const Block &block = model.numbering->blocks()[b];
-  return !block.is_of_multipliers &&
-         model.domains[block.domain_index]->fields()[block.field_index].is_multiplier;
-}
-
-template <int dim>
 bool StartOfMotion<dim>::has_pressures() const
 {
   for (unsigned int b = 0; b < model.numbering->blocks().size(); ++b)

@@ -42,11 +42,11 @@ std::string in_words(const double number, const unsigned int n_digits)
 }
 
 template <int dim>
-std::string in_words(const dealii::Point<dim> &X)
+std::string in_words(const dealii::Point<dim> &X, const unsigned int n_digits)
 {
   std::string words;
   for (unsigned int d = 0; d < dim; ++d)
-    words += (d > 0 ? ", " : "(") + in_words(X[d]);
+    words += (d > 0 ? ", " : "(") + in_words(X[d], n_digits);
   return words + ")";
 }
 
@@ -77,8 +77,8 @@ void refuse_undefined(const Undefined &own, const MPI_Comm &communicator)
     throw UserError(first_of_ranks(own, communicator).reason);
 }
 
-template std::string in_words(const dealii::Point<2> &);
-template std::string in_words(const dealii::Point<3> &);
+template std::string in_words(const dealii::Point<2> &, unsigned int);
+template std::string in_words(const dealii::Point<3> &, unsigned int);
 template double finite(double, const Section &, const std::string &, const dealii::Point<2> &, double);
 template double finite(double, const Section &, const std::string &, const dealii::Point<3> &, double);
 

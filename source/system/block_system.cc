@@ -73,7 +73,7 @@ BlockSystem<dim>::BlockSystem(Model<dim> &model, const Form form) : model(model)
     field_of_block.push_back(
         std::find(fields.begin(), fields.end(), block.is_of_multipliers ? fields.back() : block.field) -
         fields.begin());
-    is_constraint.push_back(block.is_constraint && !block.is_of_multipliers);
+    is_constraint.push_back(block.is_of_pressure());
   }
   tangent_at_x = products_at_x = std::vector<double>(field_of_block.size(), 0.);
   is_of_multipliers.assign(fields.size(), false);
@@ -336,7 +336,7 @@ BlockSystem<dim>::make_pattern(const double t, const dealii::AffineConstraints<d
       for_each_multiplier(*interface, [&](const auto dof) { pattern.add(dof, dof); });
   }
   for (const Block &block : model.numbering->blocks()) // where a pressure that is not known may be held
-    if (block.is_constraint && !block.is_of_multipliers && block.owned.n_elements() > 0) {
+    if (block.is_of_pressure() && block.owned.n_elements() > 0) {
       const auto first = block.begin + block.owned.nth_index_in_set(0);
       pattern.add(first, first);
     }
@@ -367,8 +367,10 @@ void BlockSystem<dim>::make_sparsity(const double t)
   find_dropped(t);
   if (!model.interfaces.empty())
     tie_seconds += timer.wall_time();
+  const bool has_all_terms = !cell_terms.empty() && cellwise.empty() && asked_stages.size() == 1;
   find_shares();
-  make_cell_terms();
+  if (!has_all_terms) // some of the last set-up are products, or left out
+    make_cell_terms();
   dealii::DynamicSparsityPattern pattern = make_pattern(t, constraints);
   has_tangent = false;
   n_tangents = 0;
@@ -385,17 +387,16 @@ void BlockSystem<dim>::make_sparsity(const double t)
 template <int dim>
 void BlockSystem<dim>::find_shares()
 {
-  const auto groups = model.field_groups();
-  const std::vector<unsigned int> stages =
-      has_couplings ? std::vector<unsigned int>(groups.size(), 0) : model.stages();
-  stage_of_field.clear();
-  for (unsigned int g = 0; g < groups.size(); ++g)
-    for (const std::string &field : groups[g])
-      stage_of_field[field] = stages[g];
+  stage_of_field = model.stages_of_fields();
+  unsigned int n_stages = 1;
+  for (auto &[field, stage] : stage_of_field) {
+    stage = has_couplings ? 0 : stage;
+    n_stages = std::max(n_stages, stage + 1);
+  }
   stage_of_block.clear();
   for (const Block &block : model.numbering->blocks())
     stage_of_block.push_back(stage_of_field.at(block.field));
-  asked_stages.assign(stages.back() + 1, true);
+  asked_stages.assign(n_stages, true);
   shares.assign(model.domains.size(), {});
   for (unsigned int d = 0; d < model.domains.size(); ++d) {
     const auto &fields = model.domains[d]->fields();

@@ -25,12 +25,6 @@ const unsigned int most_iterations = 500; ///< for multipliers
 const double nearest_of_multipliers =
     1e-5; ///< of the first gradient, relative to what is left: they come no nearer
 
-template <int dim>
-const Field &field_of_pressure(const Domain<dim> &domain, const Block &block)
-{
-  return domain.fields()[block.field_index];
-}
-
 /// Whether no equation of a pressure contains the pressure. Collective.
 template <int dim>
 bool is_incompressible(const Model<dim> &model, const Block &block, const unsigned int number,
@@ -53,9 +47,7 @@ std::vector<std::vector<unsigned int>> joined_pressures(const Model<dim> &model,
   const auto &blocks = model.numbering->blocks();
   std::vector<unsigned int> candidates;
   for (unsigned int b = 0; b < blocks.size(); ++b)
-    if (!blocks[b].is_of_multipliers &&
-        field_of_pressure(*model.domains[blocks[b].domain_index], blocks[b]).is_multiplier &&
-        is_incompressible(model, blocks[b], b, tangent, constraints))
+    if (blocks[b].is_of_pressure() && is_incompressible(model, blocks[b], b, tangent, constraints))
       candidates.push_back(b);
   if (candidates.empty())
     return {};
@@ -79,7 +71,7 @@ template <int dim>
 void add_weights(const Domain<dim> &domain, const Block &block, Vector &weights)
 {
   const CellLayout<dim> &layout = domain.layout();
-  const unsigned int component = field_of_pressure(domain, block).first_component;
+  const unsigned int component = domain.fields()[block.field_index].first_component;
   dealii::FEValues<dim> values(domain.mapping(), layout.element(component),
                                gauss_rule<dim>(domain.cell_shape(), domain.degree + 1),
                                dealii::update_values | domain.measure.update_flags());
@@ -149,10 +141,7 @@ private:
 template <int dim>
 std::string FreePressure<dim>::in_words() const
 {
-  std::vector<std::string> names;
-  for (const auto *body : bodies)
-    names.push_back(body->name);
-  return comma_separated(names);
+  return names_of(bodies);
 }
 
 template <int dim>
@@ -164,15 +153,12 @@ std::vector<FreePressure<dim>> find_free_pressures(const Model<dim> &model, cons
   std::vector<FreePressure<dim>> result;
   for (const auto &group : joined_pressures(model, t, tangent, constraints)) {
     FreePressure<dim> pressure = {{}, group[0], Vector(tangent.owned_unknowns(), model.communicator), {}, 0};
-    pressure.weights = pressure.mode;
     for (const unsigned int b : group) {
       const Domain<dim> &body = *model.domains[blocks[b].domain_index];
       pressure.bodies.push_back(&body);
       const auto constant = rigid_motions(body, blocks[b], body.centre(), body.typical_length())[0];
       std::copy(constant.begin(), constant.end(), pressure.mode.block(b).trilinos_vector()[0]);
-      add_weights(body, blocks[b], pressure.weights);
     }
-    pressure.weights.compress(dealii::VectorOperation::add);
     Vector z = pressure.mode; // constrained unknowns have no columns
     for (const unsigned int b : group)
       for (unsigned int i = 0; i < blocks[b].owned.n_elements(); ++i)
@@ -187,6 +173,10 @@ std::vector<FreePressure<dim>> find_free_pressures(const Model<dim> &model, cons
     for (unsigned int b = 0; b < blocks.size(); ++b)
       if (blocks[b].is_of_multipliers)
         pressure.mode.block(b) = z.block(b);
+    pressure.weights.reinit(pressure.mode);
+    for (const unsigned int b : group)
+      add_weights(*model.domains[blocks[b].domain_index], blocks[b], pressure.weights);
+    pressure.weights.compress(dealii::VectorOperation::add);
     pressure.volume = pressure.weights * pressure.mode;
     result.push_back(std::move(pressure));
   }

@@ -434,6 +434,18 @@ std::vector<unsigned int> Model<dim>::stages() const
 }
 
 template <int dim>
+std::map<std::string, unsigned int> Model<dim>::stages_of_fields() const
+{
+  const auto groups = field_groups();
+  const std::vector<unsigned int> of_groups = stages();
+  std::map<std::string, unsigned int> result;
+  for (unsigned int g = 0; g < groups.size(); ++g)
+    for (const std::string &field : groups[g])
+      result[field] = of_groups[g];
+  return result;
+}
+
+template <int dim>
 unsigned int Model<dim>::order_in_time() const
 {
   unsigned int order = 0;
@@ -592,7 +604,18 @@ std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block,
   return rigid_motions(domain, block, reference.centre(), reference.typical_length(), unknowns);
 }
 
+template <int dim>
+std::string names_of(const std::vector<const Domain<dim> *> &bodies)
+{
+  std::vector<std::string> names;
+  for (const Domain<dim> *body : bodies)
+    names.push_back(body->name);
+  return comma_separated(names);
+}
+
 template class Model<2>;
 template class Model<3>;
+template std::string names_of(const std::vector<const Domain<2> *> &);
+template std::string names_of(const std::vector<const Domain<3> *> &);
 
 } // namespace dovetail

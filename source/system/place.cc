@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/scene/undefined.h>
 #include <dovetail/system/place.h>
 
 #include <deal.II/base/mpi.h>
@@ -10,7 +11,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 namespace dovetail {
@@ -66,15 +66,7 @@ template <int dim>
 std::string in_cell_of_largest(const Model<dim> &model, const Vector &vector, const unsigned int block)
 {
   const auto place = place_of_largest(model, vector, block);
-  if (!place)
-    return {};
-  std::ostringstream words;
-  words.precision(3);
-  words << ", in the cell at (" << (*place)[0];
-  for (unsigned int d = 1; d < dim; ++d)
-    words << ", " << (*place)[d];
-  words << ')';
-  return words.str();
+  return place ? ", in the cell at " + in_words(*place, 3) : "";
 }
 
 template std::string in_cell_of_largest(const Model<2> &, const Vector &, unsigned int);

@@ -257,10 +257,7 @@ std::vector<double> seen_by_constraint(const dealii::AffineConstraints<double> &
 template <int dim>
 std::string UnrestrainedMode<dim>::in_words() const
 {
-  std::vector<std::string> names;
-  for (const auto *body : bodies)
-    names.push_back(body->name);
-  return "the " + field + " of " + comma_separated(names) + " against " + kind;
+  return "the " + field + " of " + names_of(bodies) + " against " + kind;
 }
 
 template <int dim>

@@ -16,6 +16,7 @@
 #include <deal.II/lac/full_matrix.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -55,7 +56,7 @@ public:
   /// assemble_boundary() adds; the latter stays in the tangent.
   void leave_out_given() { leaves_out_given = true; }
   void leave_out_boundary() { leaves_out_boundary = true; }
-  /// From now on the tangent has no terms of a field by another one.
+  /// From now on the tangent has no entries of a field by another one.
   void leave_out_coupling(const Field &field, const Field &by);
   /// From now on assemble() may leave out the terms of the tangent in the rows of other fields.
   void ask_for(const std::vector<bool> &fields);
@@ -236,7 +237,8 @@ private:
   Flows given;
   std::vector<double> given_of_cell; ///< by component, of the last cell
   std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
-  std::vector<double> source_at_points, size_of_value; // scratch
+  std::vector<double> source_at_points, size_of_value, sizes_of_shapes; // scratch
+  std::vector<std::array<double, dim + 1>> size_of_product;             // of flux and source
   std::vector<dealii::Tensor<1, dim>> size_of_gradient;
   std::vector<double> force_sizes, product_sizes;
 };

@@ -28,6 +28,8 @@ struct Block
   dealii::types::global_dof_index begin, end;
   dealii::IndexSet owned;                                     ///< by this rank, relative to begin
   std::vector<dealii::types::global_dof_index> first_of_rank; ///< relative to begin, n_ranks + 1 entries
+
+  bool is_of_pressure() const { return is_constraint && !is_of_multipliers; } ///< of a body
 };
 
 /// Order: [ u_left T_left | u_right | lambda_seam … ], domains and interfaces as in the scene, fields as in

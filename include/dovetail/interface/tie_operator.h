@@ -95,7 +95,11 @@ private:
   {
     return interface->position(side, field->first_component[side]);
   }
-  unsigned int n_nodes(const unsigned int side) const { return field->n_nodes[side]; }
+  unsigned int first_unknown(const unsigned int side) const ///< likewise, among those of a group
+  {
+    return interface->first_unknown(side, field->first_component[side]);
+  }
+  unsigned int n_unknowns(const unsigned int side) const { return n_components * field->n_nodes[side]; }
 
   const Interface<dim> *interface;
   const TiedField *field;

@@ -46,7 +46,7 @@ public:
 private:
   using Rows = std::vector<std::vector<unsigned int>>; ///< owned ones, by block
 
-  bool is_of_pressure(unsigned int block) const;
+  bool is_of_pressure(const unsigned int b) const { return model.numbering->blocks()[b].is_of_pressure(); }
   bool is_of_multipliers(const unsigned int b) const
   {
     return model.numbering->blocks()[b].is_of_multipliers;

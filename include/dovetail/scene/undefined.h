@@ -38,7 +38,7 @@ std::string sentence_about(const Section &section, const std::string &entry, con
 std::string in_words(double number, unsigned int n_digits = 4);
 /// "(0.1, 0.25)"
 template <int dim>
-std::string in_words(const dealii::Point<dim> &X);
+std::string in_words(const dealii::Point<dim> &X, unsigned int n_digits = 4);
 
 /// That of the lowest rank that has one, on all ranks. Collective.
 Undefined first_of_ranks(const Undefined &own, const MPI_Comm &communicator);

@@ -9,6 +9,7 @@
 #include <dovetail/interface/interface.h>
 #include <dovetail/system/vector.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -54,6 +55,7 @@ public:
   /// other they would take more assemblies. A linear scene has one stage, because the linear solver takes the
   /// groups one after the other anyway.
   std::vector<unsigned int> stages() const;
+  std::map<std::string, unsigned int> stages_of_fields() const; ///< likewise, by name
   /// Whether no block of one stage by another is needed: residuals tell what drives a stage. Accelerations at
   /// the beginning of a motion are those of all fields at once.
   bool solves_stages_apart() const { return order_in_time() < 2; }
@@ -96,5 +98,9 @@ private:
                                              std::optional<double> t, bool with_reactions = true) const;
   bool is_held_by_source(const Domain<dim> &domain, unsigned int c, std::optional<double> t) const;
 };
+
+/// "left, right".
+template <int dim>
+std::string names_of(const std::vector<const Domain<dim> *> &bodies);
 
 } // namespace dovetail

@@ -10,6 +10,7 @@
 #include "factors.h"
 
 #include <Epetra_CrsMatrix.h>
+#include <Epetra_Import.h>
 #include <Epetra_MultiVector.h>
 #include <Epetra_Vector.h>
 
@@ -54,6 +55,7 @@ public:
 protected:
   static constexpr int largest_coarse = 2000;   ///< rows of a matrix that is not coarsened
   static constexpr double largest_growth = 0.9; ///< rows of a level beside those of the finer one
+  static constexpr int few_rows = 1000;         ///< of a rank; with less on average, ranks are gathered
 
   explicit Cycle(Finest finest) : last(std::move(finest)) {}
 
@@ -65,6 +67,10 @@ protected:
   /// A and P are not there any more.
   void add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_CrsMatrix> P,
                  const MakeMatrix &make_coarse, double known_eigenvalue = 0);
+  /// Gives the rows of ranks that follow each other to the first one of them where the ranks with rows have
+  /// few each: aggregates do not cross ranks, so that many ranks could not coarsen any further.
+  /// @return how to bring what belongs to the rows there; nullptr if they stay where they are. Collective.
+  const Epetra_Import *gather_coarsest();
   void factorise_coarsest() { factors = std::make_unique<Factors>(coarsest()); }
 
 private:
@@ -73,13 +79,18 @@ private:
     std::unique_ptr<LevelEntries> A;
     std::unique_ptr<CompactMatrix> P; ///< from the next level
     std::unique_ptr<ChebyshevSmoother> smoother;
+    std::unique_ptr<Epetra_Import> gather; ///< of the rows of the next level; nullptr: they stay
   };
 
   void cycle(unsigned int level, Epetra_Vector &x, const Epetra_Vector &b) const;
+  void correct(const Level &level, unsigned int next, Epetra_Vector &x, const Epetra_Vector &b) const;
 
   std::vector<Level> levels; ///< all but the coarsest
   Finest last;               ///< the coarsest one
   std::unique_ptr<Factors> factors;
 };
+
+/// What belongs to rows, where @p import brings them. Collective.
+std::unique_ptr<Epetra_MultiVector> imported(const Epetra_MultiVector &of_rows, const Epetra_Import &import);
 
 } // namespace dovetail

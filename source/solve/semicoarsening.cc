@@ -72,16 +72,35 @@ private:
   void add(unsigned int its_body, const std::array<double, 3> &its_position);
 };
 
+/// By row the position of its node, and its body.
+Epetra_MultiVector places_of_rows(const LevelNodes &nodes, const Epetra_BlockMap &rows)
+{
+  const std::vector<unsigned int> node = node_of_rows(nodes);
+  Epetra_MultiVector places(rows, 4);
+  for (unsigned int row = 0; row < node.size(); ++row) {
+    for (unsigned int d = 0; d < 3; ++d)
+      places[d][row] = nodes.position[node[row]][d];
+    places[3][row] = nodes.body[node[row]];
+  }
+  return places;
+}
+
+/// The nodes where @p import brings their rows.
+LevelNodes imported_nodes(const LevelNodes &nodes, const Epetra_Import &import)
+{
+  const auto known = imported(places_of_rows(nodes, import.SourceMap()), import);
+  std::vector<GroupFacts::Place> places(known->MyLength());
+  for (unsigned int row = 0; row < places.size(); ++row) {
+    places[row].block = static_cast<unsigned int>((*known)[3][row]);
+    places[row].position = {{(*known)[0][row], (*known)[1][row], (*known)[2][row]}};
+  }
+  return nodes_of_rows(places);
+}
+
 SeenNodes::SeenNodes(const Epetra_CrsMatrix &A, const LevelNodes &own)
 {
   const std::vector<unsigned int> node = node_of_rows(own);
-  Epetra_MultiVector of_rows(A.OperatorDomainMap(), 4); // position and body
-  for (unsigned int row = 0; row < node.size(); ++row) {
-    for (unsigned int d = 0; d < 3; ++d)
-      of_rows[d][row] = own.position[node[row]][d];
-    of_rows[3][row] = own.body[node[row]];
-  }
-  const Epetra_MultiVector known = of_columns(A, of_rows);
+  const Epetra_MultiVector known = of_columns(A, places_of_rows(own, A.OperatorDomainMap()));
   for (unsigned int i = 0; i < own.size(); ++i)
     add(own.body[i], own.position[i]);
   for (int column = 0; column < A.NumMyCols(); ++column) {
@@ -541,8 +560,12 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     auto next = restrict_matrix(matrix, *P);
     add_level(make_smoother, std::move(P), [&next]() { return std::move(next); });
     owned_modes = std::move(coarse.modes);
-    modes = owned_modes.get();
     nodes = std::move(coarse.nodes);
+    if (const Epetra_Import *const gather = gather_coarsest()) {
+      owned_modes = imported(*owned_modes, *gather);
+      nodes = imported_nodes(nodes, *gather);
+    }
+    modes = owned_modes.get();
   }
   factorise_coarsest();
 }

@@ -490,6 +490,8 @@ SmoothedAggregation::SmoothedAggregation(Finest A, std::shared_ptr<const Epetra_
     give_back_freed_memory();
     const MakeMatrix make_coarse = sum_coarse_matrix(matrix, *P, n_modes);
     add_level(make_smoother, std::move(P), make_coarse, eigenvalue);
+    if (const Epetra_Import *const gather = gather_coarsest())
+      aggregates.modes = imported(*aggregates.modes, *gather);
   }
   factorise_coarsest();
 }

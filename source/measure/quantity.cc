@@ -81,7 +81,7 @@ std::string QuantityCatalogue<dim>::help()
 
 template <int dim>
 const typename QuantityCatalogue<dim>::Member &
-QuantityCatalogue<dim>::find(const std::string &name, const Section &asking, const std::string &entry)
+QuantityCatalogue<dim>::find(const std::string &name, const Section &asking, const char *entry)
 {
   const auto found = members().find(name);
   if (found == members().end())

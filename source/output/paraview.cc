@@ -114,7 +114,7 @@ void Paraview<dim>::show_uncovered_points(const unsigned int interface)
   const std::string file = directory + "/uncovered_" + blocks[model.domains.size() + interface].stem + ".vtu";
   if (pairing.coverage().n_uncovered > 0)
     write_picture(file, dealii::DataOutBase::VtkFlags(),
-                  [&]() { return UncoveredPicture<dim>(pairing).piece({}); });
+                  [&]() { return UncoveredPicture<dim>(pairing).piece(dealii::DataOutBase::VtkFlags()); });
   else if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0)
     remove_file(file, beginning_of_vtu); // of an earlier run
 }

@@ -85,7 +85,7 @@ public:
   static std::string help();               ///< of all: "name (help), name (help)"
 
   /// @throw UserError if @p name is none, with those that are known and the nearest.
-  static const Member &find(const std::string &name, const Section &asking, const std::string &entry);
+  static const Member &find(const std::string &name, const Section &asking, const char *entry);
 
 private:
   static std::map<std::string, Member> &members();

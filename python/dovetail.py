@@ -162,9 +162,9 @@ class Result:
     @property
     def history(self):
         """The columns of probes.csv by name without the unit, one number per step, as they were at the end of this run: NaN where there
-        is none, as of a probe that came with --resume. Transient scenes write that file."""
+        is none, as of a probe that came with --resume. Scenes with several steps write that file."""
         if self._history is None:
-            raise FileNotFoundError("The run has no history: only transient scenes write %s."
+            raise FileNotFoundError("The run has no history: only scenes with several steps write %s."
                                     % os.path.join(self.directory or "", "probes.csv"))
         try:
             import numpy

@@ -227,6 +227,8 @@ typename Probes<dim>::Probe Probes<dim>::read(const std::string &name, const Sec
         QuantityCatalogue<dim>::find(section.peek("Quantity"), section, "Quantity").field);
   if (probe.region.domain != nullptr)
     probe.quantity = probe.make_quantity(*probe.region.domain);
+  if (probe.quantity && (probe.quantity->is_stored() || probe.quantity->is_of_motion()))
+    probe.field_of_law = nullptr; // it follows from the field and its rate, which are bounded
   read_tolerance(probe, section, model);
   if (probe.X && !section.documenting())
     probe.places = find_cells(*probe.region.domain, *probe.X, section, model.communicator);

@@ -428,7 +428,7 @@ void Results<dim>::explain(const Solution<dim> &solution)
 {
   const Vector ghosted = solution.system.ghosted(solution.x);
   notes.add(explain_resolution(model, ghosted, solution.t));
-  notes.add(explain_stiffness(model, ghosted));
+  notes.add(explain_stiffness(model, ghosted, solution.t));
   notes.add(probes.notes_on_extremes(ghosted, solution.t));
   notes.add(
       explain_jumps(model, solution.t, report()["domains"], report()["balance"], report()["interfaces"]));

@@ -180,12 +180,13 @@ std::string seconds_text(const double seconds)
   return to_text(seconds, seconds < 10 ? "%.2g s" : "%.0f s");
 }
 
-/// The fastest point of a curve whose error is small enough.
+/// The coarsest point of a curve whose error is small enough; a finer one if that is faster beyond the noise.
 const StudyPoint *first_below(const StudyCurve &curve, const double error)
 {
   const StudyPoint *best = nullptr;
   for (const StudyPoint &point : curve.points)
-    if (point.is_converged() && point.error <= error && (best == nullptr || point.seconds < best->seconds))
+    if (point.is_converged() && point.error + point.uncertainty <= error &&
+        (best == nullptr || (point.n_runs > 1 && best->n_runs > 1 && point.slowest < best->fastest)))
       best = &point;
   return best;
 }
@@ -290,6 +291,11 @@ namespace {
 
 constexpr double percents[] = {1., 0.1, 0.01};
 
+/// Of what an extrapolation adds to the finest value this is uncertain (Roache 1994), and this if the order
+/// is that of a singular solution, or of meshes that are too coarse, and no fourth level confirms it
+/// (Oberkampf and Roy 2010).
+constexpr double usual_uncertainty = 0.25, largest_uncertainty = 2;
+
 /// Those that reach an error, the fastest first: curve, and place of the point.
 std::vector<std::pair<unsigned int, unsigned int>> reaching(const std::vector<StudyCurve> &curves,
                                                             const double error)
@@ -379,9 +385,13 @@ std::vector<std::string> who_is_first(const std::vector<StudyCurve> &curves)
     const auto fastest = reaching(curves, percent / 100);
     std::string sentence = to_text(percent, "%g %%") + " is reached ";
     if (fastest.empty()) {
-      sentences.push_back(sentence + "by none; nearest is " + most_exact->name + " at level " +
-                          std::to_string(least->level) + " with " + to_text(100 * least->error) + " % in " +
-                          seconds_text(least->seconds) + ".");
+      sentences.push_back(
+          sentence + "by none" + (least->error <= percent / 100 ? " for certain" : "") + "; nearest is " +
+          most_exact->name + " at level " + std::to_string(least->level) + " with " +
+          to_text(100 * least->error) + " % in " + seconds_text(least->seconds) +
+          (std::isfinite(least->uncertainty) && least->uncertainty > 0
+               ? " against a value that is uncertain by " + to_text(100 * least->uncertainty) + " %."
+               : "."));
       break; // even less so what comes after it
     }
     const StudyCurve &curve = curves[fastest[0].first];
@@ -411,31 +421,38 @@ std::set<std::pair<unsigned int, unsigned int>> deciding_points(const std::vecto
 
 namespace {
 
-/// A number that the solution gives converges with twice the degree at most, on smooth solutions (Aubin 1967,
-/// Nitsche 1968; Babuska and Miller 1984); by chance between two levels somewhat faster.
-double largest_order(const StudyPoint &point)
+/// The largest of the domains; 0: not known.
+double degree_of(const StudyPoint &point)
 {
   double degree = 0;
   for (const auto &[name, value] : point.numbers)
     if (name.rfind("domains", 0) == 0 && name.size() > 7 && name.compare(name.size() - 7, 7, "/degree") == 0)
       degree = std::max(degree, value);
+  return degree;
+}
+
+/// A number that the solution gives converges with twice the degree at most, on smooth solutions (Aubin 1967,
+/// Nitsche 1968; Babuska and Miller 1984); by chance between two levels somewhat faster.
+double largest_order(const StudyPoint &point)
+{
+  const double degree = degree_of(point);
   return degree > 0 ? 2 * degree + 0.5 : std::numeric_limits<double>::infinity();
 }
 
-} // namespace
-
-std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::string &probe)
+/// Of smooth solutions.
+bool is_full_order(const double order, const StudyPoint &point)
 {
-  std::vector<const StudyPoint *> points;
-  for (const StudyPoint &point : curve.points)
-    if (point.is_converged() && !values_of_probe(point, probe).empty())
-      points.push_back(&point);
-  if (points.size() < 3)
-    return {};
-  points.erase(points.begin(), points.end() - 3);
-  std::vector<double> coarse = values_of_probe(*points[0], probe),
-                      middle = values_of_probe(*points[1], probe), fine = values_of_probe(*points[2], probe);
-  Extrapolation result = {fine, undefined};
+  return degree_of(point) > 0 && order >= 1.5 * degree_of(point);
+}
+
+/// From three levels.
+Extrapolation extrapolate(const StudyPoint *const *points, const std::string &probe)
+{
+  const std::vector<double> coarse = values_of_probe(*points[0], probe),
+                            middle = values_of_probe(*points[1], probe),
+                            fine = values_of_probe(*points[2], probe);
+  Extrapolation result;
+  result.value = fine;
   const unsigned int spacing = points[2]->level - points[1]->level;
   if (points[1]->level - points[0]->level != spacing)
     return result;
@@ -452,38 +469,78 @@ std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::str
   return result;
 }
 
-namespace {
-
-/// The finest value of a curve, with its estimated error added, if there is an estimate.
-/// @param why no order is observed
-void take_finest_value(const StudyCurve &curve, const std::string &probe, const std::string &why,
-                       std::vector<double> &exact, std::string &words)
+/// Those with a value of the probe.
+std::vector<const StudyPoint *> points_with(const StudyCurve &curve, const std::string &probe)
 {
-  for (const StudyPoint &point : curve.points) {
-    std::vector<double> values = values_of_probe(point, probe);
-    if (!point.is_converged() || values.empty())
-      continue;
-    const std::vector<double> errors = values_of_probe(point, probe, "probe errors/");
-    for (unsigned int i = 0; i < errors.size() && i < values.size(); ++i)
-      values[i] += errors[i];
-    exact = std::move(values); // the last one stays
-    words = list_text(exact) + " of probe " + probe + " at level " + std::to_string(point.level) + " of " +
-            curve.name + (errors.empty() ? why : ", its estimated error added");
-  }
+  std::vector<const StudyPoint *> points;
+  for (const StudyPoint &point : curve.points)
+    if (point.is_converged() && !values_of_probe(point, probe).empty())
+      points.push_back(&point);
+  return points;
 }
 
 } // namespace
 
-std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string &probe)
+std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::string &probe)
 {
-  std::vector<StudyCurve *> by_size;
-  for (StudyCurve &curve : curves)
+  const auto points = points_with(curve, probe);
+  if (points.size() < 3)
+    return {};
+  const StudyPoint *const *last = points.data() + points.size() - 3;
+  Extrapolation result = extrapolate(last, probe);
+  const bool is_sure = points.size() > 3 || is_full_order(result.order, *points.back());
+  result.uncertainty = (is_sure ? usual_uncertainty : largest_uncertainty) *
+                       distance(result.value, values_of_probe(*points.back(), probe));
+  if (points.size() > 3)
+    result.uncertainty =
+        std::max(result.uncertainty, distance(result.value, extrapolate(last - 1, probe).value));
+  return result;
+}
+
+namespace {
+
+/// What errors are measured against.
+struct ValueOfStudy
+{
+  std::vector<double> value;
+  double uncertainty = std::numeric_limits<double>::infinity();
+  std::string words;
+  const StudyPoint *finest = nullptr; ///< from which it comes
+};
+
+/// The finest value of a curve, with its estimated error added, if there is an estimate.
+/// @param why no order is observed
+ValueOfStudy finest_value(const StudyCurve &curve, const std::string &probe, const std::string &why)
+{
+  ValueOfStudy result;
+  const auto points = points_with(curve, probe);
+  if (points.empty())
+    return result;
+  result.finest = points.back();
+  result.value = values_of_probe(*points.back(), probe);
+  const std::vector<double> errors = values_of_probe(*points.back(), probe, "probe errors/");
+  if (errors.size() == result.value.size()) {
+    for (unsigned int i = 0; i < errors.size(); ++i)
+      result.value[i] += errors[i];
+    result.uncertainty = distance(errors, std::vector<double>(errors.size(), 0.));
+  } else if (points.size() > 1)
+    result.uncertainty = distance(result.value, values_of_probe(*points[points.size() - 2], probe));
+  result.words = list_text(result.value) + " of probe " + probe + " at level " +
+                 std::to_string(points.back()->level) + " of " + curve.name +
+                 (errors.empty() ? why : ", its estimated error added");
+  return result;
+}
+
+/// Extrapolated from the curve with the most unknowns that lets it, or else the finest value.
+ValueOfStudy value_of_probe(const std::vector<StudyCurve> &curves, const std::string &probe)
+{
+  std::vector<const StudyCurve *> by_size;
+  for (const StudyCurve &curve : curves)
     by_size.push_back(&curve);
   std::stable_sort(by_size.begin(), by_size.end(), [](const StudyCurve *a, const StudyCurve *b) {
     return n_unknowns_of(*a) > n_unknowns_of(*b);
   });
-  std::string words, warning;
-  std::vector<double> exact;
+  std::string warning;
   for (const StudyCurve *curve : by_size)
     if (const auto extrapolated = extrapolate(*curve, probe); !extrapolated || curve->is_adaptive)
       continue;
@@ -491,21 +548,59 @@ std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string 
       warning += "; " + curve->name + " seems to converge with the order " +
                  to_text(extrapolated->too_large, "%.2f") +
                  ", more than twice its degree: not asymptotic, hence not extrapolated";
-    else if (extrapolated->order > 0) {
-      exact = extrapolated->value;
-      words = list_text(exact) + " of probe " + probe + ", extrapolated from the last three levels of " +
-              curve->name + " with the observed order " + to_text(extrapolated->order, "%.2f");
-      break;
-    }
+    else if (extrapolated->order > 0)
+      return {extrapolated->value, extrapolated->uncertainty,
+              list_text(extrapolated->value) + " of probe " + probe +
+                  ", extrapolated from the last three levels of " + curve->name +
+                  " with the observed order " + to_text(extrapolated->order, "%.2f") + warning,
+              points_with(*curve, probe).back()};
   const std::string why = warning.empty() ? ": no three levels converge, so no order is observed" : "";
-  for (auto curve = by_size.begin(); exact.empty() && curve != by_size.end(); ++curve)
-    take_finest_value(**curve, probe, why, exact, words);
-  const double size = distance(exact, std::vector<double>(exact.size(), 0.));
+  ValueOfStudy result;
+  for (auto curve = by_size.begin(); result.value.empty() && curve != by_size.end(); ++curve)
+    result = finest_value(**curve, probe, why);
+  result.words += result.value.empty() ? "" : warning;
+  return result;
+}
+
+/// max B - min B over all domains; 0 of what is no scalar.
+double range_of(const StudyPoint &point, const std::string &field)
+{
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const auto &[name, value] : point.numbers)
+    if (const auto place = name.rfind("/minimum/" + field);
+        name.rfind("domains/", 0) == 0 && place != std::string::npos) {
+      const std::string domain = name.substr(0, place);
+      if (std::isnan(find_number(point.numbers, domain + "/range/" + field)))
+        continue; // of a vector
+      low = std::min(low, value);
+      high = std::max(high, find_number(point.numbers, domain + "/maximum/" + field));
+    }
+  return std::max(high - low, 0.);
+}
+
+} // namespace
+
+std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string &probe,
+                             const std::string &field)
+{
+  const ValueOfStudy exact = value_of_probe(curves, probe);
+  if (exact.value.empty())
+    return "";
+  const double range = field.empty() ? 0. : range_of(*exact.finest, field),
+               length = distance(exact.value, std::vector<double>(exact.value.size(), 0.)),
+               size = range > 0    ? range
+                      : length > 0 ? length
+                                   : 1.;
   for (StudyCurve &curve : curves)
     for (StudyPoint &point : curve.points)
-      if (const auto values = values_of_probe(point, probe); values.size() == exact.size() && !exact.empty())
-        point.error = distance(values, exact) / (size > 0 ? size : 1.);
-  return words.empty() ? words : words + warning;
+      if (const auto values = values_of_probe(point, probe); values.size() == exact.value.size()) {
+        point.error = distance(values, exact.value) / size;
+        point.uncertainty = exact.uncertainty / size;
+      }
+  return exact.words +
+         (std::isfinite(exact.uncertainty) ? ", known to within " + to_text(exact.uncertainty, "%.2g")
+                                           : ", of unknown error") +
+         (range > 0 ? "; relative to the range of the " + field + ", " + to_text(range, "%.4g") : "");
 }
 
 void extrapolate_errors(std::vector<StudyCurve> &curves)

@@ -65,6 +65,7 @@ private:
   std::vector<StudyCurve> curves(std::string &against) const;
   std::string measure() const;
   std::string probe() const;
+  std::string field_of_probe() const;
   std::string words_on_time() const;
   void write_table_of_runs() const;
   void keep(const std::string &name, const std::string &beginning, const std::string &text) const;
@@ -283,6 +284,16 @@ std::string Study::probe() const
   return options.measure.rfind(prefix, 0) == 0 ? options.measure.substr(prefix.size()) : "";
 }
 
+/// Of which the probe is a value; empty if it is a flux, an integral or a quantity.
+std::string Study::field_of_probe() const
+{
+  const Section probes = scene.section.top();
+  const std::string name = "Probe " + probe(), reduce = probes.peek(name, "Reduce");
+  return (probes.peek(name, "Boundary").empty() || !reduce.empty()) && reduce != "integral"
+             ? probes.peek(name, "Field")
+             : "";
+}
+
 /// "temperature L2"
 std::string Study::measure() const
 {
@@ -346,7 +357,7 @@ std::vector<StudyCurve> Study::curves(std::string &against) const
       }
       result.push_back(curve);
     }
-  against = probe().empty() ? errors_against : measure_by_probe(result, probe());
+  against = probe().empty() ? errors_against : measure_by_probe(result, probe(), field_of_probe());
   return result;
 }
 

@@ -4,6 +4,7 @@
 // What a study makes of numbers: medians, rates, the Pareto front, combined errors, who is first and by how
 // much, errors of probes against an extrapolated value: 2 + h^2 has the values 3, 2.25, 2.0625, so J = 2 with
 // the order 2. 2 + h^4 is of the order 4, which elements of degree 2 can have and those of degree 1 cannot.
+// Of a scalar they are relative to its range. Levels between which noise would have to decide: the coarsest.
 
 #include <dovetail/study/numbers.h>
 
@@ -70,6 +71,37 @@ void extrapolate_fourth_order(const int degree)
   std::cout << measure_by_probe(curves, "tip") << '\n';
 }
 
+/// Of levels with these values, which take as long as each other.
+std::vector<StudyCurve> curve_of(const std::vector<double> &values)
+{
+  std::vector<StudyCurve> curves = {{"L-shape", 0, {}}};
+  for (unsigned int level = 0; level < values.size(); ++level) {
+    StudyPoint next = point(level, 1, std::numeric_limits<double>::quiet_NaN());
+    next.numbers = {{"dofs", 8 << 2 * level},     {"domains/a/degree", 1},      {"domains/a/minimum/T", 300},
+                    {"domains/a/maximum/T", 340}, {"domains/a/range/T", 40},    {"domains/b/minimum/T", 320},
+                    {"domains/b/maximum/T", 364}, {"domains/b/range/T", 44},    {"domains/b/minimum/u", 0},
+                    {"domains/b/maximum/u", 1},   {"probes/tip", values[level]}};
+    curves[0].points.push_back(next);
+  }
+  return curves;
+}
+
+/// Four values of a scene whose exact one is 363.97207: the last three seem to converge to 363.95649, by
+/// which the error of the finest would be twice as large as it is. Four values show it by what they have
+/// converged to before, three by their order, two by their difference; of one, nothing is known.
+void compare_uncertain_probes()
+{
+  const std::vector<double> values = {364.389256, 364.045939, 364.010721, 363.989369};
+  for (const unsigned int n : {4, 3, 2, 1}) {
+    auto curves = curve_of({values.end() - n, values.end()});
+    std::cout << measure_by_probe(curves, "tip", "T") << '\n';
+    for (const std::string &sentence : who_is_first(curves))
+      std::cout << sentence << '\n';
+  }
+  auto curves = curve_of(values);
+  std::cout << measure_by_probe(curves, "tip", "u") << '\n' << curves[0].points[3].error << '\n';
+}
+
 void compare_probes()
 {
   std::vector<StudyCurve> curves = {
@@ -113,7 +145,7 @@ int main()
             << bad.status << ' ' << bad.seconds << "\n\n";
 
   const std::vector<StudyCurve> curves = {
-      {"mortar", 0, {point(0, 1, 0.1), point(1, 2, 0.005), point(2, 8, 0.0005)}},
+      {"mortar", 0, {point(0, 1, 0.1), point(1, 2, 0.005), point(2, 1.95, 0.004), point(3, 8, 0.0005)}},
       {"Nitsche", 1, {point(0, 1, 0.09), point(1, 2.01, 0.004), point(2, 5, 1e-5, "not converged")}},
       {"pointwise", 2, {point(0, 0.5, 0.08), point(1, 3, 0.01)}}};
   for (const std::string &sentence : who_is_first(curves))
@@ -125,5 +157,7 @@ int main()
   compare_probes();
   extrapolate_fourth_order(2);
   extrapolate_fourth_order(1);
+  std::cout << '\n';
+  compare_uncertain_probes();
   std::cout << std::flush;
 }

@@ -16,21 +16,23 @@ namespace dovetail {
 /// with the tangent D at rest and, of a law of large strain, the Green strain (Zienkiewicz and Zhu 1987). A
 /// cell of degree 1 bends with a shear strain that grows along it and jumps to the next one: with s = G /
 /// (lambda + 2 G) (l/h)^2 of cells of length l in a beam of height h this share is s / (1 + s), about how
-/// much too small the displacement is. 0 in a uniform strain. Of
-/// the cells of this rank; collective.
+/// much too small the displacement is. 0 in a uniform strain. Where a body becomes warm, its strain E_T
+/// without stress would hide how it bends: E - E_T does not. Of the cells of this rank; collective.
 struct StiffnessShare
 {
   double jumping = 0, all = 0; ///< energies
+  double with_stress = 0;      ///< that of E - E_T
+  double varying = 0;          ///< that of E_T less its mean in each cell
   double of_gradients = 0;     ///< that of a strain as large as its gradients and itself in a cell
 };
 template <int dim>
 StiffnessShare stiffness_share(const Domain<dim> &domain, const Field &displacement, const Vector &solution,
-                               const MPI_Comm &communicator);
+                               double t, const MPI_Comm &communicator);
 
 /// About solids of degree 1 in which this share is larger than largest_stiffness_share. Collective;
 /// @p solution is ghosted.
 template <int dim>
-NoteList explain_stiffness(const Model<dim> &model, const Vector &solution);
+NoteList explain_stiffness(const Model<dim> &model, const Vector &solution, double t);
 constexpr double largest_stiffness_share = 0.15;
 
 } // namespace dovetail

@@ -50,6 +50,7 @@ struct StudyPoint
   double start_up = fastest;    ///< what the process took beyond the program's own time, median
   double tie_share = fastest;   ///< of the program's own time, median
   double error = fastest;       ///< NaN if it is not known
+  double uncertainty = 0;       ///< of the value that the error is measured against, relative as the error
   bool is_extrapolated = false; ///< the error, from those of coarser levels
   Numbers numbers;              ///< of the first run that has a report
 
@@ -77,7 +78,8 @@ StudyPoint make_point(const std::vector<const StudyRun *> &repeats, const std::s
 std::vector<unsigned int> pareto_front(const std::vector<std::pair<double, double>> &points);
 
 /// "1 % is reached first by mortar at level 2: 0.31 s (0.30 to 0.33), 1.4 times faster than the next, Nitsche
-/// (0.43 to 0.45 s)." for 1, 0.1 and 0.01 %. Two whose intervals overlap are not distinguishable.
+/// (0.43 to 0.45 s)." for 1, 0.1 and 0.01 %. Two whose intervals overlap are not distinguishable. An error
+/// that reaches these per cent does so with its uncertainty.
 std::vector<std::string> who_is_first(const std::vector<StudyCurve> &curves);
 
 /// What these verdicts rest on: curve, and place among its points, of the first and the next at each error.
@@ -90,15 +92,21 @@ struct Extrapolation
 {
   std::vector<double> value;
   double order = std::numeric_limits<double>::quiet_NaN(); ///< observed; NaN: the values do not converge yet
-  double too_large = 0; ///< an observed order beyond twice the degree, which is none
+  double too_large = 0;   ///< an observed order beyond twice the degree, which is none
+  double uncertainty = 0; ///< of the value
 };
-/// Nothing if fewer than three levels have converged.
+/// Nothing if fewer than three levels have converged. What the value adds to the finest one is uncertain by a
+/// quarter (Roache 1994); if that is more, the value is by its change since the three levels before. Three
+/// levels with an order below 1.5 times the degree leave twice of it uncertain (Oberkampf and Roy 2010).
 std::optional<Extrapolation> extrapolate(const StudyCurve &curve, const std::string &probe);
 
-/// Set the errors of all points to those of a probe, |J - J_h| / |J|. J is extrapolated from the curve with
-/// the most unknowns of those that converge; without one it is the finest value with its estimated error
-/// added, if there is an estimate. @return against what, in words; empty if there is no such probe.
-std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string &probe);
+/// Set the errors of all points to those of a probe, |J - J_h| / |J|, with the uncertainty of J. J is
+/// extrapolated from the curve with the most unknowns of those that converge; without one it is the finest
+/// value with its estimated error added, if there is an estimate. @param field of which the probe is a value:
+/// if it is a scalar, its range takes the place of |J|. @return against what, in words; empty if there is no
+/// such probe.
+std::string measure_by_probe(std::vector<StudyCurve> &curves, const std::string &probe,
+                             const std::string &field = "");
 
 /// Give points without an error what the rate of the two levels before lets expect.
 void extrapolate_errors(std::vector<StudyCurve> &curves);

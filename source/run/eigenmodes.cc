@@ -6,6 +6,7 @@
 #include <dovetail/material/transient.h>
 #include <dovetail/run/initial_values.h>
 #include <dovetail/run/start_of_motion.h>
+#include <dovetail/scene/units.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -406,14 +407,17 @@ void Eigenmodes<dim>::write(const EigenPairs &pairs)
 {
   nlohmann::ordered_json frequencies = nlohmann::ordered_json::array(), residuals = frequencies;
   log.tell();
-  log.tell("  mode  frequency [Hz]  residual");
+  const std::string units = section.top().peek("Units"),
+                    title = "frequency [" + (units.empty() ? "Hz" : Units(units).of("Hz")) + "]";
+  char row[80];
+  std::snprintf(row, sizeof(row), "  mode  %14s  residual", title.c_str());
+  log.tell(row);
   unsigned int number = 0, n_unstable = 0;
   for (const unsigned int k : nearest(pairs)) {
     const double hertz = frequency(pairs.values[k]);
     n_unstable += hertz < 0;
     frequencies.push_back(hertz);
     residuals.push_back(pairs.residuals[k]);
-    char row[80];
     std::snprintf(row, sizeof(row), "  %4u  %14.6g  %8.1e", ++number, hertz, pairs.residuals[k]);
     log.tell(row);
     Vector mode = scatter(pairs.vectors[k]);

@@ -29,7 +29,7 @@ using Powers = std::vector<int>; ///< of length, mass, time and temperature
 const std::map<std::string, Powers> known_units = {
     {"m", {1, 0, 0, 0}},   {"kg", {0, 1, 0, 0}},   {"s", {0, 0, 1, 0}},  {"K", {0, 0, 0, 1}},
     {"N", {1, 1, -2, 0}},  {"Pa", {-1, 1, -2, 0}}, {"J", {2, 1, -2, 0}}, {"W", {2, 1, -3, 0}},
-    {"rad", {0, 0, 0, 0}}, {"-", {0, 0, 0, 0}},    {"1", {0, 0, 0, 0}}};
+    {"Hz", {0, 0, -1, 0}}, {"rad", {0, 0, 0, 0}},  {"-", {0, 0, 0, 0}},  {"1", {0, 0, 0, 0}}};
 
 const std::array<std::map<std::string, double>, 4> known_bases = {
     {{{"m", 1}, {"mm", 1e-3}, {"cm", 1e-2}, {"um", 1e-6}, {"km", 1e3}, {"in", 0.0254}, {"ft", 0.3048}},
@@ -137,7 +137,7 @@ std::string Units::of(const std::string &unit) const
   const auto powers = UnitParser(unit).parse();
   if (!powers)
     return "";
-  if (unit == "N" || unit == "Pa" || unit == "J" || unit == "W")
+  if (unit == "N" || unit == "Pa" || unit == "J" || unit == "W" || unit == "Hz")
     for (const auto &[prefix, size] : {std::pair("m", 1e-3), std::pair("", 1.), std::pair("k", 1e3),
                                        std::pair("M", 1e6), std::pair("G", 1e9)})
       if (std::abs(*from_si(unit) * size - 1) < 1e-12)

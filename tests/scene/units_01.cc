@@ -44,6 +44,8 @@ int main(int argc, char **argv)
   show("m, kg, min, K", "W/(m K)", 1. / 216000);
   show(mm, "m or K", 1);
   show(mm, "W/(m K", 1);
+  for (const char *units : {"mm, t, s, K", "mm, kg, ms, K", "m, kg, us, K", "m, kg, min, K"})
+    std::cout << units << ": frequencies in " << Units(units).of("Hz") << std::endl;
   for (const char *wrong : {"mm, t, s", "mm, t, s, C", "mm, t, s, K, A"})
     try {
       Units{wrong};

@@ -69,29 +69,33 @@ std::vector<std::string> names_without_unit(const typename Probes<dim>::Probe &p
   return names;
 }
 
-std::string in_brackets(const std::string &unit)
+} // namespace
+
+template <int dim>
+std::string in_brackets(const Probes<dim> &probes, const std::string &unit)
 {
-  return unit.empty() ? "" : " [" + unit + "]";
+  const std::string in_units = probes.units() ? probes.units()->of(unit) : "";
+  return in_units.empty() ? "" : " [" + in_units + "]";
 }
 
-} // namespace
+std::string unit_of_flux(const std::string &field)
+{
+  return units_of(field)[1];
+}
 
 template <int dim>
 std::vector<NamesOfProbe> names_of_columns(const Probes<dim> &probes)
 {
-  const auto in_units = [&probes](const std::string &unit) {
-    return in_brackets(probes.units() ? probes.units()->of(unit) : "");
-  };
   std::vector<NamesOfProbe> result;
   for (const auto &probe : probes.all()) {
     NamesOfProbe names;
     const bool has_places = probe.reduce == Reduce::minimum || probe.reduce == Reduce::maximum;
     for (const std::string &name : names_without_unit<dim>(probe)) {
-      names.numbers.push_back(name + in_units(unit_of<dim>(probe)));
+      names.numbers.push_back(name + in_brackets(probes, unit_of<dim>(probe)));
       for (unsigned int d = 0; has_places && d < dim; ++d)
         names.places.push_back(name + " at " +
                                (probe.region.domain->measure.is_axisymmetric() ? "rz" : "xyz")[d] +
-                               in_units("m"));
+                               in_brackets(probes, "m"));
     }
     result.push_back(names);
   }
@@ -100,5 +104,7 @@ std::vector<NamesOfProbe> names_of_columns(const Probes<dim> &probes)
 
 template std::vector<NamesOfProbe> names_of_columns(const Probes<2> &);
 template std::vector<NamesOfProbe> names_of_columns(const Probes<3> &);
+template std::string in_brackets(const Probes<2> &, const std::string &);
+template std::string in_brackets(const Probes<3> &, const std::string &);
 
 } // namespace dovetail

@@ -368,11 +368,11 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
         energy_balance->add_step(reactions, solution.x, ghosted, velocity_now, solution.motion);
     report()["steps"].back()["energy"] = energy;
     for (const auto &[name, value] : energy.items())
-      columns.push_back(
-          {{"energy " + name + (probes.units() ? " [" + probes.units()->of("J") + "]" : "")}, value});
+      columns.push_back({{"energy " + name + in_brackets(probes, "J")}, value});
   }
   step_table.add(solution.t, columns, flows, model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz",
-                 probes.units() ? probes.units()->of("s") : "");
+                 {in_brackets(probes, "s"),
+                  [this](const std::string &field) { return in_brackets(probes, unit_of_flux(field)); }});
   if (step_table.is_due())
     write_step_table();
 }

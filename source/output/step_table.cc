@@ -17,18 +17,18 @@ namespace {
 using nlohmann::ordered_json;
 
 void add_columns(const std::string &name, const ordered_json &value, const std::string &axes,
-                 std::vector<std::string> &names, std::vector<std::string> &texts)
+                 const std::string &unit, std::vector<std::string> &names, std::vector<std::string> &texts)
 {
   const std::string before = name.empty() ? "" : name + " ";
   if (value.is_object())
     for (const auto &[key, part] : value.items())
-      add_columns(before + key, part, axes, names, texts);
+      add_columns(before + key, part, axes, unit, names, texts);
   else if (value.is_array())
     for (std::size_t i = 0; i < value.size(); ++i)
       add_columns(before + (value.size() <= 3 ? std::string(1, axes[i]) : std::to_string(i)), value[i], axes,
-                  names, texts);
+                  unit, names, texts);
   else {
-    names.push_back(name);
+    names.push_back(name + unit);
     texts.push_back(value.is_number() && std::isfinite(value.get<double>()) ? value.dump() : "");
   }
 }
@@ -36,17 +36,18 @@ void add_columns(const std::string &name, const ordered_json &value, const std::
 } // namespace
 
 void StepTable::add(const double time, const std::vector<Columns> &columns, const ordered_json &balance,
-                    const std::string &axes, const std::string &unit)
+                    const std::string &axes, const UnitsOfColumns &units)
 {
-  std::vector<std::string> names = {first_word + (unit.empty() ? "" : " [" + unit + "]")},
-                           texts = {ordered_json(time).dump()};
+  std::vector<std::string> names = {first_word + units.time}, texts = {ordered_json(time).dump()};
   for (const Columns &given : columns) {
     const std::size_t first = names.size();
-    add_columns("", given.numbers, axes, names, texts);
+    add_columns("", given.numbers, axes, "", names, texts);
     AssertDimension(names.size() - first, given.names.size());
     std::copy(given.names.begin(), given.names.end(), names.begin() + first);
   }
-  add_columns("balance", balance, axes, names, texts);
+  for (const auto &[domain, fields] : balance.items())
+    for (const auto &[field, numbers] : fields.items())
+      add_columns("balance " + domain + " " + field, numbers, axes, units.flux(field), names, texts);
   const auto line = [](const std::vector<std::string> &cells) {
     std::string result;
     for (const std::string &cell : cells)

@@ -24,4 +24,11 @@ struct NamesOfProbe
 template <int dim>
 std::vector<NamesOfProbe> names_of_columns(const Probes<dim> &probes);
 
+/// What stands behind the name of a column, " [mm]", of a unit in SI; empty if the scene has no Units.
+template <int dim>
+std::string in_brackets(const Probes<dim> &probes, const std::string &unit);
+
+/// In SI, of the integral of the flux of a field over a surface; empty if it is not known.
+std::string unit_of_flux(const std::string &field);
+
 } // namespace dovetail

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,15 +20,21 @@ struct Columns
   nlohmann::ordered_json numbers; ///< one, or lists of as many as there are names
 };
 
+/// What stands behind a name: " [mm]", or nothing if no units are given.
+struct UnitsOfColumns
+{
+  std::string time;
+  std::function<std::string(const std::string &field)> flux; ///< of the fields of a balance
+};
+
 /// One row per step: the time, the columns that are given, and the numbers of the balance as in the report.
 /// These are called by that word, by the keys that lead to the number and by an axis or the index in a list.
 class StepTable
 {
 public:
-  /// Of each step the same numbers. @p axes: the letters of three directions, xyz; @p unit: of the time, or
-  /// empty
+  /// Of each step the same numbers. @p axes: the letters of three directions, xyz
   void add(double time, const std::vector<Columns> &columns, const nlohmann::ordered_json &balance,
-           const std::string &axes, const std::string &unit);
+           const std::string &axes, const UnitsOfColumns &units);
 
   bool is_empty() const { return rows.empty(); }
   std::string text() const { return header + rows; }

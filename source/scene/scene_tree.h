@@ -7,6 +7,7 @@
 
 #include <dovetail/scene/path.h>
 
+#include <functional>
 #include <map>
 #include <string>
 #include <unordered_map>
@@ -114,9 +115,14 @@ std::string content_of(const std::string &file);
 /// where these files were found. Collective.
 FileTexts read_tables(SceneTree &tree);
 
-/// The value of an entry in SI, whose unit ends the @p description in brackets, in the Units of the scene.
+/// The value of an entry in SI, whose unit ends the @p description in brackets, in the Units of the scene; in
+/// a formula, which the @p range tells, x, y, z and t are in SI, too.
 std::string converted_from_si(const SceneTree::Entry &entry, const std::string &description,
-                              const SceneTree &tree);
+                              const std::string &range, const SceneTree &tree);
+
+/// A formula in which the parts between the names of files are replaced.
+std::string replace_between_files(const std::string &formula,
+                                  const std::function<std::string(const std::string &part)> &replace);
 
 /// A formula with the numbers of its tables in the place of their files.
 /// @throw UserError naming file and line

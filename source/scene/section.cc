@@ -314,7 +314,7 @@ std::string Section::declare(const std::string &name, const std::optional<std::s
   const SceneTree::Entry *entry = state().tree.find(section_path, name);
   if (entry != nullptr && entry->is_in_si && !documenting()) {
     SceneTree::Entry converted = *entry;
-    converted.value = converted_from_si(*entry, description, state().tree);
+    converted.value = converted_from_si(*entry, description, range, state().tree);
     converted.is_in_si = false;
     state().tree.set(section_path, converted);
     entry = state().tree.find(section_path, name);

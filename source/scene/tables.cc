@@ -66,6 +66,7 @@ std::vector<Place> files_in(const std::string &formula)
         !is_number(formula.substr(begin, last + 1 - begin)))
       files.push_back({begin, last + 1 - begin});
   }
+  std::sort(files.begin(), files.end(), [](const Place &a, const Place &b) { return a.begin < b.begin; });
   return files;
 }
 
@@ -141,6 +142,18 @@ FileTexts read_tables(SceneTree &tree)
   for (const auto &[path, entry] : changed)
     tree.set(path, entry);
   return files.empty() ? FileTexts() : read_on_first_rank({files.begin(), files.end()});
+}
+
+std::string replace_between_files(const std::string &formula,
+                                  const std::function<std::string(const std::string &part)> &replace)
+{
+  std::string replaced;
+  std::size_t begin = 0;
+  for (const Place &file : files_in(formula)) {
+    replaced += replace(formula.substr(begin, file.begin - begin)) + formula.substr(file.begin, file.length);
+    begin = file.begin + file.length;
+  }
+  return replaced + replace(formula.substr(begin));
 }
 
 std::string with_tables(const std::string &formula, const FileTexts &tables)

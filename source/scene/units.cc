@@ -166,10 +166,27 @@ std::string convert_formula(const std::string &formula, const std::string &facto
   return converted;
 }
 
+/// With x, y, z and t in SI, too; they stand for numbers in the units of the scene.
+std::string with_variables_in_si(const std::string &formula, const Units &units)
+{
+  const std::string letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+  std::string converted;
+  for (std::size_t begin = 0; begin < formula.size();) {
+    const std::size_t end =
+        std::max(begin + 1, std::min(formula.find_first_not_of(letters, begin), formula.size()));
+    const std::string word = formula.substr(begin, end - begin);
+    const bool is_length = word == "x" || word == "y" || word == "z";
+    const double per_si = is_length || word == "t" ? *units.from_si(is_length ? "m" : "s") : 1.;
+    converted += per_si == 1 ? word : "(" + word + "/" + digits_of(per_si) + ")";
+    begin = end;
+  }
+  return converted;
+}
+
 } // namespace
 
 std::string converted_from_si(const SceneTree::Entry &entry, const std::string &description,
-                              const SceneTree &tree)
+                              const std::string &range, const SceneTree &tree)
 {
   const SceneTree::Entry *units = tree.find("", "Units");
   if (units == nullptr || units->value.empty())
@@ -177,8 +194,13 @@ std::string converted_from_si(const SceneTree::Entry &entry, const std::string &
   const auto bracket = description.rfind('[');
   const std::string unit = description.substr(bracket + 1, description.rfind(']') - bracket - 1);
   std::optional<double> factor;
+  std::string value = entry.value;
   try {
-    factor = Units(units->value).from_si(unit);
+    const Units in_scene(units->value);
+    factor = in_scene.from_si(unit);
+    if (range.find("formula") != std::string::npos || range.find("number") != std::string::npos)
+      value = replace_between_files(
+          value, [&](const std::string &part) { return with_variables_in_si(part, in_scene); });
   } catch (const UserError &error) {
     throw UserError("The scene, " + units->location.text() + ": Units " + error.what());
   }
@@ -186,14 +208,14 @@ std::string converted_from_si(const SceneTree::Entry &entry, const std::string &
     throw UserError(entry.location.text() + ": '" + entry.name + "' has the unit [" + unit +
                     "], which cannot be converted to the Units of the scene. Set the entry in the scene.");
   if (std::abs(*factor - 1) < 1e-14)
-    return entry.value;
+    return value;
   std::string numbers; // of a list
-  for (const std::string &word : dealii::Utilities::split_string_list(entry.value, ',')) {
+  for (const std::string &word : dealii::Utilities::split_string_list(value, ',')) {
     char *end = nullptr;
-    const double value = std::strtod(word.c_str(), &end);
+    const double number = std::strtod(word.c_str(), &end);
     if (end == word.c_str() || *end != 0)
-      return convert_formula(entry.value, digits_of(*factor));
-    numbers += (numbers.empty() ? "" : ", ") + digits_of(value * *factor);
+      return convert_formula(value, digits_of(*factor));
+    numbers += (numbers.empty() ? "" : ", ") + digits_of(number * *factor);
   }
   return numbers;
 }

@@ -31,6 +31,9 @@ inline dealii::AffineConstraints<double> make_affine_constraints(const dealii::I
 /// Of the Lagrange elements on triangles and tetrahedra.
 constexpr unsigned int largest_degree_of_simplices = DEAL_II_VERSION_GTE(9, 6, 0) ? 3 : 2;
 
+/// Of Lagrange hexahedra: version 2.2 of .vtu files exchanged the last two edges in the direction of z.
+constexpr bool has_old_order_of_edges = !DEAL_II_VERSION_GTE(9, 5, 0);
+
 /// From one mesh to the next, serial and parallel.
 #if DEAL_II_VERSION_GTE(9, 7, 0)
 template <int dim, typename VectorType>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/compatibility.h>
 #include <dovetail/output/domain_picture.h>
 
 #include <deal.II/fe/fe_simplex_p.h>
@@ -30,7 +31,20 @@ group_by_name(const std::vector<std::string> &names)
 
 namespace {
 
-/// A grid of degree^dim parts on a hypercube. The nodes of the linear or quadratic element on a simplex, in
+/// The nodes of VTK's cell by lines along x, planes and layers, where deal.II looks for them: deal.II 9.4
+/// knows the last two edges in z-direction in the old order.
+dealii::Quadrature<3> nodes_of_hexahedron(const unsigned int degree)
+{
+  const dealii::QIterated<3> grid(dealii::QTrapezoid<1>(), degree);
+  auto points = grid.get_points();
+  for (unsigned int k = 1; k < degree && has_old_order_of_edges; ++k) {
+    const unsigned int back = ((degree + 1) * k + degree) * (degree + 1);
+    std::swap(points[back], points[back + degree]);
+  }
+  return dealii::Quadrature<3>(points);
+}
+
+/// The nodes of the cell that is written: of degree p on a hypercube, linear or quadratic on a simplex, in
 /// the order that VTK has, too.
 template <int structdim, int dim>
 dealii::Quadrature<structdim> points_of_patch(const Domain<dim> &domain)
@@ -40,7 +54,10 @@ dealii::Quadrature<structdim> points_of_patch(const Domain<dim> &domain)
       return dealii::Quadrature<structdim>(
           dealii::FE_SimplexP<structdim>(std::min(std::max(domain.degree, domain.mapping_degree()), 2U))
               .get_unit_support_points());
-  return dealii::QIterated<structdim>(dealii::QTrapezoid<1>(), domain.degree);
+  if constexpr (structdim == 3)
+    return nodes_of_hexahedron(domain.degree);
+  else
+    return dealii::QIterated<structdim>(dealii::QTrapezoid<1>(), domain.degree);
 }
 
 /// One for each number.
@@ -101,7 +118,8 @@ DomainPicture<dim>::DomainPicture(const Domain<dim> &domain, const QuantityList<
       patch.n_subdivisions = domain.has_simplices() ? 1 : domain.degree;
       for (const unsigned int v : cell->vertex_indices())
         patch.vertices[v] = cell->vertex(v);
-      patch.points_are_available = domain.mapping_degree() > 1 || domain.has_simplices();
+      patch.points_are_available =
+          domain.mapping_degree() > 1 || domain.has_simplices() || (dim == 3 && domain.degree > 1);
       fill<dim>(quantities, point, values.n_quadrature_points, this->names.size(), patch);
       this->patches.push_back(std::move(patch));
     }

@@ -254,13 +254,11 @@ PieceOfPicture Paraview<dim>::show(Block &block, const dealii::DataOutBase::VtkF
              : DomainPicture<dim>(*block.domain, block.quantities, solution, time).piece(flags);
 }
 
-/// Hexahedra are written as degree^3 linear ones: VTK reads Lagrange's wrongly where a file has several
-/// pieces.
 template <int dim>
-bool Paraview<dim>::has_higher_order_cells(const Block &block)
+bool Paraview<dim>::has_lagrange_cells(const Block &block)
 {
-  return block.domain != nullptr && block.domain->degree > 1 && !block.domain->has_simplices() &&
-         (dim == 2 || block.is_of_boundary);
+  return block.domain != nullptr && block.domain->degree > 2 && !block.domain->has_simplices() &&
+         (dim == 3 || !block.is_of_boundary);
 }
 
 template <int dim>
@@ -279,7 +277,7 @@ void Paraview<dim>::write(const double time, const Vector &solution, const React
   const double time_of_series = numbers_steps ? times.size() + 1 : time;
   for (Block &block : blocks) {
     auto flags = flags_at(time_of_series);
-    flags.write_higher_order_cells = has_higher_order_cells(block);
+    flags.write_higher_order_cells = has_lagrange_cells(block);
     write_picture(directory + "/steps/" + file_of(block.stem, times.size(), ".vtu"), flags,
                   [&]() { return show(block, flags, time, solution); });
   }

@@ -52,7 +52,7 @@ protected:
 
 /// The undeformed cells of a domain at one time.
 ///
-/// A hypercube of degree p is one patch of p^dim parts, a simplex is one linear or quadratic cell of VTK.
+/// A hypercube is a patch for a cell of VTK of its degree, a simplex is one linear or quadratic cell of VTK.
 /// deal.II's DataOut would do, but knows only names without blanks and tensors of the dimension of space.
 template <int dim>
 class DomainPicture : public QuantityPicture<dim, dim>

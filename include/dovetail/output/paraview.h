@@ -72,7 +72,7 @@ private:
   void add_block(const Domain<dim> &domain, bool is_of_boundary);
   PieceOfPicture show(Block &block, const dealii::DataOutBase::VtkFlags &flags, double time,
                       const Vector &solution) const;
-  static bool has_higher_order_cells(const Block &block);
+  static bool has_lagrange_cells(const Block &block);
   void prepare(); ///< blocks and the directory, before the first step is written
   void name_files();
   void show_uncovered_points(unsigned int interface);

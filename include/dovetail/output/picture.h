@@ -23,22 +23,32 @@ struct PieceOfPicture
   bool is_empty = true; ///< no patches: the text says just this
 };
 
-/// A file of the pieces of all ranks, of which empty ones are left out. Instead of write_vtu_in_parallel(),
-/// which ends the program where MPI cannot make its shared file pointer (long names), and waits for ever when
-/// the disk is full. Collective, and the same result on all ranks.
+/// A file of the pieces of all ranks, of which empty ones are left out. The @p flags tell of higher-order
+/// cells if some are of degree 3 or more. Instead of write_vtu_in_parallel(), which ends the program where
+/// MPI cannot make its shared file pointer (long names), and waits for ever when the disk is full.
+/// Collective, and the same result on all ranks.
 Obstacle write_vtu(const std::string &file, const PieceOfPicture &piece,
                    const dealii::DataOutBase::VtkFlags &flags, const MPI_Comm &communicator);
 
+/// A piece of Lagrange cells of degree 2 as one of VTK's quadratic cells, whose nodes have the same order and
+/// which more programs read.
+std::string with_quadratic_cells(const std::string &piece, unsigned int dim, unsigned int n_cells);
+
+/// A patch of several parts is a cell of higher order, except on a line: deal.II orders the nodes of planes
+/// and solids only.
 template <int dim, int spacedim = dim>
 class Picture : public dealii::DataOutInterface<dim, spacedim>
 {
 public:
-  PieceOfPicture piece(const dealii::DataOutBase::VtkFlags &flags) const
+  PieceOfPicture piece(dealii::DataOutBase::VtkFlags flags) const
   {
+    const auto &patches = this->get_patches();
+    const unsigned int degree = dim < 2 || patches.empty() ? 1 : patches.front().n_subdivisions;
+    flags.write_higher_order_cells = degree > 1;
     std::ostringstream out;
-    dealii::DataOutBase::write_vtu_main(this->get_patches(), this->get_dataset_names(),
-                                        this->get_nonscalar_data_ranges(), flags, out);
-    return {out.str(), this->get_patches().empty()};
+    dealii::DataOutBase::write_vtu_main(patches, this->get_dataset_names(), this->get_nonscalar_data_ranges(),
+                                        flags, out);
+    return {degree == 2 ? with_quadratic_cells(out.str(), dim, patches.size()) : out.str(), patches.empty()};
   }
 };
 

@@ -52,21 +52,29 @@ namespace {
 
 /// To make them takes a millisecond.
 template <int structdim>
-const BarycentricPolynomials<structdim> &simplex_polynomials(const unsigned int degree)
+struct SimplexElement
 {
-  static std::map<unsigned int, BarycentricPolynomials<structdim>> made;
-  auto found = made.find(degree);
-  if (found == made.end())
-    found = made.emplace(degree, BarycentricPolynomials<structdim>::get_fe_p_basis(degree)).first;
-  return found->second;
-}
+  const std::vector<Point<structdim>> points;
+  const BarycentricPolynomials<structdim> polynomials;
+
+  static const SimplexElement &of(const unsigned int degree)
+  {
+    static std::map<unsigned int, SimplexElement> made;
+    auto found = made.find(degree);
+    if (found == made.end())
+      found = made.emplace(degree, SimplexElement{FE_SimplexP<structdim>(degree).get_unit_support_points(),
+                                                  BarycentricPolynomials<structdim>::get_fe_p_basis(degree)})
+                  .first;
+    return found->second;
+  }
+};
 
 } // namespace
 
 template <int structdim>
 SimplexBasis<structdim>::SimplexBasis(const unsigned int degree)
-    : points(FE_SimplexP<structdim>(degree).get_unit_support_points()),
-      polynomials(simplex_polynomials<structdim>(degree))
+    : points(SimplexElement<structdim>::of(degree).points),
+      polynomials(SimplexElement<structdim>::of(degree).polynomials)
 {
 }
 

@@ -88,7 +88,9 @@ MeshFile read_on_one_rank(const Section &section, const std::string &file_name,
   entry = dealii::Utilities::MPI::broadcast(communicator, entry);
   problem = dealii::Utilities::MPI::broadcast(communicator, problem);
   section.check(problem.empty(), entry, (entry == "File" ? "names '" + file_name : "") + problem);
-  return dealii::Utilities::MPI::broadcast(communicator, content);
+  return dealii::Utilities::MPI::n_mpi_processes(communicator) == 1
+             ? content // else it would be packed and unpacked
+             : dealii::Utilities::MPI::broadcast(communicator, content);
 }
 
 /// "1 : flank, 3 : bore" names boundary ids; a name may stand for several.

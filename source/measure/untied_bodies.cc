@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <sstream>
 
 namespace dovetail {
@@ -136,6 +137,83 @@ SideFaces<dim> faces_near(const Extent<dim> &other, const Domain<dim> &body,
                         [&](const auto &cell, const auto id) { return id == own_id && is_near(cell); });
 }
 
+/// A face with what is near enough for a search to find it: the low and the high corner of the box and the
+/// normal outward, of any length.
+template <int dim>
+using FaceBox = std::array<double, 3 * dim>;
+
+template <int dim>
+FaceBox<dim> box_of(const SideFaces<dim> &side, const unsigned int i)
+{
+  const auto &face = side.faces[i];
+  const auto shape = face.cell->face(face.face_no);
+  FaceBox<dim> box;
+  for (unsigned int d = 0; d < dim; ++d) {
+    double low = side.nodes(i)[0][d], high = low;
+    for (unsigned int n = 0; n < side.shape.n_nodes(); ++n) {
+      low = std::min(low, side.nodes(i)[n][d]);
+      high = std::max(high, side.nodes(i)[n][d]);
+    }
+    box[d] = low - search_radius_of_touch * face.size;
+    box[dim + d] = high + search_radius_of_touch * face.size;
+  }
+  dealii::Tensor<1, dim> normal;
+  if constexpr (dim == 2)
+    normal = dealii::cross_product_2d(shape->vertex(1) - shape->vertex(0));
+  else {
+    const bool is_triangle = shape->n_vertices() == 3;
+    normal = dealii::cross_product_3d(shape->vertex(is_triangle ? 1 : 3) - shape->vertex(0),
+                                      shape->vertex(2) - shape->vertex(is_triangle ? 0 : 1));
+  }
+  const double sign = normal * (shape->center() - face.cell->center()) < 0 ? -1 : 1;
+  for (unsigned int d = 0; d < dim; ++d)
+    box[2 * dim + d] = sign * normal[d];
+  return box;
+}
+
+/// What touches turns by less than a right angle, also where two straight faces are chords of one circle.
+template <int dim>
+bool may_touch(const FaceBox<dim> &one, const FaceBox<dim> &other, const bool are_straight)
+{
+  double product = 0, squares[] = {0, 0};
+  for (unsigned int d = 0; d < dim; ++d) {
+    if (one[d] > other[dim + d] || one[dim + d] < other[d])
+      return false;
+    product += one[2 * dim + d] * other[2 * dim + d];
+    squares[0] += one[2 * dim + d] * one[2 * dim + d];
+    squares[1] += other[2 * dim + d] * other[2 * dim + d];
+  }
+  return !are_straight || product < -0.01 * std::sqrt(squares[0] * squares[1]);
+}
+
+/// The own cells, by their active index, with a face that may touch one of the other side. On small sides
+/// this is cheaper than a search, which mostly finds nothing; of large ones all cells are given. Collective.
+template <int dim>
+std::set<unsigned int> cells_that_may_touch(const SideFaces<dim> &own, const SideFaces<dim> &other,
+                                            const bool are_straight, const MPI_Comm &communicator)
+{
+  std::set<unsigned int> cells;
+  if (dealii::Utilities::MPI::sum(1. * own.faces.size(), communicator) *
+          dealii::Utilities::MPI::sum(1. * other.faces.size(), communicator) >
+      1e6) {
+    for (const auto &face : own.faces)
+      cells.insert(face.cell->active_cell_index());
+    return cells;
+  }
+  std::vector<FaceBox<dim>> others;
+  for (unsigned int i = 0; i < other.faces.size(); ++i)
+    others.push_back(box_of(other, i));
+  const auto of_ranks = dealii::Utilities::MPI::all_gather(communicator, others);
+  for (unsigned int i = 0; i < own.faces.size(); ++i) {
+    const FaceBox<dim> box = box_of(own, i);
+    for (const auto &boxes : of_ranks)
+      if (std::any_of(boxes.begin(), boxes.end(),
+                      [&](const FaceBox<dim> &one) { return may_touch<dim>(box, one, are_straight); }))
+        cells.insert(own.faces[i].cell->active_cell_index());
+  }
+  return cells;
+}
+
 /// Where the faces of one side face another one, and how far the smooth surfaces are from both.
 template <int dim>
 class TouchingFaces
@@ -239,9 +317,18 @@ double touching_area(const std::array<const Domain<dim> *, 2> &bodies,
 {
   const double thinnest_cell = std::min(extents[0]->thinnest_cell, extents[1]->thinnest_cell);
   const double reach = search_radius_of_touch * std::max(extents[0]->largest_face, extents[1]->largest_face);
-  const auto own = faces_near(*extents[1], *bodies[0], ids[0], reach);
-  const TouchingFaces<dim> faces(bodies, ids, own, faces_near(*extents[0], *bodies[1], ids[1], reach),
-                                 thinnest_cell, communicator);
+  const Domain<dim> &body = *bodies[0];
+  auto other = faces_near(*extents[0], *bodies[1], ids[1], reach);
+  const auto cells =
+      cells_that_may_touch(faces_near(*extents[1], body, ids[0], reach), other,
+                           body.mapping_degree() == 1 && bodies[1]->mapping_degree() == 1, communicator);
+  if (dealii::Utilities::MPI::max(static_cast<unsigned int>(cells.size()), communicator) == 0)
+    return 0;
+  const SideFaces<dim> own(body.mesh(), body.mapping(), body.mapping_degree(),
+                           [&](const auto &cell, const auto id) {
+                             return id == ids[0] && cells.count(cell->active_cell_index()) > 0;
+                           });
+  const TouchingFaces<dim> faces(bodies, ids, own, std::move(other), thinnest_cell, communicator);
   return dealii::Utilities::MPI::sum(faces.area(), communicator);
 }
 

@@ -11,6 +11,7 @@
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_simplex_p.h>
 
+#include <array>
 #include <map>
 
 namespace dovetail {
@@ -78,11 +79,63 @@ SimplexBasis<structdim>::SimplexBasis(const unsigned int degree)
 {
 }
 
+namespace {
+
+/// phi = prod_d f_n(lambda_d) with f_n(s) = prod_(k < n) (p s - k)/(n - k) of degree p, for a node that is
+/// n/p from zero in lambda_d. lambda_0 falls in all directions, and lambda_(d + 1) is xi_d. For each d, f and
+/// its first and second derivative.
+template <int structdim>
+std::array<std::array<double, 3>, structdim + 1>
+factors(const unsigned int degree, const Point<structdim> &node, const Point<structdim> &xi)
+{
+  std::array<std::array<double, 3>, structdim + 1> result;
+  for (unsigned int d = 0; d <= structdim; ++d) {
+    double lambda = d == 0 ? 1 : xi[d - 1], at_node = d == 0 ? 1 : node[d - 1];
+    for (unsigned int e = 0; e < structdim && d == 0; ++e) {
+      lambda -= xi[e];
+      at_node -= node[e];
+    }
+    const auto n = static_cast<unsigned int>(degree * at_node + 0.5);
+    auto &f = result[d];
+    f = {{1, 0, 0}};
+    for (unsigned int k = 0; k < n; ++k) {
+      const double slope = degree / (1. * n - k), factor = slope * lambda - k / (1. * n - k);
+      f = {{f[0] * factor, f[1] * factor + f[0] * slope, f[2] * factor + 2 * f[1] * slope}};
+    }
+  }
+  return result;
+}
+
+} // namespace
+
+/// Cells and faces have degree 1 or 2, for which deal.II's polynomials take ten times as long.
 template <int structdim>
 void SimplexBasis<structdim>::evaluate(const Point<structdim> &xi, std::vector<double> &values,
                                        std::vector<Tensor<1, structdim>> &gradients,
                                        std::vector<Tensor<2, structdim>> &hessians) const
 {
+  if (size() <= (structdim + 1) * (structdim + 2) / 2) {
+    for (unsigned int a = 0; a < size(); ++a) {
+      const auto f = factors(size() == structdim + 1 ? 1U : 2U, points[a], xi);
+      const auto derivative = [&](const unsigned int i, const unsigned int j) {
+        double product = 1;
+        for (unsigned int d = 0; d <= structdim; ++d)
+          product *= f[d][(d == i ? 1 : 0) + (d == j ? 1 : 0)];
+        return product;
+      };
+      constexpr unsigned int none = structdim + 1;
+      if (!values.empty())
+        values[a] = derivative(none, none);
+      for (unsigned int i = 1; i <= structdim; ++i) {
+        if (!gradients.empty())
+          gradients[a][i - 1] = derivative(i, none) - derivative(0, none);
+        for (unsigned int j = 1; j <= structdim && !hessians.empty(); ++j)
+          hessians[a][i - 1][j - 1] =
+              derivative(i, j) - derivative(i, 0) - derivative(0, j) + derivative(0, 0);
+      }
+    }
+    return;
+  }
   for (unsigned int a = 0; a < values.size(); ++a)
     values[a] = polynomials.compute_value(a, xi);
   for (unsigned int a = 0; a < gradients.size(); ++a)

@@ -2,8 +2,8 @@
 # Copyright (C) 2026 by the Dovetail authors
 
 # link_stand_ins(TARGET): programs of this build tree load empty libraries in place of those that the deal.II of Debian
-# brings in and Dovetail never calls, and a copy of deal.II that looks up fewer names. To connect these takes most of the
-# time in which a program starts (doc/user_guide/check.md). What is installed loads the true ones.
+# brings in and Dovetail never calls. To connect these takes more than half of the time in which a program starts
+# (doc/user_guide/check.md). What is installed loads the true ones.
 option(DOVETAIL_STAND_INS "Programs of the build tree do not load OpenCASCADE, Gmsh, Assimp and VTK" ON)
 
 set(stand_ins_folder ${CMAKE_BINARY_DIR}/stand_ins)
@@ -21,13 +21,11 @@ function(make_stand_ins result)
   endif()
   get_target_property(deal_ii ${name} LOCATION)
   set(maker ${CMAKE_SOURCE_DIR}/cmake/make_stand_ins)
-  set(binder ${CMAKE_SOURCE_DIR}/cmake/bind_symbols.cc)
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${deal_ii} ${maker} ${binder})
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${deal_ii} ${maker})
   file(SIZE "${deal_ii}" size) # packages bring files with old dates
   file(TIMESTAMP "${deal_ii}" date)
   file(TIMESTAMP ${maker} date_of_maker)
-  file(TIMESTAMP ${binder} date_of_binder)
-  string(SHA1 key "${deal_ii} ${size} ${date} ${date_of_maker} ${date_of_binder}")
+  string(SHA1 key "${deal_ii} ${size} ${date} ${date_of_maker}")
   if(NOT EXISTS ${stand_ins_folder}/${key})
     execute_process(COMMAND ${maker} ${deal_ii} ${stand_ins_folder} ${CMAKE_CXX_COMPILER}
                     OUTPUT_VARIABLE paths ERROR_VARIABLE problem RESULT_VARIABLE status)
@@ -44,9 +42,6 @@ function(make_stand_ins result)
 endfunction()
 
 make_stand_ins(stand_ins)
-if(stand_ins)
-  set(CMAKE_BUILD_RPATH ${stand_ins_folder}) # all programs look there for deal.II
-endif()
 
 function(link_stand_ins target)
   if(stand_ins)

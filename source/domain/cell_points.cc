@@ -4,6 +4,8 @@
 #include <dovetail/domain/cell_points.h>
 #include <dovetail/domain/point_products.h>
 
+#include <algorithm>
+#include <limits>
 #include <numeric>
 
 namespace dovetail {
@@ -50,13 +52,18 @@ void CellPoints<dim>::remember()
 /// The numbers of one shape function at all points follow each other in deal.II's tables, as do the three of
 /// a gradient.
 template <int dim>
-void CellPoints<dim>::enter(const dealii::FEValuesBase<dim> &values, const std::vector<double> &unknowns)
+void CellPoints<dim>::enter(const dealii::FEValuesBase<dim> &values, const std::vector<double> &unknowns,
+                            const std::vector<bool> &needed)
 {
   const unsigned int n = values.n_quadrature_points;
   points = &values;
   values_at_points.resize(domain.n_components() * n);
   gradients_at_points.resize(domain.n_components() * n);
   for (unsigned int c = 0; c < domain.n_components(); ++c) {
+    if (!needed.empty() && !needed[c]) {
+      std::fill_n(&values_at_points[c * n], n, std::numeric_limits<double>::quiet_NaN());
+      continue;
+    }
     const unsigned int n_nodes = domain.layout().n_nodes(c);
     const double *const of_component = &unknowns[domain.layout().first(c)];
     rows.resize(n_nodes);

@@ -84,9 +84,11 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
-      fluxes(n * responses.size()), uniform_response(n), is_asked(n, true), is_sized(n, false),
-      lumped(all_lumped_components(domain)), lumped_response(n), given(n), given_of_cell(n, 0.),
-      source_of_component(n)
+      fluxes(n * responses.size()), uniform_response(n),
+      asked_with_tangent(domain.material.asks_for_all(true)),
+      asked_alone(domain.material.asks_for_all(false)), is_asked(n, true), is_in_residual(n, true),
+      is_sized(n, false), lumped(all_lumped_components(domain)), lumped_response(n), given(n),
+      given_of_cell(n, 0.), source_of_component(n)
 {
   const auto &fields = domain.fields();
   for (unsigned int c = 0; c < n; ++c)
@@ -197,9 +199,9 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   enter(cell);
   if (tangent == nullptr)
     has_uniform_tangent = false; // the next cell is not compared with the one of the last tangent
-  const bool needs_shapes = !with_source.empty() || !lumped.empty() || gives_away;
+  const bool needs_shapes = !with_source.empty() || !lumped.empty();
   if (!needs_shapes)
-    point.enter(cell_values, unknowns);
+    point.enter(cell_values, unknowns, is_needed);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     if (needs_shapes)
       point.reinit(cell_values, q, unknowns);
@@ -209,21 +211,21 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     const double JxW = domain.measure(cell_values, q);
     // a point overwrites all that is not zero in every response
     Response<dim> &response = tangent ? responses[q] : point.response;
-    if (!point.evaluate(tangent != nullptr, response)) {
+    if (!point.evaluate(tangent ? asked_with_tangent : asked_alone, response)) {
       has_uniform_tangent = false; // what comes next is compared with this cell
       return false;
     }
     for (unsigned int c = 0; c < n; ++c)
       fluxes[c * cell_values.n_quadrature_points + q] = JxW * response.flux[c];
     add_source_of_laws(response, JxW, residual);
-    if (gives_away)
-      give_away(cell, q, JxW, unknowns);
     if (!add_lumped_storage(q, JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr)) {
       has_uniform_tangent = false;
       return false;
     }
   }
   add_fluxes(residual);
+  if (gives_away)
+    give_away(cell, unknowns);
   if (tangent && is_any_asked(pairs))
     add_tangent(*tangent);
   if (tangent && !lumped.empty())
@@ -252,7 +254,7 @@ void CellTerms<dim>::add_given(const typename Domain<dim>::cell_iterator &cell, 
 {
   std::fill(given_of_cell.begin(), given_of_cell.end(), 0.);
   add_source(t, residual);
-  if (domain.body_force().is_given())
+  if (domain.body_force().is_given() && is_in_residual[domain.body_force().first_component()])
     add_body_force(t, unknowns, residual, tangent);
   for (unsigned int c = 0; c < n && !meets_flux_condition(cell); ++c)
     given.add(c, given_of_cell[c]);
@@ -262,8 +264,9 @@ template <int dim>
 void CellTerms<dim>::add_fluxes(std::vector<double> &residual)
 {
   for (unsigned int c = 0; c < n; ++c)
-    add_forces(tables.table(layout, c, false, cell_values), &fluxes[c * cell_values.n_quadrature_points][0],
-               &residual[layout.first(c)], &force_sizes[layout.first(c)]);
+    if (is_in_residual[c])
+      add_forces(tables.table(layout, c, false, cell_values), &fluxes[c * cell_values.n_quadrature_points][0],
+                 &residual[layout.first(c)], &force_sizes[layout.first(c)]);
 }
 
 template <int dim>
@@ -271,6 +274,8 @@ void CellTerms<dim>::add_source_of_laws(const Response<dim> &response, const dou
                                         std::vector<double> &residual)
 {
   for (const unsigned int c : with_source) {
+    if (!is_in_residual[c])
+      continue;
     const unsigned int first = layout.first(c), n_nodes = layout.n_nodes(c);
     const double *values = &point.shape_values()[layout.first_shape(c)];
     for (unsigned int a = 0; a < n_nodes; ++a)
@@ -444,14 +449,24 @@ void CellTerms<dim>::leave_out_coupling(const Field &field, const Field &by)
 }
 
 template <int dim>
-void CellTerms<dim>::ask_for(const std::vector<bool> &fields)
+void CellTerms<dim>::ask_for(const std::vector<Asked> &of_fields)
 {
   const std::vector<bool> before = is_asked;
-  for (unsigned int f = 0; f < fields.size(); ++f)
-    for (unsigned int c = 0; c < domain.fields()[f].n_components; ++c)
-      is_asked[domain.fields()[f].first_component + c] = fields[f];
+  asked_with_tangent = asked_alone = of_fields;
+  std::replace(asked_alone.begin(), asked_alone.end(), Asked::derivatives, Asked::response);
+  for (unsigned int f = 0; f < of_fields.size(); ++f)
+    for (unsigned int c = 0; c < domain.fields()[f].n_components; ++c) {
+      is_asked[domain.fields()[f].first_component + c] = of_fields[f] == Asked::derivatives;
+      is_in_residual[domain.fields()[f].first_component + c] = of_fields[f] != Asked::nothing;
+    }
   has_uniform_tangent = has_uniform_tangent && is_asked == before;
   find_sized();
+  is_needed.clear();
+  for (unsigned int d = 0; d < n && !domain.material.has_memory(); ++d) {
+    is_needed.push_back(is_in_residual[d] || domain.material.chooses_by(d));
+    for (unsigned int c = 0; c < n; ++c)
+      is_needed[d] = is_needed[d] || (is_in_residual[c] && domain.material.coupling(c, d).any());
+  }
 }
 
 template <int dim>
@@ -513,111 +528,126 @@ bool CellTerms<dim>::has_operator(const unsigned int component) const
 
 namespace {
 
-/// Of functions at a point: rows of the sizes of their @p gradients by direction, then of their @p values.
-DOVETAIL_WIDEST_VECTORS void tabulate_sizes(const unsigned int dim, const unsigned int n,
-                                            const double *const values, const double *const gradients,
-                                            double *const __restrict__ sizes)
+/// sums[i] += |x row[i]|.
+DOVETAIL_WIDEST_VECTORS void add_sizes_of_row(const std::size_t n, const double x, const double *const row,
+                                              double *const __restrict__ sums)
 {
-  for (unsigned int d = 0; d < dim; ++d)
-    for (unsigned int a = 0; a < n; ++a)
-      sizes[d * n + a] = std::abs(gradients[std::size_t(a) * dim + d]);
-  for (unsigned int a = 0; a < n; ++a)
-    sizes[dim * n + a] = std::abs(values[a]);
+  const double size = std::abs(x);
+  for (std::size_t i = 0; i < n; ++i)
+    sums[i] += size * std::abs(row[i]);
 }
 
-/// sums[d] = sum_a row_d[a] |x[a]| for a < @p n, of rows that are @p stride apart.
-DOVETAIL_WIDEST_VECTORS void sum_sizes_of_rows(const unsigned int n_rows, const std::size_t stride,
-                                               const unsigned int n, const double *row, const double *const x,
-                                               double *const sums)
+/// sum_i |row[i]| factors[i].
+DOVETAIL_WIDEST_VECTORS double sum_of_sizes(const std::size_t n, const double *const row,
+                                            const double *const factors)
 {
   constexpr unsigned int width = 8;
-  for (unsigned int d = 0; d < n_rows; ++d, row += stride) {
-    double s[width] = {};
-    unsigned int a = 0;
-    for (; a + width <= n; a += width)
-      for (unsigned int k = 0; k < width; ++k)
-        s[k] += row[a + k] * std::abs(x[a + k]);
-    for (; a < n; ++a)
-      s[0] += row[a] * std::abs(x[a]);
-    for (unsigned int k = 1; k < width; ++k)
-      s[0] += s[k];
-    sums[d] = s[0];
-  }
-}
-
-/// y[a] += sum_d factors[d] row_d[a].
-DOVETAIL_WIDEST_VECTORS void add_rows(const unsigned int n_rows, const std::size_t stride,
-                                      const unsigned int n, const double *row, const double *const factors,
-                                      double *const __restrict__ y)
-{
-  for (unsigned int d = 0; d < n_rows; ++d, row += stride)
-    for (unsigned int a = 0; factors[d] != 0 && a < n; ++a)
-      y[a] += factors[d] * row[a];
+  double s[width] = {};
+  std::size_t i = 0;
+  for (; i + width <= n; i += width)
+    for (unsigned int k = 0; k < width; ++k)
+      s[k] += std::abs(row[i + k]) * factors[i + k];
+  for (; i < n; ++i)
+    s[0] += std::abs(row[i]) * factors[i];
+  for (unsigned int k = 1; k < width; ++k)
+    s[0] += s[k];
+  return s[0];
 }
 
 } // namespace
 
-/// The derivatives at the current point, and the sizes of their products with the unknowns.
+/// The derivatives at all points, and the sizes of their products with the unknowns.
 template <int dim>
-void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell, const unsigned int q,
-                               const double JxW, const std::vector<double> &unknowns)
+void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell,
+                               const std::vector<double> &unknowns)
 {
-  const Response<dim> &response = responses[q];
   const BodyForce<dim> &force = domain.body_force();
-  dealii::Tensor<2, dim> by_position;
-  const auto source_by_displacement = [&](const unsigned int c, const unsigned int d) -> double & {
-    return responses[q].source_by_value[(force.first_component() + c) * n + force.first_component() + d];
-  };
   const bool has_force = force.depends_on_displacement() && has_operator(force.first_component()) &&
                          is_asked[force.first_component()];
-  if (has_force)
-    by_position = force.derivative(cell_values.quadrature_point(q), point.state.t);
-  for (unsigned int c = 0; has_force && c < dim; ++c)
-    for (unsigned int d = 0; d < dim; ++d)
-      source_by_displacement(c, d) -= by_position[c][d];
-  for (const auto &[field, cells] : operators)
-    if (is_asked[field.first_component])
-      cells->set_tangent(cell->active_cell_index(), q, JxW / cell_values.JxW(q), response);
-
-  const unsigned int n_shapes = layout.n_shapes();
-  sizes_of_shapes.resize((dim + 1) * n_shapes);
-  tabulate_sizes(dim, n_shapes, point.shape_values().data(), point.shape_gradients()[0].begin_raw(),
-                 sizes_of_shapes.data());
-  std::vector<double> &values = size_of_value;
-  values.assign(n, 0.);
-  std::vector<dealii::Tensor<1, dim>> &gradients = size_of_gradient;
-  gradients.assign(n, {});
-  for (unsigned int d = 0; d < n; ++d)
-    if (is_sized[d]) {
-      const double *const x = &unknowns[layout.first(d)], *const sizes =
-                                                              &sizes_of_shapes[layout.first_shape(d)];
-      sum_sizes_of_rows(dim, n_shapes, layout.n_nodes(d), sizes, x, gradients[d].begin_raw());
-      sum_sizes_of_rows(1, n_shapes, layout.n_nodes(d), sizes + dim * n_shapes, x, &values[d]);
+  find_sizes_at_points(sizes_of_unknowns != nullptr ? *sizes_of_unknowns : unknowns);
+  for (const unsigned int q : cell_values.quadrature_point_indices()) {
+    const auto add_force = [&](const double factor, const dealii::Tensor<2, dim> &derivative) {
+      for (unsigned int c = 0; c < dim; ++c)
+        for (unsigned int d = 0; d < dim; ++d)
+          responses[q].source_by_value[(force.first_component() + c) * n + force.first_component() + d] +=
+              factor * derivative[c][d];
+    };
+    dealii::Tensor<2, dim> by_position;
+    if (has_force) {
+      by_position = force.derivative(cell_values.quadrature_point(q), point.state.t);
+      add_force(-1, by_position);
     }
-  std::vector<std::array<double, dim + 1>> &of_products = size_of_product;
-  of_products.assign(n, {});
+    const double JxW = tables.JxW[q];
+    for (const auto &[field, cells] : operators)
+      if (is_asked[field.first_component])
+        cells->set_tangent(cell->active_cell_index(), q, JxW / cell_values.JxW(q), responses[q]);
+    add_products_of_point(q, JxW, has_force);
+    if (has_force) // the next cell begins with what laws leave at zero
+      add_force(1, by_position);
+  }
+  add_up_products();
+}
+
+/// The numbers of one shape function at all points follow each other in deal.II's tables.
+template <int dim>
+void CellTerms<dim>::find_sizes_at_points(const std::vector<double> &unknowns)
+{
+  const std::size_t n_points = cell_values.n_quadrature_points;
+  value_sizes.assign(n * n_points, 0.);
+  gradient_sizes.assign(n * n_points, {});
+  source_sizes.assign(n * n_points, 0.);
+  flux_sizes.assign(n * n_points, {});
+  for (unsigned int d = 0; d < n; ++d)
+    for (unsigned int a = 0; is_sized[d] && a < layout.n_nodes(d); ++a) {
+      const unsigned int shape = layout.shape_of_node(d, a);
+      const double x = unknowns[layout.index(d, a)];
+      add_sizes_of_row(n_points, x, &cell_values.shape_value(shape, 0), &value_sizes[d * n_points]);
+      add_sizes_of_row(n_points * dim, x, &cell_values.shape_grad(shape, 0)[0],
+                       &gradient_sizes[d * n_points][0]);
+    }
+}
+
+template <int dim>
+void CellTerms<dim>::add_products_of_point(const unsigned int q, const double JxW, const bool has_force)
+{
+  const Response<dim> &response = responses[q];
+  const std::size_t n_points = cell_values.n_quadrature_points;
   for (const auto &[c, d, index, coupling] : pairs_without_entries) {
     if (!is_asked[c])
       continue;
-    std::array<double, dim + 1> &product = of_products[c];
+    const double value = JxW * value_sizes[d * n_points + q];
+    const dealii::Tensor<1, dim> gradient = JxW * gradient_sizes[d * n_points + q];
+    dealii::Tensor<1, dim> &flux = flux_sizes[c * n_points + q];
+    double &source = source_sizes[c * n_points + q];
     if (coupling.source_by_value || has_force)
-      product[dim] += JxW * std::abs(response.source_by_value[index]) * values[d];
+      source += std::abs(response.source_by_value[index]) * value;
     for (unsigned int J = 0; J < dim; ++J) {
       if (coupling.flux_by_value)
-        product[J] += JxW * std::abs(response.by_value[index][J]) * values[d];
+        flux[J] += std::abs(response.by_value[index][J]) * value;
       if (coupling.source_by_gradient)
-        product[dim] += JxW * std::abs(response.source_by_gradient[index][J]) * gradients[d][J];
+        source += std::abs(response.source_by_gradient[index][J]) * gradient[J];
       for (unsigned int L = 0; coupling.flux_by_gradient && L < dim; ++L)
-        product[J] += JxW * std::abs(response.by_gradient[index][J][L]) * gradients[d][L];
+        flux[J] += std::abs(response.by_gradient[index][J][L]) * gradient[L];
     }
   }
-  for (unsigned int c = 0; c < n; ++c)
-    if (is_asked[c])
-      add_rows(dim + 1, n_shapes, layout.n_nodes(c), &sizes_of_shapes[layout.first_shape(c)],
-               of_products[c].data(), &product_sizes[layout.first(c)]);
-  for (unsigned int c = 0; has_force && c < dim; ++c) // the next cell begins with what laws leave at zero
-    for (unsigned int d = 0; d < dim; ++d)
-      source_by_displacement(c, d) += by_position[c][d];
+}
+
+template <int dim>
+void CellTerms<dim>::add_up_products()
+{
+  const std::size_t n_points = cell_values.n_quadrature_points;
+  for (unsigned int c = 0; c < n; ++c) {
+    const auto sources = source_sizes.begin() + c * n_points;
+    const bool has_source = std::any_of(sources, sources + n_points, [](const double s) { return s != 0; });
+    for (unsigned int a = 0; is_asked[c] && a < layout.n_nodes(c); ++a) {
+      const unsigned int shape = layout.shape_of_node(c, a);
+      double &size = product_sizes[layout.index(c, a)];
+      size +=
+          sum_of_sizes(n_points * dim, &cell_values.shape_grad(shape, 0)[0], &flux_sizes[c * n_points][0]);
+      if (has_source)
+        size += sum_of_sizes(n_points, &cell_values.shape_value(shape, 0), &source_sizes[c * n_points]);
+    }
+  }
 }
 
 namespace {
@@ -772,7 +802,7 @@ template <int dim>
 void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
 {
   for (unsigned int c = 0; c < n; ++c)
-    if (const auto &[source, component] = source_of_component[c]; source != nullptr) {
+    if (const auto &[source, component] = source_of_component[c]; source != nullptr && is_in_residual[c]) {
       source->values(cell_values.get_quadrature_points(), t, component, source_at_points);
       for (const unsigned int q : cell_values.quadrature_point_indices()) {
         const double value = source_at_points[q];
@@ -836,7 +866,9 @@ bool CellTerms<dim>::add_boundary_terms(const typename Domain<dim>::cell_iterato
   point.enter(cell);
   for (const unsigned int face : cell->face_indices())
     if (cell->face(face)->at_boundary())
-      for (const Condition<dim> *condition : flux_conditions)
+      for (const Condition<dim> *condition : flux_conditions) {
+        if (!is_in_residual[condition->field.first_component])
+          continue;
         open_boundary.for_each_point(cell, face, *condition, t, unknowns, [&](const auto &at) {
           if (condition->is_weak())
             is_defined =
@@ -847,6 +879,7 @@ bool CellTerms<dim>::add_boundary_terms(const typename Domain<dim>::cell_iterato
           else
             add_influx(*condition, at, residual, tangent);
         });
+      }
   return is_defined;
 }
 

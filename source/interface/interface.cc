@@ -660,9 +660,17 @@ bool Interface<dim>::is_linear() const
 template <int dim>
 bool Interface<dim>::has_constant_fluxes() const
 {
-  return is_linear() && std::none_of(sides.begin(), sides.end(), [](const InterfaceSide<dim> &side) {
-           return side.domain->material.depends_on_time();
-         });
+  return std::all_of(fields.begin(), fields.end(),
+                     [this](const TiedField &field) { return has_constant_flux(field); });
+}
+
+template <int dim>
+bool Interface<dim>::has_constant_flux(const TiedField &field) const
+{
+  return std::all_of(sides.begin(), sides.end(), [&](const InterfaceSide<dim> &side) {
+    const Material<dim> &material = side.domain->material;
+    return material.has_linear_flux(field.field[&side - sides.data()]) && !material.depends_on_time();
+  });
 }
 
 template <int dim>

@@ -50,9 +50,9 @@ void SidePoints<dim>::reinit(const unsigned int side, const unsigned int q,
 }
 
 template <int dim>
-bool SidePoints<dim>::evaluate(const unsigned int side, const bool with_derivatives)
+bool SidePoints<dim>::evaluate(const unsigned int side, const std::vector<Asked> &asked)
 {
-  return interface->sides[side].domain->material.evaluate(state[side], with_derivatives, response[side]);
+  return interface->sides[side].domain->material.evaluate(state[side], asked, response[side]);
 }
 
 template <int dim>

@@ -76,9 +76,15 @@ void Material<dim>::set_up_terms()
   const unsigned int n = n_components();
   couplings.resize(n * n);
   orders_in_time.assign(n, 0);
+  all_responses.assign(all_fields.size(), Asked::response);
+  all_derivatives.assign(all_fields.size(), Asked::derivatives);
   for (const auto &term : terms) {
     const unsigned int first = term->field.first_component, end = first + term->field.n_components;
     needed_by.emplace_back();
+    field_of_term.push_back(std::find_if(all_fields.begin(), all_fields.end(),
+                                         [&](const Field &field) { return field.has_component(first); }) -
+                            all_fields.begin());
+    remembers.push_back(!term->internal_variables().empty());
     largest_order_in_time = std::max(largest_order_in_time, term->order_in_time());
     has_past = has_past || term->sees_past();
     for (unsigned int c = first; c < end; ++c)
@@ -125,9 +131,11 @@ unsigned int Material<dim>::n_components() const
 }
 
 template <int dim>
-bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivatives,
+bool Material<dim>::evaluate(const State<dim> &state, const std::vector<Asked> &asked,
                              Response<dim> &response) const
 {
+  const bool with_derivatives = std::find(asked.begin(), asked.end(), Asked::derivatives) != asked.end();
+  AssertDimension(asked.size(), all_fields.size());
   AssertDimension(state.gradient.size(), n_components());
   AssertDimension(response.flux.size(), n_components());
   AssertDimension(state.memory.accepted.size(), memory_at_start.size());
@@ -155,6 +163,9 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
   for (unsigned int i = 0; i < terms.size(); ++i) {
     const auto &term = terms[i];
     const unsigned int first = term->field.first_component;
+    const Asked of_term = asked[field_of_term[i]];
+    if (of_term == Asked::nothing && !remembers[i])
+      continue;
     if (!holds(i, phase)) {
       term->pass(state);
       continue;
@@ -173,7 +184,7 @@ bool Material<dim>::evaluate(const State<dim> &state, const bool with_derivative
       continue;
     }
     term->n_evaluations.fetch_add(1, std::memory_order_relaxed);
-    if (!term->add(state, with_derivatives, response))
+    if (!term->add(state, of_term == Asked::derivatives, response))
       return false;
   }
   return true;

@@ -106,14 +106,14 @@ void StepProblem<dim>::enter_all_stages()
 /// After the last one everything is measured. If something is not solved, it depends on what no material
 /// knows of, for instance by a condition: then all is one stage from now on.
 template <int dim>
-bool StepProblem<dim>::next_stage()
+bool StepProblem<dim>::next_stage(const Vector &x)
 {
   if (present_stage + 1 < stages.size()) {
     enter_stage(present_stage + 1);
     return true;
   }
   enter_all_stages();
-  if (stages.size() == 1 || measure(true) <= criterion.tolerance())
+  if (stages.size() == 1 || (has_all_residuals ? measure(true) : residual(x)) <= criterion.tolerance())
     return false;
   stages = {{0, stages.back().end_group, has_block, false}};
   enter_stage(0);
@@ -171,7 +171,18 @@ double StepProblem<dim>::residual(const Vector &x)
 {
   const Phases::Scope scope(phases, "assembly");
   is_at_start = false;
-  return measure(system.assemble(x, false));
+  const std::vector<bool> asked = blocks_of_residual(false);
+  has_all_residuals = asked.empty();
+  return measure(system.assemble(x, false, {}, asked));
+}
+
+/// Those of the present stage; where a step begins, and where its last stage ends, all are measured (empty).
+template <int dim>
+std::vector<bool> StepProblem<dim>::blocks_of_residual(const bool with_tangent) const
+{
+  const bool may_be_last = !with_tangent && present_stage + 1 == stages.size();
+  const bool is_within_stage = std::find(has_block.begin(), has_block.end(), false) != has_block.end();
+  return is_first_assembly || may_be_last || !is_within_stage ? std::vector<bool>() : has_block;
 }
 
 template <int dim>
@@ -191,7 +202,9 @@ double StepProblem<dim>::residual_and_tangent(const Vector &x)
   const bool with_tangent = !system.keeps_tangent();
   has_new_tangent = has_new_tangent || with_tangent;
   is_stabilised = is_stabilised && !with_tangent;
-  return measure(system.assemble(x, with_tangent, stages[present_stage].has_block));
+  const std::vector<bool> asked = blocks_of_residual(with_tangent);
+  has_all_residuals = asked.empty();
+  return measure(system.assemble(x, with_tangent, stages[present_stage].has_block, asked));
 }
 
 /// What has been assembled.
@@ -451,7 +464,7 @@ double StepProblem<dim>::norm(const Vector &dx) const
 template <int dim>
 Vector StepProblem<dim>::find_moving_loads(const Vector &x)
 {
-  system.assemble(x, false);
+  system.assemble(x, false, {}, blocks_of_residual(true));
   Vector loads = update_loads;
   loads -= system.negative_residual();
   return loads;

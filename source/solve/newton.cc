@@ -328,7 +328,7 @@ NewtonResult Newton::Iteration::solve()
   problem.first_stage();
   do
     solve_stage();
-  while (result.is_converged && problem.next_stage());
+  while (result.is_converged && problem.next_stage(x));
   return result;
 }
 

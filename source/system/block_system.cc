@@ -397,6 +397,7 @@ void BlockSystem<dim>::find_shares()
   for (const Block &block : model.numbering->blocks())
     stage_of_block.push_back(stage_of_field.at(block.field));
   asked_stages.assign(n_stages, true);
+  stages_of_residual = asked_stages;
   shares.assign(model.domains.size(), {});
   for (unsigned int d = 0; d < model.domains.size(); ++d) {
     const auto &fields = model.domains[d]->fields();
@@ -439,19 +440,37 @@ BlockSystem<dim>::shares_of(const std::vector<dealii::types::global_dof_index> &
   return result;
 }
 
-/// The stages that have some of the blocks; empty: all.
+/// Those that have some of the blocks; empty: all.
 template <int dim>
-void BlockSystem<dim>::ask_for(const std::vector<bool> &blocks)
+std::vector<bool> BlockSystem<dim>::stages_of(const std::vector<bool> &blocks) const
 {
-  asked_stages.assign(asked_stages.size(), blocks.empty());
+  std::vector<bool> stages(asked_stages.size(), blocks.empty());
   for (unsigned int b = 0; b < blocks.size(); ++b)
     if (blocks[b])
-      asked_stages[stage_of_block[b]] = true;
+      stages[stage_of_block[b]] = true;
+  return stages;
+}
+
+template <int dim>
+Asked BlockSystem<dim>::what_is_asked(const std::string &field) const
+{
+  const unsigned int stage = stage_of_field.at(field);
+  return !stages_of_residual[stage] ? Asked::nothing
+         : asked_stages[stage]      ? Asked::derivatives
+                                    : Asked::response;
+}
+
+/// The cells; ties are asked one by one.
+template <int dim>
+void BlockSystem<dim>::ask_for(const std::vector<bool> &of_blocks, const std::vector<bool> &residual_of)
+{
+  asked_stages = stages_of(of_blocks);
+  stages_of_residual = stages_of(residual_of);
   for (unsigned int d = 0; d < model.domains.size(); ++d) {
-    std::vector<bool> fields;
+    std::vector<Asked> of_fields;
     for (const Field &field : model.domains[d]->fields())
-      fields.push_back(asked_stages[stage_of_field.at(field.name)]);
-    cell_terms[d]->ask_for(fields);
+      of_fields.push_back(what_is_asked(field.name));
+    cell_terms[d]->ask_for(of_fields);
   }
 }
 
@@ -907,9 +926,8 @@ std::vector<double> squares_of_products(const BlockMatrix &matrix, const Vector 
 
 /// Those of the stages that are asked for are assembled anew.
 template <int dim>
-void BlockSystem<dim>::begin_tangent(const std::vector<bool> &of_blocks)
+void BlockSystem<dim>::begin_tangent()
 {
-  ask_for(of_blocks);
   std::vector<bool> rows;
   for (unsigned int b = 0; b < field_of_block.size(); ++b)
     rows.push_back(is_asked(b));
@@ -922,7 +940,8 @@ void BlockSystem<dim>::begin_tangent(const std::vector<bool> &of_blocks)
 /// Where the second tangent is that of another step, as in the start of a scheme, a third one may never come.
 /// The rounding that tangent_at_x stands for falls and grows with x also where the tangent is a sum.
 template <int dim>
-bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const std::vector<bool> &of_blocks)
+bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const std::vector<bool> &of_blocks,
+                                const std::vector<bool> &residual_of)
 {
   const unsigned int few_tangents = 2;
   if ((!with_tangent || n_tangents >= few_tangents) && affine_residual() != nullptr) {
@@ -937,8 +956,9 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const 
   ghosted_scratch = x;
   move_constraints_from(ghosted_scratch);
   right_hand_side = 0;
+  ask_for(of_blocks.empty() && !with_tangent ? residual_of : of_blocks, residual_of);
   if (with_tangent)
-    begin_tangent(of_blocks);
+    begin_tangent();
   problem_here = {};
   last_undefined() = {};
   const unsigned int n_blocks = field_of_block.size();
@@ -1102,17 +1122,36 @@ bool BlockSystem<dim>::assemble_all(const bool with_tangent)
     cell_terms[d]->forget_given();
     is_defined = assemble_domain(d, ghosted_scratch, with_tangent) && is_defined;
   }
-  if (is_defined)
+  if (is_defined &&
+      std::find(stages_of_residual.begin(), stages_of_residual.end(), false) == stages_of_residual.end())
     time_of_given = time;
   if (!model.interfaces.empty()) {
     dealii::Timer timer;
     for (const auto &interface : model.interfaces) {
       if (interface->is_active(time) && interface->tie().parts().point_terms != nullptr)
-        is_defined = assemble_interface(*interface, ghosted_scratch, with_tangent) && is_defined;
+        is_defined = assemble_point_terms(*interface, with_tangent) && is_defined;
       assemble_multipliers(*interface, ghosted_scratch, with_tangent);
     }
     tie_seconds += timer.wall_time();
   }
+  return is_defined;
+}
+
+/// At ghosted_scratch: what is asked for. Whoever asks the tie next, asks for all.
+template <int dim>
+bool BlockSystem<dim>::assemble_point_terms(Interface<dim> &interface, const bool with_tangent)
+{
+  std::vector<Asked> of_fields;
+  for (const TiedField &field : interface.fields)
+    of_fields.push_back(
+        std::max(what_is_asked(field.names[source]), what_is_asked(field.names[destination])));
+  if (std::all_of(of_fields.begin(), of_fields.end(),
+                  [](const Asked asked) { return asked == Asked::nothing; }))
+    return true;
+  PointTerms<dim> &terms = *interface.tie().parts().point_terms;
+  terms.ask_for(of_fields);
+  const bool is_defined = assemble_interface(interface, ghosted_scratch, with_tangent);
+  terms.ask_for({});
   return is_defined;
 }
 
@@ -1128,13 +1167,15 @@ void BlockSystem<dim>::note_undefined(const std::string &where)
   problem_here.reason += " [" + where + "]";
 }
 
-/// Of the tangent those stages that are asked for.
+/// Those stages that are asked for.
 template <int dim>
 void BlockSystem<dim>::scatter(const Shares &shares, const std::vector<double> &residual,
                                const std::vector<dealii::types::global_dof_index> &dofs,
                                const bool with_tangent, const unsigned int cell_index, const unsigned int d)
 {
   for (unsigned int s = 0; s < shares.size(); ++s) {
+    if (!stages_of_residual[shares[s].stage])
+      continue;
     const std::vector<unsigned int> &unknowns = shares[s].unknowns;
     const unsigned int n = unknowns.size();
     const bool has_matrix = with_tangent && asked_stages[shares[s].stage], is_all = shares.size() == 1;
@@ -1213,6 +1254,9 @@ bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghost
   std::vector<double> unknowns(n_local), residual(n_local);
   local_matrix.reinit(n_local, n_local);
   keep_positions(d, with_tangent);
+  if (std::none_of(shares[d].begin(), shares[d].end(),
+                   [this](const Share &share) { return stages_of_residual[share.stage]; }))
+    return true;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);

@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <string>
 #include <utility>
@@ -260,37 +262,97 @@ double NodalForces<dim>::rounding(const Domain<dim> &domain, const Field &field,
           is_new =
               fields.emplace(interface->sides[destination].domain, tied.names[destination]).second || is_new;
   }
-  double sum = 0;
+  double of_cells = 0, of_groups = 0;
   for (const auto &body : model.domains)
     for (const Field &its : body->fields())
-      if (fields.count({body.get(), its.name}) > 0)
-        sum += rounding_of_cells(*body, its, solution) + rounding_of_groups(*body, its, solution);
-  return 1e-15 * dealii::Utilities::MPI::sum(sum, model.communicator);
+      if (fields.count({body.get(), its.name}) > 0) {
+        of_cells += rounding_of_cells(*body, its, solution);
+        of_groups += rounding_of_groups(*body, its, solution);
+      }
+  return 1e-15 * (of_cells + dealii::Utilities::MPI::sum(of_groups, model.communicator));
 }
 
+namespace {
+
+/// Of so many cells in all: about 200, and the same ones whichever ranks own them.
+template <typename Cell>
+bool is_in_sample(const Cell &cell, const std::uint64_t n_cells)
+{
+  const std::uint64_t size = 200, factor = 0x9e3779b97f4a7c15; // of the golden section
+  std::uint64_t number = cell->id().get_coarse_cell_id();
+  for (const auto child : cell->id().get_child_indices())
+    number = number * factor + child + 1;
+  return n_cells < 2 * size || ((number * factor) >> 32) % (n_cells / size) == 0;
+}
+
+/// Lets @p terms find sizes of products in the rows of a field, by the terms at points or by entries.
+template <int dim>
+void ask_for_sizes(const Field &field, const bool by_entries, const std::vector<double> &sizes,
+                   CellTerms<dim> &terms)
+{
+  std::vector<Asked> asked;
+  for (const Field &other : terms.body().fields()) {
+    asked.push_back(other.name == field.name ? Asked::derivatives : Asked::nothing);
+    if (!by_entries)
+      terms.leave_out_coupling(field, other);
+  }
+  terms.ask_for(asked);
+  terms.size_products_by(sizes);
+}
+
+/// sum_j |K_ij| sizes_j of a field's rows: of entries, and of what the terms at points have given without
+/// any.
+template <int dim>
+double sum_of_sizes(const CellTerms<dim> &terms, const Field &field,
+                    const dealii::FullMatrix<double> &entries, const std::vector<double> &sizes)
+{
+  const CellLayout<dim> &layout = terms.body().layout();
+  double sum = 0;
+  for (unsigned int i = layout.first(field.first_component);
+       i < layout.first(field.first_component + field.n_components); ++i) {
+    sum += terms.products().empty() ? 0 : terms.products()[i];
+    for (unsigned int j = 0; j < sizes.size(); ++j)
+      sum += std::abs(entries(i, j)) * sizes[j];
+  }
+  return sum;
+}
+
+} // namespace
+
+/// All cells are summed up by the terms at their points, where nothing cancels, and a sample of them says how
+/// much less the entries are. On all ranks.
 template <int dim>
 double NodalForces<dim>::rounding_of_cells(const Domain<dim> &domain, const Field &field,
                                            const Vector &solution) const
 {
-  const unsigned int begin = domain.layout().first(field.first_component),
-                     end = domain.layout().first(field.first_component + field.n_components);
-  CellTerms<dim> terms(domain);
-  terms.set_rates(&rates);
+  const std::uint64_t n_cells = domain.mesh().n_global_active_cells();
+  CellTerms<dim> terms(domain), terms_with_entries(domain);
   dealii::FullMatrix<double> tangent(domain.dofs_per_cell(), domain.dofs_per_cell());
   std::vector<Index> dofs;
   std::vector<double> unknowns(domain.dofs_per_cell()), residual(unknowns.size()), sizes;
-  double sum = 0;
+  for (CellTerms<dim> *cells : {&terms, &terms_with_entries}) {
+    cells->set_rates(&rates);
+    ask_for_sizes(field, cells == &terms_with_entries, sizes, *cells);
+  }
+  double of_all = 0, of_sample = 0, entries_of_sample = 0;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
       magnitudes(solution, dofs, sizes);
-      if (terms.assemble(cell, t, unknowns, residual, &tangent))
-        for (unsigned int i = begin; i < end; ++i)
-          for (unsigned int j = 0; j < dofs.size(); ++j)
-            sum += std::abs(tangent(i, j)) * sizes[j];
+      tangent = 0; // but for what conditions and forces by position add
+      if (!terms.assemble(cell, t, unknowns, residual, &tangent))
+        continue;
+      const double of_cell = sum_of_sizes(terms, field, tangent, sizes);
+      of_all += of_cell;
+      if (!is_in_sample(cell, n_cells) || !terms_with_entries.assemble(cell, t, unknowns, residual, &tangent))
+        continue;
+      of_sample += of_cell;
+      entries_of_sample += sum_of_sizes(terms_with_entries, field, tangent, sizes);
     }
-  return sum;
+  for (double *sum : {&of_all, &of_sample, &entries_of_sample})
+    *sum = dealii::Utilities::MPI::sum(*sum, model.communicator);
+  return of_sample > 0 ? of_all * (entries_of_sample / of_sample) : of_all;
 }
 
 template <int dim>
@@ -298,28 +360,47 @@ double NodalForces<dim>::rounding_of_groups(const Domain<dim> &domain, const Fie
                                             const Vector &solution) const
 {
   double sum = 0;
+  for (const auto &interface : model.interfaces)
+    if (interface->tie().parts().point_terms != nullptr && interface->is_active(t) &&
+        std::any_of(interface->sides.begin(), interface->sides.end(),
+                    [&](const auto &side) { return side.domain == &domain; }))
+      for (const TiedField &tied : interface->fields)
+        if (tied.ties(field.name))
+          sum += sum_of_groups(*interface, tied, solution);
+  return sum;
+}
+
+/// In the rows of a tied field.
+template <int dim>
+double NodalForces<dim>::sum_of_groups(const Interface<dim> &interface, const TiedField &tied,
+                                       const Vector &solution) const
+{
+  double sum = 0;
   std::vector<Index> dofs;
   std::vector<double> unknowns, residual, sizes;
   dealii::FullMatrix<double> tangent;
-  for (const auto &interface : model.interfaces)
-    if (PointTerms<dim> *terms = interface->tie().parts().point_terms;
-        terms != nullptr && interface->is_active(t) &&
-        std::any_of(interface->sides.begin(), interface->sides.end(),
-                    [&](const auto &side) { return side.domain == &domain; }) &&
-        std::any_of(interface->fields.begin(), interface->fields.end(),
-                    [&](const TiedField &tied) { return tied.ties(field.name); }))
-      for (const auto &group : interface->pairing().groups) {
-        interface->group_dofs(group, dofs);
-        unknowns.resize(dofs.size());
-        solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-        magnitudes(solution, dofs, sizes);
-        residual.assign(dofs.size(), 0.);
-        tangent.reinit(dofs.size(), dofs.size());
-        if (terms->assemble(*interface, group, t, unknowns, residual, &tangent))
-          for (unsigned int i = 0; i < dofs.size(); ++i)
-            for (unsigned int j = 0; j < dofs.size(); ++j)
-              sum += std::abs(tangent(i, j)) * sizes[j];
-      }
+  PointTerms<dim> &terms = *interface.tie().parts().point_terms;
+  std::vector<Asked> asked(interface.fields.size(), Asked::nothing);
+  asked[tied.index] = Asked::derivatives;
+  terms.ask_for(asked);
+  for (const auto &group : interface.pairing().groups) {
+    interface.group_dofs(group, dofs);
+    unknowns.resize(dofs.size());
+    solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
+    magnitudes(solution, dofs, sizes);
+    const LeadingUnknowns *known = terms.leading_unknowns(interface, group);
+    const LeadingUnknowns &leading = known != nullptr ? *known : interface.all_unknowns();
+    residual.assign(leading.size(), 0.);
+    tangent.reinit(leading.size(), leading.size());
+    if (!terms.assemble_leading(interface, group, t, unknowns, residual, &tangent))
+      continue;
+    const std::vector<double> products = leading.sizes_of_products(tangent, sizes);
+    for (const unsigned int side : {source, destination}) {
+      const auto first = products.begin() + interface.first_unknown(side, tied.first_component[side]);
+      sum += std::accumulate(first, first + tied.n_components * tied.n_nodes[side], 0.);
+    }
+  }
+  terms.ask_for({});
   return sum;
 }
 

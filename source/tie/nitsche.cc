@@ -507,11 +507,31 @@ std::optional<double> Nitsche<dim>::energy(const Interface<dim> &interface, cons
   return energy;
 }
 
+/// A joint sees all that the two sides do, and where strains are large a side's flux may be that at the
+/// centre of the cell, which all its laws choose together.
+template <int dim>
+void Nitsche<dim>::ask_sides(const Interface<dim> &interface, const bool with_tangent)
+{
+  const bool needs_all = asked.empty() || has_joint() || has_large_strain(interface);
+  for (const unsigned int side : {source, destination}) {
+    std::vector<Asked> &of_side = asked_of_side[side];
+    const Material<dim> &material = interface.sides[side].domain->material;
+    of_side = material.asks_for_all(with_tangent || varies);
+    if (needs_all)
+      continue;
+    std::fill(of_side.begin(), of_side.end(), Asked::nothing);
+    for (const TiedField &field : interface.fields)
+      if (what_is_asked(field) != Asked::nothing)
+        of_side[field.field[side]] = varies || (with_tangent && what_is_asked(field) == Asked::derivatives)
+                                         ? Asked::derivatives
+                                         : Asked::response;
+  }
+}
+
 /// @return false where a law is not defined, or no penalty was found at the beginning of the step.
 template <int dim>
 bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
-                                  const unsigned int q, const double t, const std::vector<double> &unknowns,
-                                  const bool with_derivatives)
+                                  const unsigned int q, const double t, const std::vector<double> &unknowns)
 {
   for (const unsigned int side : {source, destination}) {
     bool is_weighted = false;
@@ -522,7 +542,7 @@ bool Nitsche<dim>::evaluate_sides(const Interface<dim> &interface, const typenam
       is_weighted = is_weighted || p.weight[side] != 0;
     }
     if (is_weighted) {
-      if (!sides.evaluate(interface, group, side, q, t, unknowns, with_derivatives))
+      if (!sides.evaluate(interface, group, side, q, t, unknowns, asked_of_side[side]))
         return false;
     } else if (has_joint()) {
       sides.state[side].t = t;
@@ -571,14 +591,16 @@ bool Nitsche<dim>::assemble_leading(const Interface<dim> &interface,
   has_flux_by_jump = false;
   if (tangent != nullptr && theta == 1)
     flux_by_jump.reinit(leading->size(), leading->size());
-  const bool with_derivatives = tangent != nullptr || varies;
+  ask_sides(interface, tangent != nullptr);
   for (unsigned int q = group.begin; q < group.end; ++q) {
     if (!toggle.is_on(q))
       continue;
-    if (!evaluate_sides(interface, group, q, t, unknowns, with_derivatives))
+    if (!evaluate_sides(interface, group, q, t, unknowns))
       return false;
-    for (unsigned int f = 0; f < interface.fields.size(); ++f)
-      if (!add_field(interface, f, q, t, unknowns, residual, tangent))
+    for (const TiedField &field : interface.fields)
+      if (const Asked what = what_is_asked(field);
+          what != Asked::nothing && !add_field(interface, field.index, q, t, unknowns, residual,
+                                               what == Asked::derivatives ? tangent : nullptr))
         return false;
   }
   if (has_flux_by_jump) {

@@ -153,9 +153,11 @@ void Penalty<dim>::find_eigenvalues(const Interface<dim> &interface, const doubl
 {
   if (!needs_eigenvalues())
     return;
+  const bool is_first = lambda.empty();
   lambda.resize(interface.fields.size());
   for (unsigned int f = 0; f < interface.fields.size(); ++f)
-    lambda[f] = trace_eigenvalues(interface, interface.fields[f], t, values_of, communicator);
+    if (is_first || !interface.has_constant_flux(interface.fields[f]))
+      lambda[f] = trace_eigenvalues(interface, interface.fields[f], t, values_of, communicator);
 }
 
 /// The responses of both sides at a point, with derivatives; NaN if not defined.

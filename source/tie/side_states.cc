@@ -68,14 +68,14 @@ bool SideStates<dim>::stiffens(const Interface<dim> &interface, const typename P
 template <int dim>
 bool SideStates<dim>::evaluate(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
                                const unsigned int side, const unsigned int q, const double t,
-                               const std::vector<double> &unknowns, const bool with_derivatives)
+                               const std::vector<double> &unknowns, const std::vector<Asked> &asked)
 {
   this->state[side].t = t;
   Choice &choice = choices[q][side];
   choice.is_of_trial = choice.is_accepted;
   if (!choice.is_accepted) {
     this->reinit(side, q, unknowns);
-    if (this->evaluate(side, with_derivatives))
+    if (this->evaluate(side, asked))
       return true;
   }
   if (!interface.sides[side].domain->material.has_large_strain())
@@ -83,7 +83,7 @@ bool SideStates<dim>::evaluate(const Interface<dim> &interface, const typename P
   choice.is_of_trial = true;
   const auto &at_centre = interface.pairing().cells[side][group.cells[side]].central_gradients;
   this->reinit(side, q, at_centre.data(), unknowns);
-  return this->evaluate(side, with_derivatives);
+  return this->evaluate(side, asked);
 }
 
 template <int dim>

@@ -45,8 +45,10 @@ public:
   void reinit(const dealii::FEValuesBase<dim> &values, unsigned int q, const std::vector<double> &unknowns);
   /// All points of @p values at once, which is faster: evaluate the traces and gradients there. go_to() then
   /// makes the state of one of them; shape_values() and shape_gradients() are those of the last reinit().
-  /// @p values must live, and stay at its cell, until the last go_to().
-  void enter(const dealii::FEValuesBase<dim> &values, const std::vector<double> &unknowns);
+  /// @p values must live, and stay at its cell, until the last go_to(). @p needed: by component; the values
+  /// of others are NaN there. Empty: all.
+  void enter(const dealii::FEValuesBase<dim> &values, const std::vector<double> &unknowns,
+             const std::vector<bool> &needed = {});
   void go_to(unsigned int q);
   /// A point X anywhere in that cell, where the shape functions of the layout have these values and
   /// gradients.
@@ -60,6 +62,10 @@ public:
   bool evaluate(const bool with_derivatives, Response<dim> &result) const
   {
     return domain.material.evaluate(state, with_derivatives, result);
+  }
+  bool evaluate(const std::vector<Asked> &asked, Response<dim> &result) const
+  {
+    return domain.material.evaluate(state, asked, result);
   }
 
   /// Material::evaluate_storage() into a response of its own, beside that of evaluate().

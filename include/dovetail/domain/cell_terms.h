@@ -58,8 +58,9 @@ public:
   void leave_out_boundary() { leaves_out_boundary = true; }
   /// From now on the tangent has no entries of a field by another one.
   void leave_out_coupling(const Field &field, const Field &by);
-  /// From now on assemble() may leave out the terms of the tangent in the rows of other fields.
-  void ask_for(const std::vector<bool> &fields);
+  /// From now on assemble() leaves out the rows of fields of which nothing is asked, and of the tangent those
+  /// of fields whose derivatives are not.
+  void ask_for(const std::vector<Asked> &of_fields);
   const Domain<dim> &body() const { return domain; }
   /// Whether some condition has a tangent on a face of the cell.
   bool has_boundary_tangent(const typename Domain<dim>::cell_iterator &cell) const;
@@ -118,6 +119,8 @@ public:
   const std::vector<double> &forces() const { return force_sizes; }
   /// By local unknown, of the tangent that has been given away or left out: at least sum_j |K_ij x_j|.
   const std::vector<double> &products() const { return product_sizes; }
+  /// From now on for these sizes in place of |x_j|, kept by reference.
+  void size_products_by(const std::vector<double> &sizes) { sizes_of_unknowns = &sizes; }
   /// How many roundings stand behind an entry of the residual: the terms of a gradient, of the product with
   /// the flux, of the sum over the points, and of that over the cells at a node.
   unsigned int longest_sum() const
@@ -166,8 +169,10 @@ private:
   void find_sized();
   template <typename Visit>
   void for_each_tangent(const typename Domain<dim>::cell_iterator &cell, const Visit &visit) const;
-  void give_away(const typename Domain<dim>::cell_iterator &cell, unsigned int q, double JxW,
-                 const std::vector<double> &unknowns);
+  void give_away(const typename Domain<dim>::cell_iterator &cell, const std::vector<double> &unknowns);
+  void find_sizes_at_points(const std::vector<double> &unknowns);
+  void add_products_of_point(unsigned int q, double JxW, bool has_force);
+  void add_up_products();
   bool add_boundary_terms(const typename Domain<dim>::cell_iterator &cell, double t,
                           const std::vector<double> &unknowns, std::vector<double> &residual,
                           dealii::FullMatrix<double> *tangent);
@@ -220,8 +225,11 @@ private:
                        [this](const Pair &pair) { return is_asked[pair.c]; });
   }
   std::vector<Pair> pairs, pairs_without_entries;
-  std::vector<bool> is_asked; ///< by component: its rows of the tangent
-  std::vector<bool> is_sized; ///< by component: what it multiplies in pairs_without_entries
+  std::vector<Asked> asked_with_tangent, asked_alone; ///< by field
+  std::vector<bool> is_asked;                         ///< by component: its rows of the tangent
+  std::vector<bool> is_in_residual;                   ///< by component: its rows
+  std::vector<bool> is_needed; ///< by component: its state, for these rows; empty: all of them
+  std::vector<bool> is_sized;  ///< by component: what it multiplies in pairs_without_entries
   std::vector<std::pair<Field, CellOperator<dim> *>> operators; ///< of the latter, but for what is left out
   std::vector<unsigned int> with_source;                        ///< components for which the laws have one
   bool has_loads = false;                                       ///< some of them is not storage alone
@@ -237,9 +245,11 @@ private:
   Flows given;
   std::vector<double> given_of_cell; ///< by component, of the last cell
   std::vector<std::pair<const Expression *, unsigned int>> source_of_component;
-  std::vector<double> source_at_points, size_of_value, sizes_of_shapes; // scratch
-  std::vector<std::array<double, dim + 1>> size_of_product;             // of flux and source
-  std::vector<dealii::Tensor<1, dim>> size_of_gradient;
+  std::vector<double> source_at_points; // scratch
+  const std::vector<double> *sizes_of_unknowns = nullptr;
+  /// sum_a |phi_a x_a|, and of each derivative, [component][point]; and what they give to flux and source.
+  std::vector<double> value_sizes, source_sizes;
+  std::vector<dealii::Tensor<1, dim>> gradient_sizes, flux_sizes;
   std::vector<double> force_sizes, product_sizes;
 };
 

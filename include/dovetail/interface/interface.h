@@ -99,7 +99,8 @@ public:
   bool is_linear() const;
   /// Whether the derivatives of these fluxes are the same in all steps.
   bool has_constant_fluxes() const;
-  bool is_symmetric() const ///< the terms of the tie, if the laws are
+  bool has_constant_flux(const TiedField &field) const; ///< likewise of one field
+  bool is_symmetric() const                             ///< the terms of the tie, if the laws are
   {
     return method->is_symmetric() && options.gap_extension != GapExtension::trial;
   }

@@ -32,7 +32,11 @@ public:
   void reinit(unsigned int side, unsigned int q, const dealii::Tensor<1, dim> *shape_gradients,
               const std::vector<double> &unknowns);
   /// The response at the state of a side; @return false if a law is not defined there.
-  bool evaluate(unsigned int side, bool with_derivatives);
+  bool evaluate(const unsigned int side, const bool with_derivatives)
+  {
+    return evaluate(side, interface->sides[side].domain->material.asks_for_all(with_derivatives));
+  }
+  bool evaluate(unsigned int side, const std::vector<Asked> &asked); ///< by field of the side
   /// Material::curvature() there.
   void curvature(unsigned int side, const std::vector<dealii::Tensor<1, dim>> &w,
                  dealii::FullMatrix<double> &result) const;

@@ -8,6 +8,7 @@
 #include <dovetail/domain/constraint_lines.h>
 #include <dovetail/interface/leading_unknowns.h>
 #include <dovetail/interface/transmission.h>
+#include <dovetail/material/term.h>
 #include <dovetail/pairing/pairing.h>
 #include <dovetail/scene/catalogue.h>
 #include <dovetail/scene/note.h>
@@ -147,6 +148,10 @@ public:
 
   virtual PenaltyRange penalty() const { return {}; } ///< of this rank's points
   virtual FluxVariations flux_variations() const { return {}; }
+
+  /// From now on assemble() may leave out the rows of tied fields of which nothing is asked, and of the
+  /// tangent those of fields whose derivatives are not.
+  virtual void ask_for(const std::vector<Asked> & /*of_fields*/) {}
 };
 
 /// The part of a tie by which destination unknowns follow from those of the source.

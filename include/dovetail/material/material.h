@@ -39,7 +39,18 @@ public:
   /// @return false if a law is not defined at this state. A term that needs a component whose value is
   /// NaN gives NaN and remembers what it has: an interface does not know the fields that it does not tie.
   /// Derivatives that vanish identically are not touched; coupling() tells them.
-  bool evaluate(const State<dim> &state, bool with_derivatives, Response<dim> &response) const;
+  bool evaluate(const State<dim> &state, const bool with_derivatives, Response<dim> &response) const
+  {
+    return evaluate(state, asks_for_all(with_derivatives), response);
+  }
+  /// Likewise, but of each field what @p asked says: fluxes and sources of which nothing is asked mean
+  /// nothing, and terms that remember something are evaluated in any case.
+  bool evaluate(const State<dim> &state, const std::vector<Asked> &asked, Response<dim> &response) const;
+  /// The same of all fields.
+  const std::vector<Asked> &asks_for_all(const bool with_derivatives) const
+  {
+    return with_derivatives ? all_derivatives : all_responses;
+  }
   /// Likewise, but of the sources only what is stored, with derivatives: that of the terms that ask for
   /// rates. The fluxes are not touched. @pre The rates are known.
   bool evaluate_storage(const State<dim> &state, Response<dim> &response) const;
@@ -131,6 +142,9 @@ private:
   std::vector<unsigned int> orders_in_time; ///< by component
   unsigned int largest_order_in_time = 0;
   bool has_past = false;
+  std::vector<unsigned int> field_of_term;           ///< among all fields
+  std::vector<bool> remembers;                       ///< by term
+  std::vector<Asked> all_responses, all_derivatives; ///< by field
 
   const Term<dim> *storing_term(unsigned int component) const; ///< nullptr if nothing is stored
 };

@@ -102,6 +102,9 @@ struct Coupling
   }
 };
 
+/// What a caller asks of the terms of a field at a point.
+enum class Asked : unsigned char { nothing, response, derivatives };
+
 /// One summand of the balance of one field: the stress of a solid, the conduction of heat, a reaction. Knows
 /// no mesh. A term is asked only where all components of its field are known.
 template <int dim>

@@ -63,7 +63,7 @@ public:
 
   bool is_linear() const override { return model.is_linear(); }
   void first_stage() override { enter_stage(0); }
-  bool next_stage() override;
+  bool next_stage(const Vector &x) override;
   bool has_linear_stage() const override { return stages[present_stage].is_linear; }
   bool is_remembered() const override { return system.has_rates(); }
   double residual(const Vector &x) override;
@@ -104,6 +104,7 @@ private:
   double forcing() const;
   std::optional<unsigned int> solve_from_guess(Vector &dx);
   double measure(bool is_defined);
+  std::vector<bool> blocks_of_residual(bool with_tangent) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);
@@ -152,6 +153,7 @@ private:
   unsigned int n_guesses = 0;
   double residual_of_update = 0;                 ///< where the last update of this stage began; 0: none yet
   bool is_stabilised = false;                    ///< the tangent
+  bool has_all_residuals = true;                 ///< those of other stages, too
   bool is_at_start = false;                      ///< the last assembly, with the tangent, was start_at()
   std::vector<FreePressure<dim>> free_pressures; ///< by the tangent that the linear solver has
   BlockMatrix tangent_of_held;                   ///< which it has if there are any

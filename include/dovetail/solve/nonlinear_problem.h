@@ -26,8 +26,9 @@ public:
   /// Some unknowns that only receive from others are found after them. The problem has stages; all that
   /// follows means the unknowns of the present one. Others are as they are: their updates are zero.
   virtual void first_stage() {}
-  /// When the present one is solved. @pre The last assembly was at the iterate. @return whether there is one.
-  virtual bool next_stage() { return false; }
+  /// When the present one is solved. @pre The last assembly was at the iterate @p x. @return whether there is
+  /// one.
+  virtual bool next_stage(const Vector & /*x*/) { return false; }
   virtual bool has_linear_stage() const { return false; } ///< one iteration of the present one is exact
 
   /// Whether what is left of the residual counts, too: in time the next steps would remember it. Then a

@@ -75,10 +75,13 @@ public:
   /// Within a step: let the ties change their equations at @p x. @return whether one did. Collective.
   bool adapt_ties(double t, const Vector &x);
 
-  /// R(x), and the tangent, of which rows of other blocks than @p of_blocks may stay as they are (empty: all
-  /// are asked for). @return false, on all ranks alike, if a law is not defined at x. @throw UserError
-  /// if what is not defined is not so at any x.
-  bool assemble(const Vector &x, bool with_tangent, const std::vector<bool> &of_blocks = {});
+  /// R(x), and the tangent. Rows of the tangent of other blocks than @p of_blocks may stay as they are, and
+  /// those of R of other blocks than @p residual_of, which has these, may be zero: of other stages
+  /// (Model::stages) they are, and their laws are not evaluated. Empty: all are asked for. @return false, on
+  /// all ranks alike, if a law is not defined at x. @throw UserError if what is not defined is not so at any
+  /// x.
+  bool assemble(const Vector &x, bool with_tangent, const std::vector<bool> &of_blocks = {},
+                const std::vector<bool> &residual_of = {});
   /// The state of the last assembly becomes the solution so far.
   void accept_state();
   /// Of a solution @p x of time @p t: let all laws remember it. Nothing is remembered, and false returned on
@@ -202,8 +205,10 @@ private:
   void find_shares();
   bool is_left_out(const std::string &field, const std::string &by) const;
   bool is_asked(unsigned int block) const { return asked_stages[stage_of_block[block]]; }
-  void ask_for(const std::vector<bool> &blocks);
-  void begin_tangent(const std::vector<bool> &of_blocks);
+  std::vector<bool> stages_of(const std::vector<bool> &blocks) const;
+  Asked what_is_asked(const std::string &field) const;
+  void ask_for(const std::vector<bool> &of_blocks, const std::vector<bool> &residual_of);
+  void begin_tangent();
   void make_cell_terms();
   void make_cell_operators(double t);
   bool is_given_as_products(const Interface<dim> &interface, const TiedField &field) const;
@@ -231,6 +236,7 @@ private:
   bool assemble_all(bool with_tangent);
   bool assemble_domain(unsigned int d, const Vector &ghosted, bool with_tangent);
   bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
+  bool assemble_point_terms(Interface<dim> &interface, bool with_tangent);
   void assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
   template <typename Visit>
   void for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const;
@@ -317,6 +323,7 @@ private:
   double tie_seconds = 0;
   const Form form; ///< a transposed one has no moves of constraints
   dealii::FullMatrix<double> local_transpose;
+  std::vector<bool> stages_of_residual; ///< whose rows of the residual are assembled, asked_stages among them
 };
 
 } // namespace dovetail

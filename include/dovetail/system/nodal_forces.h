@@ -108,7 +108,8 @@ public:
   }
 
   /// Rounding of all sums of a field of a body and of those that follow it: 1e-15 sum_ij |K_ij x_j|,
-  /// where x_j is at least what it was before the step. Expensive. Collective.
+  /// where x_j is at least what it was before the step. In large bodies from a sample of the cells.
+  /// Expensive. Collective.
   double rounding(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
 
   const double t;
@@ -123,6 +124,7 @@ private:
                   std::vector<double> &sizes) const;
   double rounding_of_cells(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
   double rounding_of_groups(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
+  double sum_of_groups(const Interface<dim> &interface, const TiedField &tied, const Vector &solution) const;
   Vector passed_on(const Vector &residual) const;
   void add_at_constrained(const std::vector<dealii::types::global_dof_index> &dofs,
                           const std::vector<double> &values, Vector &residual) const;

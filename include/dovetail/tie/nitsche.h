@@ -79,6 +79,7 @@ public:
   bool assemble_leading(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, double t,
                         const std::vector<double> &unknowns, std::vector<double> &residual,
                         dealii::FullMatrix<double> *tangent) override;
+  void ask_for(const std::vector<Asked> &of_fields) override { asked = of_fields; }
   void accept_state() override { sides.accept(); }
   bool evaluate_memory(Interface<dim> &interface, double t, const ValuesOf &unknowns) override;
   void numerical_flux(const Interface<dim> &interface, const TiedField &field, unsigned int q,
@@ -157,7 +158,12 @@ private:
   bool remember_joint(Interface<dim> &interface, unsigned int q, double t,
                       const std::vector<double> &unknowns);
   bool evaluate_sides(const Interface<dim> &interface, const typename Pairing<dim>::Group &group,
-                      unsigned int q, double t, const std::vector<double> &unknowns, bool with_derivatives);
+                      unsigned int q, double t, const std::vector<double> &unknowns);
+  Asked what_is_asked(const TiedField &field) const
+  {
+    return asked.empty() ? Asked::derivatives : asked[field.index];
+  }
+  void ask_sides(const Interface<dim> &interface, bool with_tangent);
   bool add_field(const Interface<dim> &interface, unsigned int field_index, unsigned int q, double t,
                  const std::vector<double> &unknowns, std::vector<double> &residual,
                  dealii::FullMatrix<double> *tangent);
@@ -207,6 +213,9 @@ private:
   bool has_begun = false;
   NoteList note_on_centres; ///< at most one
   FluxVariations variations;
+
+  std::vector<Asked> asked;                        ///< by tied field; empty: all
+  std::array<std::vector<Asked>, 2> asked_of_side; ///< by field of each side, of the current group
 
   // of the current group: its unknowns, here those that lead; and residual and tangent of them
   const LeadingUnknowns *leading = nullptr;

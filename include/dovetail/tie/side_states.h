@@ -32,7 +32,14 @@ public:
   /// whether the law is defined.
   using SidePoints<dim>::evaluate;
   bool evaluate(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, unsigned int side,
-                unsigned int q, double t, const std::vector<double> &unknowns, bool with_derivatives);
+                unsigned int q, double t, const std::vector<double> &unknowns, const bool with_derivatives)
+  {
+    return evaluate(interface, group, side, q, t, unknowns,
+                    interface.sides[side].domain->material.asks_for_all(with_derivatives));
+  }
+  bool evaluate(const Interface<dim> &interface, const typename Pairing<dim>::Group &group, unsigned int side,
+                unsigned int q, double t, const std::vector<double> &unknowns,
+                const std::vector<Asked> &asked); ///< by field of the side
   /// The state that was evaluated last becomes the solution so far.
   void accept();
 

@@ -509,13 +509,17 @@ void CellTerms<dim>::add_boundary_couplings(const typename Domain<dim>::cell_ite
       return condition.is_weak() || !layout.is_continuous(c) ||
              layout.element(c).has_support_on_face(a, face);
     };
-    const Field &field = condition.field;
-    for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
-      for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
-        for (unsigned int d = 0; is_in(c, a) && d < n; ++d)
-          for (unsigned int b = 0; b < layout.n_nodes(d); ++b)
-            if (condition.sees_gradients() || is_in(d, b))
-              couples(layout.index(c, a), layout.index(d, b)) = true;
+    std::vector<unsigned int> rows, columns;
+    for (unsigned int c = 0; c < n; ++c)
+      for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
+        if (condition.field.has_component(c) && is_in(c, a))
+          rows.push_back(layout.index(c, a));
+        if (condition.sees_gradients() || is_in(c, a))
+          columns.push_back(layout.index(c, a));
+      }
+    for (const unsigned int row : rows)
+      for (const unsigned int column : columns)
+        couples(row, column) = true;
   });
 }
 

@@ -66,6 +66,11 @@ void CellPoints<dim>::enter(const dealii::FEValuesBase<dim> &values, const std::
     }
     const unsigned int n_nodes = domain.layout().n_nodes(c);
     const double *const of_component = &unknowns[domain.layout().first(c)];
+    if (std::all_of(of_component, of_component + n_nodes, [](const double x) { return x == 0; })) {
+      std::fill_n(&values_at_points[c * n], n, 0.); // as nearly all cells at the first state
+      std::fill_n(&gradients_at_points[c * n], n, dealii::Tensor<1, dim>());
+      continue;
+    }
     rows.resize(n_nodes);
     for (unsigned int a = 0; a < n_nodes; ++a)
       rows[a] = &values.shape_value(domain.layout().shape_of_node(c, a), 0);

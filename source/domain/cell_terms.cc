@@ -208,7 +208,7 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     else
       point.go_to(q);
     hide_lumped_rates();
-    const double JxW = domain.measure(cell_values, q);
+    const double JxW = tables.JxW[q];
     // a point overwrites all that is not zero in every response
     Response<dim> &response = tangent ? responses[q] : point.response;
     if (!point.evaluate(tangent ? asked_with_tangent : asked_alone, response)) {
@@ -263,10 +263,13 @@ void CellTerms<dim>::add_given(const typename Domain<dim>::cell_iterator &cell, 
 template <int dim>
 void CellTerms<dim>::add_fluxes(std::vector<double> &residual)
 {
-  for (unsigned int c = 0; c < n; ++c)
-    if (is_in_residual[c])
-      add_forces(tables.table(layout, c, false, cell_values), &fluxes[c * cell_values.n_quadrature_points][0],
-                 &residual[layout.first(c)], &force_sizes[layout.first(c)]);
+  const unsigned int n_numbers = dim * cell_values.n_quadrature_points;
+  for (unsigned int c = 0; c < n; ++c) {
+    const double *const A = &fluxes[c * cell_values.n_quadrature_points][0];
+    if (is_in_residual[c] && !std::all_of(A, A + n_numbers, [](const double flux) { return flux == 0; }))
+      add_forces(tables.table(layout, c, false, cell_values), A, &residual[layout.first(c)],
+                 &force_sizes[layout.first(c)]);
+  }
 }
 
 template <int dim>

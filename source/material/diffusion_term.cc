@@ -22,11 +22,21 @@ unsigned int Scalars::number(const unsigned int component) const
   return std::find(components.begin(), components.end(), component) - components.begin();
 }
 
+namespace {
+
+template <int dim>
+std::optional<Tensor<2, dim>> restricted(const std::optional<Tensor<2, 3>> &K)
+{
+  return K ? std::optional(restrict_to<dim>(*K)) : std::nullopt;
+}
+
+} // namespace
+
 template <int dim>
 DiffusionTerm<dim>::DiffusionTerm(const Field &field, const std::vector<Field> &all,
                                   std::unique_ptr<ScalarLaw> law, const std::string &name_of_law)
     : Term<dim>(field), scalars(all), own(scalars.number(field.first_component)), law(std::move(law)),
-      name_of_law(name_of_law)
+      constant(restricted<dim>(this->law->constant_gradient())), name_of_law(name_of_law)
 {
 }
 
@@ -53,6 +63,12 @@ bool DiffusionTerm<dim>::add(const State<dim> &state, const bool with_derivative
                              Response<dim> &response) const
 {
   const unsigned int c = this->field.first_component, n = state.value.size();
+  if (constant) {
+    response.flux[c] += *constant * state.gradient[c];
+    if (with_derivatives)
+      response.by_gradient[c * n + c] += *constant;
+    return true;
+  }
   thread_local ScalarLaw::Response local(0); // no new memory at each point
   local.A = {};
   local.by_gradient = {};

@@ -40,7 +40,7 @@ unsigned int Tape::add_formula(const Number node)
       for (const Number operand : {nodes[i].first, nodes[i].second, nodes[i].third})
         is_needed[operand] = true;
   for (Number i = 0; i <= node; ++i)
-    if (is_needed[i])
+    if (is_needed[i] && nodes[i].operation > Operation::variable)
       formula.needed.push_back(i);
   formulas.push_back(formula);
   return formulas.size() - 1;
@@ -112,6 +112,7 @@ Tape::Number Tape::add_constant(const double value)
 {
   Node node;
   node.constant = value;
+  node.values.assign(n, value);
   return add_node(node);
 }
 
@@ -277,6 +278,9 @@ const double *Tape::values(const unsigned int formula, const std::vector<double>
   if (n != n_points || variables.size() != present.size() ||
       std::memcmp(variables.data(), present.data(), variables.size() * sizeof(double)) != 0) {
     present = variables;
+    for (Node &node : nodes)
+      if (node.operation == Operation::constant && n != n_points)
+        node.values.assign(n_points, node.constant);
     n = n_points;
     ++evaluation;
   }
@@ -285,24 +289,16 @@ const double *Tape::values(const unsigned int formula, const std::vector<double>
       evaluate(nodes[i]);
       nodes[i].evaluation = evaluation;
     }
-  return nodes[formulas[formula].node].values.data();
+  return values_of(formulas[formula].node);
 }
 
 void Tape::evaluate(Node &node)
 {
-  if (node.operation == Operation::constant && node.values.size() == n)
-    return;
   node.values.resize(n);
-  double *const value = node.values.data();
-  const double *const a = nodes[node.operation > Operation::variable ? node.first : 0].values.data(),
-                      *const b = nodes[node.operation > Operation::variable ? node.second : 0].values.data();
+  double *const __restrict__ value = node.values.data();
+  const double *const a = values_of(node.first), *const b = values_of(node.second),
+                      *const c = values_of(node.third);
   switch (node.operation) { // loops that the compiler vectorises
-  case Operation::constant:
-    std::fill(value, value + n, node.constant);
-    break;
-  case Operation::variable:
-    std::copy_n(present.begin() + node.first * n, n, value);
-    break;
   case Operation::sum:
     for (unsigned int i = 0; i < n; ++i)
       value[i] = a[i] + b[i];
@@ -316,11 +312,11 @@ void Tape::evaluate(Node &node)
       value[i] = a[i] * b[i];
     break;
   case Operation::function:
-    evaluate_function(node, nodes[node.first].values);
+    evaluate_function(node, a);
     break;
   case Operation::choice:
     for (unsigned int i = 0; i < n; ++i)
-      value[i] = std::isnan(a[i]) ? a[i] : a[i] != 0 ? b[i] : nodes[node.third].values[i];
+      value[i] = std::isnan(a[i]) ? a[i] : a[i] != 0 ? b[i] : c[i];
     break;
   default:
     for (unsigned int i = 0; i < n; ++i)
@@ -328,7 +324,7 @@ void Tape::evaluate(Node &node)
   }
 }
 
-void Tape::evaluate_function(Node &node, const std::vector<double> &arguments)
+void Tape::evaluate_function(Node &node, const double *const arguments)
 {
   for (unsigned int i = 0; i < n; ++i) {
     Known &known = node.known[place_of(arguments[i])];

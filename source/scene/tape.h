@@ -101,13 +101,13 @@ private:
     std::vector<bool> depends;                  ///< on each variable
     std::vector<Known> known;                   ///< of a function, at a place that the argument tells
     unsigned long evaluation = 0;               ///< the last one that it took part in
-    std::vector<double> values;                 ///< [point]
+    std::vector<double> values;                 ///< [point]; not of a variable
   };
 
   struct Formula
   {
     Number node;
-    std::vector<Number> needed;                           ///< nodes in the order of their evaluation
+    std::vector<Number> needed;                           ///< operations in the order of their evaluation
     std::vector<std::optional<unsigned int>> derivatives; ///< numbers of formulas, by variable
   };
 
@@ -136,7 +136,12 @@ private:
   bool is_constant(Number node, double value) const;
   static double value_of(Operation operation, double first, double second);
   void evaluate(Node &node);
-  void evaluate_function(Node &node, const std::vector<double> &arguments);
+  void evaluate_function(Node &node, const double *arguments);
+  const double *values_of(const Number node) const
+  {
+    return nodes[node].operation == Operation::variable ? present.data() + nodes[node].first * n
+                                                        : nodes[node].values.data();
+  }
 
   static const std::vector<Function> &functions();
   static std::vector<Function> trigonometric_functions();

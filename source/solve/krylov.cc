@@ -70,14 +70,26 @@ public:
   {
   }
 
+  /// From now on @p next is asked for a first goal, and for the next one where that is reached.
+  void ask(const std::function<double(double goal)> &next)
+  {
+    next_goal = next;
+    set_tolerance(next_goal(tolerance()));
+  }
+
   State check(const unsigned int step, const double residual) override
   {
-    const State state = SolverControl::check(step, residual);
+    State state = SolverControl::check(step, residual);
+    if (state == success && next_goal) {
+      set_tolerance(next_goal(tolerance()));
+      state = SolverControl::check(step, residual);
+    }
     return state == iterate && gives_up && gives_up(step, residual) ? failure : state;
   }
 
 private:
   const std::function<bool(unsigned int n, double r)> &gives_up;
+  std::function<double(double goal)> next_goal;
 };
 
 } // namespace
@@ -88,9 +100,11 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
 {
   Control control(goal, gives_up);
   const dealii::SolverGMRES<GroupVector>::AdditionalData data(102, true);
-  if (facts.is_positive_definite())
+  if (facts.is_positive_definite()) {
+    if (facts.next_goal)
+      control.ask([&](const double reached) { return facts.next_goal(x, reached); });
     dealii::SolverCG<GroupVector>(control).solve(K, x, b, Bodies{P});
-  else if (facts.has_multipliers)
+  } else if (facts.has_multipliers)
     dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, BlockTriangular{K, P});
   else
     dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, Bodies{P});

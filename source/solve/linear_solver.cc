@@ -78,6 +78,10 @@ struct LinearSolver::Group
   bool solve_directly(GroupVector &x, const GroupVector &b);
   std::optional<unsigned int> solve(GroupVector &x, const GroupVector &b);
   void be_patient();
+  double residual_by_rounding(const GroupVector &x, const GroupVector &b) const;
+  bool has_large_contrast() const;
+  std::function<double(const GroupVector &, double)> make_next_goal(const GroupVector &b, Vector &dx,
+                                                                    const Demand &demand) const;
   bool takes_direct() const { return is_decided ? is_direct : is_direct_by_size(); }
   std::string description() const;
 
@@ -266,7 +270,7 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
 /// noise.
 bool LinearSolver::Group::is_rounding(const double residual, const GroupVector &x) const
 {
-  return !system.facts().has_multipliers && residual <= 2 * system.plain().rounding_of_product(x);
+  return !system.facts().has_multipliers && residual <= 2 * system.plain().rounding_of_product(x).l2_norm();
 }
 
 bool LinearSolver::Group::solve_directly(GroupVector &x, const GroupVector &b)
@@ -427,6 +431,63 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
   return solve(dx, right_hand_side, {0, static_cast<unsigned int>(groups.size())});
 }
 
+/// The largest residual of a row of K x = b, in units of what rounding leaves of the row.
+double LinearSolver::Group::residual_by_rounding(const GroupVector &x, const GroupVector &b) const
+{
+  const double usual = 100; // of a hundred terms, in each of a hundred updates
+  GroupVector residual(b);
+  system.plain().vmult(residual, x);
+  residual.sadd(-1., 1., b);
+  const GroupVector rounding = system.plain().rounding_of_product(x);
+  const double *const r = residual.trilinos_vector()[0], *const hidden = rounding.trilinos_vector()[0];
+  double largest = 0;
+  for (int i = 0; i < residual.trilinos_vector().MyLength(); ++i)
+    if (r[i] != 0)
+      largest = std::max(largest, std::abs(r[i]) / (usual * hidden[i]));
+  return dealii::Utilities::MPI::max(largest, owner.ranks.communicator);
+}
+
+bool LinearSolver::Group::has_large_contrast() const
+{
+  const GroupFacts &facts = system.facts();
+  return facts.contrast && facts.contrast() > GroupFacts::large_contrast;
+}
+
+/// GroupFacts::next_goal. In stiff bodies that move with soft ones rounding may leave a residual far above
+/// the goal, which the recurrence does not see: with a large contrast the iteration looks on its way whether
+/// all rows are solved to rounding, at residuals where that is to be expected. At the goal itself it goes on
+/// while the residual is too large for @p demand, and falls. An excess that is far too large has another
+/// reason: x is a correction.
+std::function<double(const GroupVector &, double)>
+LinearSolver::Group::make_next_goal(const GroupVector &b, Vector &dx, const Demand &demand) const
+{
+  const double first_look = 1e-3, far = 1e3, margin = 0.5, slow = 0.9;
+  const bool may_round = has_large_contrast();
+  return [=, &b, &dx, &demand, begins = true, last_goal = 0., last_excess = far](const GroupVector &x,
+                                                                                 const double goal) mutable {
+    if (x.all_zero()) {
+      last_goal = begins ? goal : last_goal;
+      begins = !begins; // else what it begins with is less than the first look
+      return may_round && !begins ? std::max(goal, first_look * b.l2_norm()) : last_goal;
+    }
+    begins = true;
+    if (may_round) {
+      const double size = residual_by_rounding(x, b);
+      if (size <= 1)
+        return goal;
+      if (goal > last_goal)
+        return std::max(last_goal, std::min(goal / size, margin * goal));
+    }
+    if (!demand.excess)
+      return goal;
+    system.plain().scatter(x, dx);
+    const double excess = demand.excess(dx, system.blocks().blocks);
+    const bool is_done = !(excess > 1) || excess > slow * last_excess;
+    last_excess = excess;
+    return is_done ? goal : margin * goal / excess;
+  };
+}
+
 std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_hand_side,
                                                 const Demand &demand)
 {
@@ -434,7 +495,7 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
   present_tolerance = std::max(relative_tolerance, demand.enough);
   dx = 0;
   for (unsigned int g = demand.first_group; g < demand.end_group; ++g) {
-    const GroupSystem &system = groups[g]->system;
+    GroupSystem &system = groups[g]->system;
     GroupVector b = system.plain().vector(), x(b); // one map: a copy that asks no other rank
     if (g == demand.first_group)
       system.plain().gather(right_hand_side, b);
@@ -447,7 +508,9 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
     std::optional<unsigned int> block_group = 0;
     if (b.l2_norm() > 0) {
       ++n_solves;
+      system.set_next_goal(groups[g]->make_next_goal(b, dx, demand));
       block_group = groups[g]->solve(x, b);
+      system.set_next_goal({});
     }
     if (!block_group)
       return {};

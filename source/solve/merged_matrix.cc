@@ -130,7 +130,7 @@ std::pair<double, double> MergedMatrix::largest_row() const
   return {largest(sums), largest(lengths)};
 }
 
-double MergedMatrix::rounding_of_product(const GroupVector &x) const
+GroupVector MergedMatrix::rounding_of_product(const GroupVector &x) const
 {
   GroupVector sizes = vector(), sums = vector();
   sizes.trilinos_vector().Abs(x.trilinos_vector());
@@ -155,7 +155,8 @@ double MergedMatrix::rounding_of_product(const GroupVector &x) const
     of_cells.scale(sizes);
     sums.add(std::sqrt(static_cast<double>(cells()->row_length())), of_cells);
   }
-  return std::numeric_limits<double>::epsilon() / 2 * sums.l2_norm();
+  sums *= std::numeric_limits<double>::epsilon() / 2;
+  return sums;
 }
 
 void MergedMatrix::gather(const BlockVector &from, GroupVector &to) const

@@ -36,8 +36,8 @@ public:
   const PartOperator *cells() const override;
   const Epetra_CrsMatrix *entries() const override;
 
-  /// What rounding leaves of K x, row by row: u | |K| |x| |. Collective.
-  double rounding_of_product(const GroupVector &x) const;
+  /// What rounding leaves of K x, row by row: u |K| |x|. Collective.
+  GroupVector rounding_of_product(const GroupVector &x) const;
   /// Of all rows: the largest sum of sizes of entries, and the largest number of entries. Collective.
   std::pair<double, double> largest_row() const;
 

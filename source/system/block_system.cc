@@ -1502,7 +1502,7 @@ void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_ind
 {
   thread_local std::vector<double> row_sums;
   row_sums.assign(dofs.size(), 0.);
-  if (with_tangent)
+  if (with_tangent && std::any_of(unknowns.begin(), unknowns.end(), [](const double x) { return x != 0; }))
     add_up_sizes(dofs.size(), &local_matrix(0, 0), unknowns.data(), row_sums.data());
   unsigned int block = 0; // that of the unknown before, most often
   for (unsigned int i = 0; i < dofs.size(); ++i) {
@@ -1578,7 +1578,7 @@ std::vector<double> BlockSystem<dim>::rounding() const
 }
 
 template <int dim>
-double BlockSystem<dim>::linear_residual_norm(const Vector &dx, Vector &rest)
+std::vector<double> BlockSystem<dim>::linear_residuals(const Vector &dx, Vector &rest)
 {
   // the forces on a block are its right-hand side, what its cells had before, and what other blocks give it
   rest = right_hand_side;
@@ -1601,14 +1601,10 @@ double BlockSystem<dim>::linear_residual_norm(const Vector &dx, Vector &rest)
   for (unsigned int b = 0; b < dx.n_blocks(); ++b)
     rounding[field_of_block[b]] =
         std::max(rounding[field_of_block[b]], std::numeric_limits<double>::epsilon() * reference[b]);
-  double relative = 0;
-  for (unsigned int b = 0; b < dx.n_blocks(); ++b) {
-    const double norm = rest.block(b).l2_norm();
-    if (!std::isfinite(norm))
-      return std::numeric_limits<double>::quiet_NaN();
-    if (norm > rounding[field_of_block[b]])
-      relative = std::max(relative, norm / reference[b]);
-  }
+  std::vector<double> relative(dx.n_blocks(), 0.);
+  for (unsigned int b = 0; b < dx.n_blocks(); ++b)
+    if (const double norm = rest.block(b).l2_norm(); !(norm <= rounding[field_of_block[b]]))
+      relative[b] = norm / reference[b];
   return relative;
 }
 

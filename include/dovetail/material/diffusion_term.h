@@ -10,6 +10,7 @@
 #include <dovetail/material/term.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace dovetail {
@@ -72,6 +73,7 @@ private:
   const Scalars scalars;
   const unsigned int own; ///< number of the scalar
   const std::unique_ptr<ScalarLaw> law;
+  const std::optional<dealii::Tensor<2, dim>> constant; ///< ScalarLaw::constant_gradient()
   const std::string name_of_law;
 };
 

@@ -31,6 +31,7 @@ public:
   bool depends_on_scalars() const { return K.depends_on_scalars(); }
   bool depends_on_scalar(const unsigned int scalar) const { return K.depends_on_scalar(scalar); }
   bool depends_on_time() const { return K.depends_on_time(); }
+  const std::optional<dealii::Tensor<2, 3>> &if_constant() const { return constant; }
   /// One that is not constant counts as symmetric only if the text can give no other.
   bool is_symmetric() const;
   /// Leave the reason why a derivative of A is no number. @return false
@@ -100,6 +101,7 @@ public:
   bool is_symmetric() const override { return K.is_symmetric(); }
   bool depends_on_scalar(const unsigned int s) const override { return K.depends_on_scalar(s); }
   bool depends_on_time() const override { return K.depends_on_time(); }
+  std::optional<dealii::Tensor<2, 3>> constant_gradient() const override { return K.if_constant(); }
 
 private:
   const ConductivityTensor K;

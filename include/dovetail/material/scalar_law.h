@@ -11,6 +11,7 @@
 #include <deal.II/base/point.h>
 #include <deal.II/base/tensor.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,8 @@ public:
   virtual bool is_symmetric() const = 0;                    ///< dA/dG is
   virtual bool depends_on_scalar(unsigned int s) const = 0; ///< through its value
   virtual bool depends_on_time() const = 0;                 ///< through t itself
+  /// K, if A = K G with the same K at every X, t and state: then evaluate() need not be asked there.
+  virtual std::optional<dealii::Tensor<2, 3>> constant_gradient() const { return {}; }
 };
 
 /// Laws of heat conduction, `Type` in subsection Heat: constructed from their section and the names of the

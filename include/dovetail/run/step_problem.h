@@ -105,6 +105,8 @@ private:
   std::optional<unsigned int> solve_from_guess(Vector &dx);
   double measure(bool is_defined);
   std::vector<bool> blocks_of_residual(bool with_tangent) const;
+  double linear_residual(const Vector &dx, Vector &rest) const;
+  double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);

@@ -85,10 +85,14 @@ public:
   std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side);
   /// Of some groups that follow each other; dx = 0 for others. A residual of @p enough times the right-hand
   /// side will do, even if that is more than the tolerance of the scene.
+  /// @p excess asks for less than that: by which factor the residual of a dx is too large in some of the
+  /// blocks. CG goes on until that is one, as long as rounding lets it and the goal is near. Collective. May
+  /// be missing.
   struct Demand
   {
     unsigned int first_group, end_group;
     double enough = 0;
+    std::function<double(const Vector &dx, const std::vector<unsigned int> &blocks)> excess = {};
   };
   std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side, const Demand &demand);
 

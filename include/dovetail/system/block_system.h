@@ -138,9 +138,8 @@ public:
   std::vector<double> rounding() const;
   /// By block: the number of its field; multipliers have one of their own for each interface.
   const std::vector<unsigned int> &fields_of_blocks() const { return field_of_block; }
-  /// For linear systems, over the blocks the largest of ||K dx + R|| relative to the forces there.
-  /// @p rest becomes -R - K dx.
-  double linear_residual_norm(const Vector &dx, Vector &rest);
+  /// For linear systems, by block ||K dx + R|| relative to the forces there. @p rest becomes -R - K dx.
+  std::vector<double> linear_residuals(const Vector &dx, Vector &rest);
 
   /// Whether the last assembled right-hand side moves prescribed values.
   /// Whether the constraints move unknowns of a block.

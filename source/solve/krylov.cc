@@ -81,7 +81,7 @@ public:
   {
     State state = SolverControl::check(step, residual);
     if (state == success && next_goal) {
-      set_tolerance(next_goal(tolerance()));
+      set_tolerance(next_goal(residual)); // which may be much less than the goal
       state = SolverControl::check(step, residual);
     }
     return state == iterate && gives_up && gives_up(step, residual) ? failure : state;

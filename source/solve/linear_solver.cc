@@ -80,8 +80,8 @@ struct LinearSolver::Group
   void be_patient();
   double residual_by_rounding(const GroupVector &x, const GroupVector &b) const;
   bool has_large_contrast() const;
-  std::function<double(const GroupVector &, double)> make_next_goal(const GroupVector &b, Vector &dx,
-                                                                    const Demand &demand) const;
+  std::function<double(const GroupVector &, double)>
+  make_next_goal(const GroupVector &x, const GroupVector &b, Vector &dx, const Demand &demand) const;
   bool takes_direct() const { return is_decided ? is_direct : is_direct_by_size(); }
   std::string description() const;
 
@@ -453,26 +453,30 @@ bool LinearSolver::Group::has_large_contrast() const
   return facts.contrast && facts.contrast() > GroupFacts::large_contrast;
 }
 
-/// GroupFacts::next_goal. In stiff bodies that move with soft ones rounding may leave a residual far above
-/// the goal, which the recurrence does not see: with a large contrast the iteration looks on its way whether
-/// all rows are solved to rounding, at residuals where that is to be expected. At the goal itself it goes on
-/// while the residual is too large for @p demand, and falls. An excess that is far too large has another
-/// reason: x is a correction.
+/// GroupFacts::next_goal of K x = b. In stiff bodies that move with soft ones rounding may leave a residual
+/// far above the goal, which the recurrence does not see: with a large contrast the iteration looks on its
+/// way whether all rows are solved to rounding, at residuals where that is to be expected. At the goal itself
+/// it goes on while the residual is too large for @p demand, and falls. An iteration that is not the first
+/// one finds a correction of x.
 std::function<double(const GroupVector &, double)>
-LinearSolver::Group::make_next_goal(const GroupVector &b, Vector &dx, const Demand &demand) const
+LinearSolver::Group::make_next_goal(const GroupVector &x, const GroupVector &b, Vector &dx,
+                                    const Demand &demand) const
 {
   const double first_look = 1e-3, far = 1e3, margin = 0.5, slow = 0.9;
   const bool may_round = has_large_contrast();
-  return [=, &b, &dx, &demand, begins = true, last_goal = 0., last_excess = far](const GroupVector &x,
-                                                                                 const double goal) mutable {
-    if (x.all_zero()) {
+  return [=, &x, &b, &dx, &demand, begins = true, last_goal = 0.,
+          last_excess = far](const GroupVector &found, const double goal) mutable {
+    if (found.all_zero()) {
       last_goal = begins ? goal : last_goal;
       begins = !begins; // else what it begins with is less than the first look
       return may_round && !begins ? std::max(goal, first_look * b.l2_norm()) : last_goal;
     }
     begins = true;
+    GroupVector all(found);
+    if (&found != &x)
+      all += x;
     if (may_round) {
-      const double size = residual_by_rounding(x, b);
+      const double size = residual_by_rounding(all, b);
       if (size <= 1)
         return goal;
       if (goal > last_goal)
@@ -480,7 +484,7 @@ LinearSolver::Group::make_next_goal(const GroupVector &b, Vector &dx, const Dema
     }
     if (!demand.excess)
       return goal;
-    system.plain().scatter(x, dx);
+    system.plain().scatter(all, dx);
     const double excess = demand.excess(dx, system.blocks().blocks);
     const bool is_done = !(excess > 1) || excess > slow * last_excess;
     last_excess = excess;
@@ -508,7 +512,7 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
     std::optional<unsigned int> block_group = 0;
     if (b.l2_norm() > 0) {
       ++n_solves;
-      system.set_next_goal(groups[g]->make_next_goal(b, dx, demand));
+      system.set_next_goal(groups[g]->make_next_goal(x, b, dx, demand));
       block_group = groups[g]->solve(x, b);
       system.set_next_goal({});
     }

@@ -61,7 +61,9 @@ void CellPoints<dim>::enter(const dealii::FEValuesBase<dim> &values, const std::
   gradients_at_points.resize(domain.n_components() * n);
   for (unsigned int c = 0; c < domain.n_components(); ++c) {
     if (!needed.empty() && !needed[c]) {
-      std::fill_n(&values_at_points[c * n], n, std::numeric_limits<double>::quiet_NaN());
+      constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+      std::fill_n(&values_at_points[c * n], n, unknown);
+      std::fill_n(&gradients_at_points[c * n][0], n * dim, unknown);
       continue;
     }
     const unsigned int n_nodes = domain.layout().n_nodes(c);

@@ -464,10 +464,9 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
   if (relative > usual) {
     std::ostringstream words;
     words.precision(2);
-    words << "the linear system is solved to " << relative << " of the forces at work only, "
-          << (is_final ? "which is what rounding leaves" : "by the direct solver too")
-          << ": its matrix is close to singular. Check what holds the bodies, and how far their "
-             "stiffnesses and penalties differ";
+    words << "the linear system is solved to " << relative
+          << " of the forces at work only, because rounding leaves no less: its matrix is close to singular. "
+             "Check what holds the bodies, and how far their stiffnesses and penalties differ";
     all_notes.push_back(of_singular_matrix(words.str()));
   }
   return relative;

@@ -72,11 +72,8 @@ std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1,
                                                            std::shared_ptr<const Epetra_MultiVector> modes,
                                                            std::vector<GroupFacts::Place> places)
 {
-  return make_cycle(std::move(A_1), std::move(modes), std::move(places), Semicoarsen::if_cheap,
-                    [](const auto &level, double) {
-                      // costs little beside the rows of A
-                      return ChebyshevSmoother::with_factorisation(level, {4, 40});
-                    });
+  return make_cycle_with_factorisations(std::move(A_1), std::move(modes), std::move(places),
+                                        Semicoarsen::if_cheap); // costs little beside the rows of A
 }
 
 /// What functions of degree one leave reaches the further down the higher the degree is.

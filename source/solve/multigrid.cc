@@ -72,6 +72,7 @@ private:
   std::unique_ptr<Cycle> make_cycle_of_degree_one(Cycle::Finest A,
                                                   std::shared_ptr<const Epetra_MultiVector> modes,
                                                   std::vector<GroupFacts::Place> places) const;
+  bool is_stretched() const;
   Means means_for(double n_expected) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
@@ -122,6 +123,8 @@ void Multigrid::make(const GroupOperator &K)
   }
   ranks.run("multigrid", [&]() {
     is_mixed = facts.n_blocks > 2 && facts.contrast && facts.contrast() > GroupFacts::large_contrast;
+    if (means == Means::usual && facts.degree == 1 && !is_mixed && is_stretched())
+      means = Means::factorisation;
     make_levels();
   });
 }
@@ -152,25 +155,35 @@ void Multigrid::make_levels()
     cycle = make_cycle_of_degree_one(*matrix, modes,
                                      means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>()
                                                                         : facts.known_places());
+  if (means == Means::factorisation && dynamic_cast<const Semicoarsening *>(cycle.get()) != nullptr)
+    means = Means::semicoarsening;
+}
+
+bool Multigrid::is_stretched() const
+{
+  const std::vector<GroupFacts::Place> places = facts.known_places();
+  int here = places.size() == static_cast<unsigned int>(matrix->NumMyRows()), everywhere = 0;
+  matrix->Comm().MinAll(&here, &everywhere, 1);
+  return everywhere != 0 && are_mostly_stretched(*matrix, nodes_of_rows(places));
 }
 
 std::unique_ptr<Cycle>
 Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetra_MultiVector> its_modes,
                                     std::vector<GroupFacts::Place> places) const
 {
-  const auto make_smoother = [this](const LevelEntries &level, const double known_eigenvalue) {
-    return means != Means::usual ? ChebyshevSmoother::with_factorisation(level, {4, 40})
-           : is_mixed            ? ChebyshevSmoother::with_diagonal(level, {4, 20}, known_eigenvalue)
-                                 : ChebyshevSmoother::with_diagonal(level, {2, 10}, known_eigenvalue);
+  const auto with_diagonal = [this](const LevelEntries &level, const double known_eigenvalue) {
+    const ChebyshevSmoother::Range range =
+        is_mixed ? ChebyshevSmoother::Range{4, 20} : ChebyshevSmoother::Range{2, 10};
+    return ChebyshevSmoother::with_diagonal(level, range, known_eigenvalue);
   };
   if (means == Means::usual && is_mixed)
     return make_cycle(std::move(A), std::move(its_modes), std::move(places), Semicoarsen::always,
-                      make_smoother);
+                      with_diagonal, with_diagonal);
   if (means == Means::usual)
-    return std::make_unique<SmoothedAggregation>(std::move(A), std::move(its_modes), make_smoother);
-  return make_cycle(std::move(A), std::move(its_modes), std::move(places),
-                    means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap,
-                    make_smoother);
+    return std::make_unique<SmoothedAggregation>(std::move(A), std::move(its_modes), with_diagonal);
+  return make_cycle_with_factorisations(std::move(A), std::move(its_modes), std::move(places),
+                                        means == Means::semicoarsening ? Semicoarsen::if_stretched
+                                                                       : Semicoarsen::if_cheap);
 }
 
 /// What to go on with where so many iterations are expected with the present means. A set-up costs some

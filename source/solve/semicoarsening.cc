@@ -514,6 +514,29 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   node_of_column = std::move(seen.of_column);
 }
 
+bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
+{
+  const unsigned int every = 16; // node
+  const double least_ratio = 5;
+  const std::vector<unsigned int> node = node_of_rows(nodes);
+  std::array<int, 2> counts{}, sums{}; // of stretched nodes, and of all
+  for (unsigned int i = 0; i < nodes.size(); i += every) {
+    double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+    for_entries(A, nodes.first_row[i], [&](const int column, double) {
+      const int row = A.Importer() == nullptr ? column : A.LRID(A.GCID(column));
+      if (row < 0 || node[row] == i || nodes.body[node[row]] != nodes.body[i])
+        return;
+      const double its_distance = distance(nodes.position[i], nodes.position[node[row]]);
+      shortest = std::min(shortest, its_distance);
+      longest = std::max(longest, its_distance);
+    });
+    counts[0] += longest > least_ratio * shortest ? 1 : 0;
+    counts[1] += longest > 0 ? 1 : 0;
+  }
+  A.Comm().SumAll(counts.data(), sums.data(), counts.size());
+  return 4 * sums[0] > sums[1];
+}
+
 namespace {
 
 bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const int n_modes,
@@ -529,7 +552,8 @@ bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const int
 
 std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Epetra_MultiVector> modes,
                                   std::vector<GroupFacts::Place> places, const Semicoarsen when,
-                                  const Cycle::MakeSmoother &make_smoother)
+                                  const Cycle::MakeSmoother &make_smoother,
+                                  const Cycle::MakeSmoother &if_semicoarsened)
 {
   const Epetra_CrsMatrix &A = finest.matrix();
   int has_places = places.size() == static_cast<unsigned int>(A.NumMyRows()), all_have = 0;
@@ -538,9 +562,24 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Ep
     LevelNodes nodes = nodes_of_rows(places);
     places = std::vector<GroupFacts::Place>(); // = {} would keep the memory
     if (when == Semicoarsen::always || are_stretched(A, nodes, modes->NumVectors(), when))
-      return std::make_unique<Semicoarsening>(std::move(finest), *modes, std::move(nodes), make_smoother);
+      return std::make_unique<Semicoarsening>(std::move(finest), *modes, std::move(nodes), if_semicoarsened);
   }
   return std::make_unique<SmoothedAggregation>(std::move(finest), std::move(modes), make_smoother);
+}
+
+/// Coarsening along short couplings leaves less to the smoothers.
+std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
+                                                      std::shared_ptr<const Epetra_MultiVector> modes,
+                                                      std::vector<GroupFacts::Place> places,
+                                                      const Semicoarsen when)
+{
+  const auto with_steps = [](const ChebyshevSmoother::Range range) {
+    return [range](const LevelEntries &level, double) {
+      return ChebyshevSmoother::with_factorisation(level, range);
+    };
+  };
+  return make_cycle(std::move(A), std::move(modes), std::move(places), when, with_steps({4, 40}),
+                    with_steps({2, 15}));
 }
 
 Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,

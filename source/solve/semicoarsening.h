@@ -66,6 +66,10 @@ public:
                  const MakeSmoother &make_smoother);
 };
 
+/// Whether a quarter of the nodes or more are coupled in their body with another one that is five times as
+/// far as the next one. By some of the nodes, and what is on their rank. Collective.
+bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes);
+
 /// When to take Semicoarsening in place of SmoothedAggregation.
 enum class Semicoarsen {
   if_cheap,     ///< if that reduces the number of unknowns by about two or more
@@ -74,8 +78,15 @@ enum class Semicoarsen {
 };
 
 /// @param places of the rows of A; empty if they are not known: SmoothedAggregation
+/// @param if_semicoarsened makes the smoothers of Semicoarsening
 std::unique_ptr<Cycle> make_cycle(Cycle::Finest A, std::shared_ptr<const Epetra_MultiVector> modes,
                                   std::vector<GroupFacts::Place> places, Semicoarsen when,
-                                  const Cycle::MakeSmoother &make_smoother);
+                                  const Cycle::MakeSmoother &make_smoother,
+                                  const Cycle::MakeSmoother &if_semicoarsened);
+/// With smoothers made of incomplete factorisations.
+std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
+                                                      std::shared_ptr<const Epetra_MultiVector> modes,
+                                                      std::vector<GroupFacts::Place> places,
+                                                      Semicoarsen when);
 
 } // namespace dovetail

@@ -579,7 +579,7 @@ std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
     };
   };
   return make_cycle(std::move(A), std::move(modes), std::move(places), when, with_steps({4, 40}),
-                    with_steps({2, 15}));
+                    with_steps({3, 25}));
 }
 
 Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,

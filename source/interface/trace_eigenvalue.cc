@@ -201,6 +201,7 @@ TraceEigenvalues trace_eigenvalues(const Interface<dim> &interface, const TiedFi
   }
   if (dealii::Utilities::MPI::max(is_incomplete, communicator) == 0)
     return lambda;
+  lambda.is_defined = false;
   const TraceEigenvalues at_rest = eigenvalues_at(
       interface, field, t,
       [](const std::vector<dealii::types::global_dof_index> &dofs, std::vector<double> &values) {

@@ -299,8 +299,10 @@ LinearSolver::Demand StepProblem<dim>::demand() const
   const double largest = 1e-2, rest = 1e-3; // of the tolerance
   const Stage &stage = stages[present_stage];
   const bool is_exact = model.is_linear() || is_remembered() || !(residual_of_last > 0);
-  return {stage.first_group, stage.end_group,
-          is_exact ? 0 : std::min(largest, rest * criterion.tolerance() / residual_of_last)};
+  LinearSolver::Demand result{stage.first_group, stage.end_group};
+  result.enough = is_exact ? 0 : std::min(largest, rest * criterion.tolerance() / residual_of_last);
+  result.ends_at_rounding = model.is_linear();
+  return result;
 }
 
 /// Of an update: as demand(), unless what the update leaves is surely more than the tolerance.
@@ -448,11 +450,10 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
        ++pass) {
     if (pass == 1 && linear_solver.prefer_direct() && linear_solver.lacks_operator())
       make_other_tangent(x);
-    const Stage &stage = stages[present_stage];
+    LinearSolver::Demand needed = demand();
+    needed.enough = share_of_exact * exact_linear_residual / relative;
     correction.reinit(rest);
-    if (!linear_solver.solve(
-            correction, rest,
-            {stage.first_group, stage.end_group, share_of_exact * exact_linear_residual / relative}))
+    if (!linear_solver.solve(correction, rest, needed))
       break;
     Vector trial = dx;
     trial += correction;

@@ -464,6 +464,8 @@ LinearSolver::Group::make_next_goal(const GroupVector &x, const GroupVector &b, 
 {
   const double first_look = 1e-3, far = 1e3, margin = 0.5, slow = 0.9;
   const bool may_round = has_large_contrast();
+  if (may_round && !demand.ends_at_rounding)
+    return {};
   return [=, &x, &b, &dx, &demand, begins = true, last_goal = 0.,
           last_excess = far](const GroupVector &found, const double goal) mutable {
     if (found.all_zero()) {

@@ -18,6 +18,8 @@
 #include <deal.II/base/timer.h>
 #include <deal.II/lac/sparsity_tools.h>
 
+#include <boost/scope_exit.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -1149,10 +1151,12 @@ bool BlockSystem<dim>::assemble_point_terms(Interface<dim> &interface, const boo
                   [](const Asked asked) { return asked == Asked::nothing; }))
     return true;
   PointTerms<dim> &terms = *interface.tie().parts().point_terms;
+  BOOST_SCOPE_EXIT_ALL(&terms)
+  {
+    terms.ask_for({});
+  };
   terms.ask_for(of_fields);
-  const bool is_defined = assemble_interface(interface, ghosted_scratch, with_tangent);
-  terms.ask_for({});
-  return is_defined;
+  return assemble_interface(interface, ghosted_scratch, with_tangent);
 }
 
 /// Keep the reason that was left last, unless there is one of this assembly.

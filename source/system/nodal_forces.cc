@@ -7,6 +7,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <boost/scope_exit.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -382,6 +384,10 @@ double NodalForces<dim>::sum_of_groups(const Interface<dim> &interface, const Ti
   PointTerms<dim> &terms = *interface.tie().parts().point_terms;
   std::vector<Asked> asked(interface.fields.size(), Asked::nothing);
   asked[tied.index] = Asked::derivatives;
+  BOOST_SCOPE_EXIT_ALL(&terms)
+  {
+    terms.ask_for({});
+  };
   terms.ask_for(asked);
   for (const auto &group : interface.pairing().groups) {
     interface.group_dofs(group, dofs);
@@ -400,7 +406,6 @@ double NodalForces<dim>::sum_of_groups(const Interface<dim> &interface, const Ti
       sum += std::accumulate(first, first + tied.n_components * tied.n_nodes[side], 0.);
     }
   }
-  terms.ask_for({});
   return sum;
 }
 

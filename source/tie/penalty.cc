@@ -156,7 +156,7 @@ void Penalty<dim>::find_eigenvalues(const Interface<dim> &interface, const doubl
   const bool is_first = lambda.empty();
   lambda.resize(interface.fields.size());
   for (unsigned int f = 0; f < interface.fields.size(); ++f)
-    if (is_first || !interface.has_constant_flux(interface.fields[f]))
+    if (is_first || !lambda[f].is_defined || !interface.has_constant_flux(interface.fields[f]))
       lambda[f] = trace_eigenvalues(interface, interface.fields[f], t, values_of, communicator);
 }
 

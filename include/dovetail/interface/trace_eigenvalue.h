@@ -20,6 +20,7 @@ struct TraceEigenvalues
   /// To choose weights and penalty by, finite: the same but for cells on which the tangent has lost its
   /// positivity or is about to (see cell_eigenvalues.cc). NaN only where a law is not defined.
   std::array<std::vector<double>, 2> penalty_values;
+  bool is_defined = true; ///< all laws are at the current state, on all ranks
 };
 
 /// For a tied field and each cell behind the points of an interface the largest eigenvalue lambda of

@@ -87,12 +87,15 @@ public:
   /// side will do, even if that is more than the tolerance of the scene.
   /// @p excess asks for less than that: by which factor the residual of a dx is too large in some of the
   /// blocks. CG goes on until that is one, as long as rounding lets it and the goal is near. Collective. May
-  /// be missing.
+  /// be missing. With @p ends_at_rounding CG ends where rounding hides all rows, if stiffnesses differ much.
+  /// Where Newton's method measures dx by the laws, which lose less than K dx, there is more to solve then,
+  /// and it had better begin anew.
   struct Demand
   {
     unsigned int first_group, end_group;
     double enough = 0;
     std::function<double(const Vector &dx, const std::vector<unsigned int> &blocks)> excess = {};
+    bool ends_at_rounding = false;
   };
   std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side, const Demand &demand);
 

@@ -513,7 +513,7 @@ double StepProblem<dim>::norm(const Vector &dx) const
 }
 
 /// What the moving prescribed values do to the right-hand side, if they move from @p x by as much as in dx.
-/// Leaves R(x) assembled.
+/// Leaves R(x) of the present stage assembled.
 template <int dim>
 Vector StepProblem<dim>::find_moving_loads(const Vector &x)
 {

@@ -14,12 +14,12 @@ namespace dovetail {
 
 namespace {
 
-/// The rows in the same order on fewer ranks, which have @p n_rows of them at least on average.
-Epetra_Map on_fewer_ranks(const Epetra_Map &rows, const int n_rows)
+/// The rows in the same order on fewer ranks, which have @p n_rows of them at least on average. @p n_ranks
+/// have some now.
+Epetra_Map on_fewer_ranks(const Epetra_Map &rows, const int n_ranks, const int n_rows)
 {
-  int has_rows = rows.NumMyElements() > 0 ? 1 : 0, number = 0, n_ranks = 0;
+  int has_rows = rows.NumMyElements() > 0 ? 1 : 0, number = 0;
   rows.Comm().ScanSum(&has_rows, &number, 1);
-  rows.Comm().SumAll(&has_rows, &n_ranks, 1);
   const int n_groups = std::max(1, std::min(n_ranks, rows.NumGlobalElements() / n_rows));
   // Group of the i-th rank with rows: i * n_groups / n_ranks. Its first rank takes the rows of all.
   const auto group = [&](const int i) { return static_cast<long long>(i) * n_groups / n_ranks; };
@@ -58,7 +58,7 @@ const Epetra_Import *Cycle::gather_coarsest()
   rows.Comm().SumAll(&has_rows, &n_ranks, 1);
   if (n_ranks < 2 || rows.NumGlobalElements() / n_ranks >= few_rows)
     return nullptr;
-  const Epetra_Map fewer = on_fewer_ranks(rows, 2 * few_rows);
+  const Epetra_Map fewer = on_fewer_ranks(rows, n_ranks, 2 * few_rows);
   levels.back().gather = std::make_unique<Epetra_Import>(fewer, rows);
   auto gathered = std::make_unique<Epetra_CrsMatrix>(Copy, fewer, coarsest().GlobalMaxNumEntries());
   gathered->Import(coarsest(), *levels.back().gather, Insert);

@@ -10,7 +10,6 @@
 
 #include <dovetail/solve/linear_solver.h>
 
-#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -33,10 +32,7 @@ public:
   void set_matrix(const BlockMatrix &matrix);
   void forget_matrix();
   void limit_iterations(const double most) { all_facts.most_iterations = most; }
-  void set_next_goal(std::function<double(const GroupVector &x, double goal)> next_goal)
-  {
-    all_facts.next_goal = std::move(next_goal);
-  }
+  void set_next_goal(GroupFacts::NextGoal next_goal) { all_facts.next_goal = std::move(next_goal); }
   /// Between set_matrix and the first use of scaled(). Collective.
   void make_scaled();
 

@@ -71,17 +71,17 @@ public:
   }
 
   /// From now on @p next is asked for a first goal, and for the next one where that is reached.
-  void ask(const std::function<double(double goal)> &next)
+  void ask(const std::function<double(double goal, bool begins)> &next)
   {
     next_goal = next;
-    set_tolerance(next_goal(tolerance()));
+    set_tolerance(next_goal(tolerance(), true));
   }
 
   State check(const unsigned int step, const double residual) override
   {
     State state = SolverControl::check(step, residual);
     if (state == success && next_goal) {
-      set_tolerance(next_goal(residual)); // which may be much less than the goal
+      set_tolerance(next_goal(residual, false)); // which may be much less than the goal
       state = SolverControl::check(step, residual);
     }
     if (residual <= needed) // what goes on from here may end at any time
@@ -92,7 +92,7 @@ public:
 private:
   const double needed;
   const std::function<bool(unsigned int n, double r)> &gives_up;
-  std::function<double(double goal)> next_goal;
+  std::function<double(double goal, bool begins)> next_goal;
 };
 
 } // namespace
@@ -105,7 +105,8 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
   const dealii::SolverGMRES<GroupVector>::AdditionalData data(102, true);
   if (facts.is_positive_definite()) {
     if (facts.next_goal)
-      control.ask([&](const double reached) { return facts.next_goal(x, reached); });
+      control.ask(
+          [&](const double reached, const bool begins) { return facts.next_goal(x, reached, begins); });
     dealii::SolverCG<GroupVector>(control).solve(K, x, b, Bodies{P});
   } else if (facts.has_multipliers)
     dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, BlockTriangular{K, P});

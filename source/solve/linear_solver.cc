@@ -5,6 +5,8 @@
 
 #include "group_system.h"
 
+#include <boost/scope_exit.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -80,8 +82,8 @@ struct LinearSolver::Group
   void be_patient();
   double residual_by_rounding(const GroupVector &x, const GroupVector &b) const;
   bool has_large_contrast() const;
-  std::function<double(const GroupVector &, double)>
-  make_next_goal(const GroupVector &x, const GroupVector &b, Vector &dx, const Demand &demand) const;
+  GroupFacts::NextGoal make_next_goal(const GroupVector &x, const GroupVector &b, Vector &dx,
+                                      const Demand &demand) const;
   bool takes_direct() const { return is_decided ? is_direct : is_direct_by_size(); }
   std::string description() const;
 
@@ -458,22 +460,21 @@ bool LinearSolver::Group::has_large_contrast() const
 /// way whether all rows are solved to rounding, at residuals where that is to be expected. At the goal itself
 /// it goes on while the residual is too large for @p demand, and falls. An iteration that is not the first
 /// one finds a correction of x.
-std::function<double(const GroupVector &, double)>
-LinearSolver::Group::make_next_goal(const GroupVector &x, const GroupVector &b, Vector &dx,
-                                    const Demand &demand) const
+GroupFacts::NextGoal LinearSolver::Group::make_next_goal(const GroupVector &x, const GroupVector &b,
+                                                         Vector &dx, const Demand &demand) const
 {
   const double first_look = 1e-3, far = 1e3, margin = 0.5, slow = 0.9;
   const bool may_round = has_large_contrast();
   if (may_round && !demand.ends_at_rounding)
     return {};
-  return [=, &x, &b, &dx, &demand, begins = true, last_goal = 0.,
-          last_excess = far](const GroupVector &found, const double goal) mutable {
-    if (found.all_zero()) {
-      last_goal = begins ? goal : last_goal;
-      begins = !begins; // else what it begins with is less than the first look
-      return may_round && !begins ? std::max(goal, first_look * b.l2_norm()) : last_goal;
+  return [=, &x, &b, &dx, &demand, last_goal = 0.,
+          last_excess = far](const GroupVector &found, const double goal, const bool begins) mutable {
+    if (begins) {
+      last_goal = goal;
+      return may_round ? std::max(goal, first_look * b.l2_norm()) : goal;
     }
-    begins = true;
+    if (found.all_zero()) // what it begins with is less than the first look
+      return last_goal;
     GroupVector all(found);
     if (&found != &x)
       all += x;
@@ -514,9 +515,12 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
     std::optional<unsigned int> block_group = 0;
     if (b.l2_norm() > 0) {
       ++n_solves;
+      BOOST_SCOPE_EXIT_ALL(&system)
+      {
+        system.set_next_goal({}); // which refers to what is here
+      };
       system.set_next_goal(groups[g]->make_next_goal(x, b, dx, demand));
       block_group = groups[g]->solve(x, b);
-      system.set_next_goal({});
     }
     if (!block_group)
       return {};

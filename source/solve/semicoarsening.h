@@ -66,7 +66,7 @@ public:
                  const MakeSmoother &make_smoother);
 };
 
-/// Whether a quarter of the nodes or more are coupled in their body with another one that is five times as
+/// Whether more than a quarter of the nodes are coupled in their body with another one that is five times as
 /// far as the next one. By some of the nodes, and what is on their rank. Collective.
 bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes);
 

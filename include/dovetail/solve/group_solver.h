@@ -113,7 +113,9 @@ struct GroupFacts : GroupTraits
   /// solve() may fail as soon as it expects more: another solver costs less then.
   double most_iterations = std::numeric_limits<double>::infinity();
   /// Asked by an iteration that has reached its goal with x: the goal to go on to, the same if it is done.
-  std::function<double(const GroupVector &x, double goal)> next_goal;
+  /// Also asked when it begins.
+  using NextGoal = std::function<double(const GroupVector &x, double goal, bool begins)>;
+  NextGoal next_goal;
   std::function<std::vector<Place>(const Selection *rows)> places;
   std::vector<Place> known_places(const Selection *rows = nullptr) const
   {

@@ -77,6 +77,15 @@ void refuse_undefined(const Undefined &own, const MPI_Comm &communicator)
     throw UserError(first_of_ranks(own, communicator).reason);
 }
 
+void throw_on_all_ranks(const std::exception_ptr &caught, const MPI_Comm &communicator)
+{
+  if (dealii::Utilities::MPI::max(caught ? 1 : 0, communicator) == 0)
+    return;
+  if (caught)
+    std::rethrow_exception(caught);
+  throw std::runtime_error("another rank could not assemble its part.");
+}
+
 template std::string in_words(const dealii::Point<2> &, unsigned int);
 template std::string in_words(const dealii::Point<3> &, unsigned int);
 template double finite(double, const Section &, const std::string &, const dealii::Point<2> &, double);

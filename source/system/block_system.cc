@@ -3,20 +3,15 @@
 
 #include <dovetail/system/block_system.h>
 
-#include <dovetail/compatibility.h>
 #include <dovetail/domain/curved_cells.h>
 #include <dovetail/domain/locking.h>
 #include <dovetail/domain/mesh_note.h>
-#include <dovetail/domain/point_products.h>
 #include <dovetail/domain/simplices.h>
-#include <dovetail/interface/side_points.h>
 #include <dovetail/system/affine_residual.h>
-#include <dovetail/system/constraints.h>
+#include <dovetail/system/remember.h>
 
 #include <deal.II/base/mpi.h>
-#include <deal.II/base/table.h>
 #include <deal.II/base/timer.h>
-#include <deal.II/lac/sparsity_tools.h>
 
 #include <boost/scope_exit.hpp>
 
@@ -40,32 +35,12 @@ std::string name_of_multipliers(const std::string &interface, const std::string 
   return interface + " : " + field;
 }
 
-/// Leave each unknown once in @p dofs, sorted. A group of a body that is tied to itself may hold some twice,
-/// which deal.II's constraints do not take.
-/// @return for each of the former entries its position now; empty if nothing was there twice
-template <int dim>
-std::vector<unsigned int> merge_repeated(const Interface<dim> &interface,
-                                         std::vector<dealii::types::global_dof_index> &dofs)
-{
-  if (interface.sides[source].domain != interface.sides[destination].domain)
-    return {};
-  std::vector<dealii::types::global_dof_index> sorted = dofs;
-  std::sort(sorted.begin(), sorted.end());
-  const auto end = std::unique(sorted.begin(), sorted.end());
-  if (end == sorted.end())
-    return {};
-  sorted.erase(end, sorted.end());
-  std::vector<unsigned int> position;
-  for (const auto dof : dofs)
-    position.push_back(std::lower_bound(sorted.begin(), sorted.end(), dof) - sorted.begin());
-  dofs = sorted;
-  return position;
-}
-
 } // namespace
 
 template <int dim>
-BlockSystem<dim>::BlockSystem(Model<dim> &model, const Form form) : model(model), form(form)
+BlockSystem<dim>::BlockSystem(Model<dim> &model, const Form form)
+    : model(model), stages(model), entries(model, stages, form), constraints(model, form == Form::transposed),
+      sizes(*model.numbering), sums(model, stages, entries, constraints, matrix, right_hand_side)
 {
   for (const auto &group : model.field_groups())
     fields.insert(fields.end(), group.begin(), group.end());
@@ -75,9 +50,7 @@ BlockSystem<dim>::BlockSystem(Model<dim> &model, const Form form) : model(model)
     field_of_block.push_back(
         std::find(fields.begin(), fields.end(), block.is_of_multipliers ? fields.back() : block.field) -
         fields.begin());
-    is_constraint.push_back(block.is_of_pressure());
   }
-  tangent_at_x = products_at_x = std::vector<double>(field_of_block.size(), 0.);
   is_of_multipliers.assign(fields.size(), false);
   for (unsigned int b = 0; b < field_of_block.size(); ++b)
     is_of_multipliers[field_of_block[b]] = model.numbering->blocks()[b].is_of_multipliers;
@@ -101,250 +74,11 @@ void BlockSystem<dim>::set_up(const double t)
 {
   toggles_of_set_up = model.active_toggles(t);
   time_of_set_up = t;
-  tie_lines.clear();
-  if (!model.interfaces.empty()) {
-    TieConstraints all;
-    all.t = t;
-    for (const auto &domain : model.domains)
-      domain->add_constraints(t, all.lines);
-    dealii::Timer timer;
-    for (unsigned int i = 0; i < model.interfaces.size(); ++i)
-      if (Elimination<dim> *elimination = model.interfaces[i]->tie().parts().elimination;
-          elimination != nullptr && model.interfaces[i]->is_active(t)) {
-        all.tie = i;
-        elimination->add_constraints(*model.interfaces[i], all, model.communicator);
-      }
-    for (const auto &[dof, line] : all.lines)
-      if (line.tie >= 0)
-        tie_lines.emplace_hint(tie_lines.end(), dof, line);
-    tie_seconds += timer.wall_time();
-  }
-
   time = t;
-  make_relevant_set(t);
-  make_constraints(lines_at(t));
+  constraints.set_up(t);
   make_sparsity(t);
   right_hand_side = owned_vector();
   ghosted_scratch = ghosted_vector();
-}
-
-template <int dim>
-void BlockSystem<dim>::make_relevant_set(const double t)
-{
-  relevant = model.numbering->relevant;
-  std::vector<dealii::types::global_dof_index> dofs, all;
-  for (const auto &interface : model.interfaces)
-    for (const auto &group : interface->pairing().groups) {
-      interface->group_dofs(group, dofs);
-      all.insert(all.end(), dofs.begin(), dofs.end());
-    }
-  for (const auto &interface : model.interfaces)
-    if (interface->is_active(t)) {
-      const TieParts<dim> parts = interface->tie().parts();
-      for (unsigned int i = 0; parts.multipliers != nullptr && i < parts.multipliers->n_terms(); ++i) {
-        const auto &multiplier_term = parts.multipliers->term_dofs(i);
-        all.insert(all.end(), multiplier_term.begin(), multiplier_term.end());
-      }
-      if (parts.elimination != nullptr)
-        for (const HeldUnknown &held : parts.elimination->held())
-          for (const auto &[dof, weight] : held.source)
-            all.push_back(dof);
-    }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  relevant.add_indices(all.begin(), all.end());
-  relevant.compress();
-}
-
-/// Of all constraints, for the unknowns that this rank owns. Collective.
-template <int dim>
-ConstraintLines BlockSystem<dim>::lines_at(const double t) const
-{
-  ConstraintLines lines;
-  for (const auto &domain : model.domains)
-    domain->add_constraints(t, lines);
-  lines.insert(tie_lines.begin(), tie_lines.end());
-  const bool are_finite = std::all_of(lines.begin(), lines.end(), [](const auto &entry) {
-    return std::isfinite(entry.second.inhomogeneity);
-  });
-  refuse_undefined(are_finite ? Undefined() : last_undefined(), model.communicator);
-  return lines;
-}
-
-/// Else the lines stay as they are until set_up().
-template <int dim>
-bool BlockSystem<dim>::prescribes_by_time() const
-{
-  return std::any_of(model.domains.begin(), model.domains.end(), [](const auto &domain) {
-    return std::any_of(domain->conditions().begin(), domain->conditions().end(), [](const auto &condition) {
-      return !condition->prescribed_components().empty() && condition->depends_on_time();
-    });
-  });
-}
-
-/// Whether the constraints that are there prescribe the same values as lines that were made after the same
-/// set_up, so that all else in them is the same.
-template <int dim>
-bool BlockSystem<dim>::are_prescribed(const ConstraintLines &lines) const
-{
-  const auto all = constraints.get_lines(); // these, and those of other ranks, in the same order
-  auto known = all.begin();
-  const bool are_on_this_rank = std::all_of(lines.begin(), lines.end(), [&](const auto &entry) {
-    const auto &[dof, line] = entry;
-    while (known != all.end() && known->index < dof)
-      ++known;
-    return !line.entries.empty() || (known != all.end() && known->index == dof &&
-                                     prescribed[known - all.begin()] == line.inhomogeneity);
-  });
-  return dealii::Utilities::MPI::min(are_on_this_rank ? 1 : 0, model.communicator) == 1;
-}
-
-template <int dim>
-void BlockSystem<dim>::make_constraints(ConstraintLines all_lines)
-{
-  constraints.clear();
-  unconstrained.clear();
-  constraints = close_constraints(all_lines, *model.numbering, relevant, model.communicator, &unconstrained);
-  for (const auto dof : unconstrained)
-    all_lines.erase(dof);
-  lines = std::make_shared<const ConstraintLines>(std::move(all_lines));
-  prescribed.clear();
-  prescribed.reserve(constraints.n_constraints());
-  for (const auto &line : constraints.get_lines())
-    prescribed.push_back(line.inhomogeneity);
-  relevant.add_indices(constraints.get_local_lines()); // those that lines refer to, too
-  relevant.compress();
-}
-
-template <int dim>
-void BlockSystem<dim>::add_pattern(const CellTerms<dim> &terms,
-                                   const dealii::AffineConstraints<double> &lines,
-                                   dealii::DynamicSparsityPattern &pattern) const
-{
-  const Domain<dim> &domain = terms.body();
-  const CellLayout<dim> &layout = domain.layout();
-  const auto begin = [&](const Field &field) { return layout.first(field.first_component); };
-  const auto end = [&](const Field &field) {
-    return layout.first(field.first_component + field.n_components);
-  };
-  dealii::Table<2, bool> couples(domain.dofs_per_cell(), domain.dofs_per_cell());
-  const auto &fields = domain.fields();
-  bool all_couple = true;
-  bool any_couples = false, has_all_entries = true;
-  for (unsigned int f = 0; f < fields.size(); ++f)
-    for (unsigned int g = 0; g < fields.size(); ++g) {
-      const bool is_without_entries = f == g && !has_entries(fields[f].name);
-      const bool depends =
-          (form == Form::direct ? domain.material.depends(f, g) : domain.material.depends(g, f)) &&
-          !is_without_entries && !is_left_out(fields[f].name, fields[g].name);
-      all_couple = all_couple && depends;
-      any_couples = any_couples || depends;
-      has_all_entries = has_all_entries && !is_without_entries;
-      for (unsigned int i = begin(fields[f]); depends && i < end(fields[f]); ++i)
-        for (unsigned int j = begin(fields[g]); j < end(fields[g]); ++j)
-          couples(i, j) = true;
-      const bool is_diagonal = is_without_entries && terms.lumps_storage();
-      any_couples = any_couples || is_diagonal;
-      for (unsigned int i = begin(fields[f]); is_diagonal && i < end(fields[f]); ++i)
-        couples(i, i) = true;
-    }
-  std::vector<dealii::types::global_dof_index> dofs;
-  for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned()) {
-      const bool has_boundary_terms = !has_all_entries && terms.has_boundary_tangent(cell);
-      if (!any_couples && !has_boundary_terms)
-        continue;
-      domain.cell_dofs(cell, dofs);
-      if (all_couple)
-        lines.add_entries_local_to_global(dofs, pattern, false);
-      else if (has_boundary_terms) {
-        dealii::Table<2, bool> with_boundary(couples);
-        terms.add_boundary_couplings(cell, with_boundary);
-        for (unsigned int f = 0; f < fields.size(); ++f)
-          for (unsigned int g = 0; g < fields.size(); ++g)
-            for (unsigned int i = begin(fields[f]);
-                 is_left_out(fields[f].name, fields[g].name) && i < end(fields[f]); ++i)
-              for (unsigned int j = begin(fields[g]); j < end(fields[g]); ++j)
-                with_boundary(i, j) = false;
-        lines.add_entries_local_to_global(dofs, pattern, false, with_boundary);
-      } else
-        lines.add_entries_local_to_global(dofs, pattern, false, couples);
-    }
-}
-
-/// The two cells of a group couple by the jump alone, unless the tie couples their fluxes, too: an unknown
-/// that is not in the jump then meets only those of the other cell that are, which leaves most of a cell of
-/// high degree out. Likewise within a cell, unless the tie adds second derivatives of its flux; they belong
-/// here although the cell couples all its unknowns itself, because this rank may not own it.
-template <int dim>
-void BlockSystem<dim>::add_pattern(const Interface<dim> &interface,
-                                   const dealii::AffineConstraints<double> &lines,
-                                   dealii::DynamicSparsityPattern &pattern) const
-{
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<unsigned int> component; // of each local unknown, counted over both sides
-  for (const unsigned int side : {source, destination})
-    for (unsigned int k = 0; k < interface.components[side].size(); ++k)
-      component.insert(component.end(),
-                       interface.sides[side].domain->layout().n_nodes(interface.components[side][k]),
-                       k + (side == source ? 0 : interface.components[source].size()));
-  const unsigned int n = component.size(), n_components = component.back() + 1;
-  dealii::Table<2, bool> of_components(n_components, n_components), depends(n, n);
-  for (unsigned int row = 0; row < n_components; ++row)
-    for (unsigned int column = 0; column < n_components; ++column)
-      of_components(row, column) = has_entries(interface, row, column);
-  for (unsigned int i = 0; i < n; ++i)
-    for (unsigned int j = 0; j < n; ++j)
-      depends(i, j) = of_components(component[i], component[j]);
-  const bool by_flux = interface.tie().parts().point_terms->couples_fluxes();
-  const bool by_inside = interface.tie().parts().point_terms->couples_insides(interface);
-  const auto is_of_source = [&](const unsigned int i) { return i < interface.n_local(source); };
-
-  dealii::Table<2, bool> couples(n, n);
-  for (const auto &group : interface.pairing().groups) {
-    interface.group_dofs(group, dofs);
-    const std::vector<bool> in_jump =
-        by_flux ? std::vector<bool>(n, true) : interface.unknowns_in_jump(group);
-    for (unsigned int i = 0; i < n; ++i)
-      for (unsigned int j = 0; j < n; ++j)
-        couples(i, j) =
-            depends(i, j) && (in_jump[i] || in_jump[j] || (by_inside && is_of_source(i) == is_of_source(j)));
-    if (const auto position = merge_repeated(interface, dofs); !position.empty()) {
-      dealii::Table<2, bool> merged(dofs.size(), dofs.size());
-      for (unsigned int i = 0; i < n; ++i)
-        for (unsigned int j = 0; j < n; ++j)
-          merged(position[i], position[j]) = merged(position[i], position[j]) || couples(i, j);
-      lines.add_entries_local_to_global(dofs, pattern, false, merged);
-    } else
-      lines.add_entries_local_to_global(dofs, pattern, false, couples);
-  }
-}
-
-template <int dim>
-dealii::DynamicSparsityPattern
-BlockSystem<dim>::make_pattern(const double t, const dealii::AffineConstraints<double> &lines) const
-{
-  dealii::DynamicSparsityPattern pattern(relevant);
-  for (const auto &terms : cell_terms)
-    add_pattern(*terms, lines, pattern);
-  for (const auto &interface : model.interfaces) {
-    const TieParts<dim> parts = interface->tie().parts();
-    if (interface->is_active(t)) {
-      if (parts.point_terms != nullptr)
-        add_pattern(*interface, lines, pattern);
-      for (unsigned int i = 0; parts.multipliers != nullptr && i < parts.multipliers->n_terms(); ++i)
-        lines.add_entries_local_to_global(parts.multipliers->term_dofs(i), pattern, false);
-    } else
-      for_each_multiplier(*interface, [&](const auto dof) { pattern.add(dof, dof); });
-  }
-  for (const Block &block : model.numbering->blocks()) // where a pressure that is not known may be held
-    if (block.is_of_pressure() && block.owned.n_elements() > 0) {
-      const auto first = block.begin + block.owned.nth_index_in_set(0);
-      pattern.add(first, first);
-    }
-  dealii::SparsityTools::distribute_sparsity_pattern(pattern, model.numbering->owned, model.communicator,
-                                                     relevant);
-  return pattern;
 }
 
 template <int dim>
@@ -369,122 +103,34 @@ void BlockSystem<dim>::make_sparsity(const double t)
   find_dropped(t);
   if (!model.interfaces.empty())
     tie_seconds += timer.wall_time();
-  const bool has_all_terms = !cell_terms.empty() && cellwise.empty() && asked_stages.size() == 1;
-  find_shares();
+  const bool has_all_terms = !cell_terms.empty() && cellwise.empty() && stages.size() == 1;
+  stages.reinit(has_couplings);
   if (!has_all_terms) // some of the last set-up are products, or left out
     make_cell_terms();
-  dealii::DynamicSparsityPattern pattern = make_pattern(t, constraints);
+  dealii::DynamicSparsityPattern pattern =
+      entries.pattern(t, cell_terms, constraints.of_update(), constraints.relevant_unknowns());
   has_tangent = false;
   n_tangents = 0;
   affine.reset();
   summands.clear();
-  positions.clear();
+  sums.reinit();
   matrix.clear();
   matrix.reinit(model.numbering->split(model.numbering->owned), parts_of_blocks(), pattern,
                 model.communicator);
   make_cell_operators(t);
 }
 
-/// Which unknowns are solved together.
-template <int dim>
-void BlockSystem<dim>::find_shares()
-{
-  stage_of_field = model.stages_of_fields();
-  unsigned int n_stages = 1;
-  for (auto &[field, stage] : stage_of_field) {
-    stage = has_couplings ? 0 : stage;
-    n_stages = std::max(n_stages, stage + 1);
-  }
-  stage_of_block.clear();
-  for (const Block &block : model.numbering->blocks())
-    stage_of_block.push_back(stage_of_field.at(block.field));
-  asked_stages.assign(n_stages, true);
-  stages_of_residual = asked_stages;
-  shares.assign(model.domains.size(), {});
-  for (unsigned int d = 0; d < model.domains.size(); ++d) {
-    const auto &fields = model.domains[d]->fields();
-    const CellLayout<dim> &layout = model.domains[d]->layout();
-    for (unsigned int f = 0; f < fields.size(); ++f) {
-      const unsigned int stage = stage_of_field.at(fields[f].name);
-      auto share = std::find_if(shares[d].begin(), shares[d].end(),
-                                [&](const Share &other) { return other.stage == stage; });
-      if (share == shares[d].end())
-        share = shares[d].insert(share, {stage, {}, {}});
-      share->fields.push_back(f);
-      for (unsigned int i = layout.first(fields[f].first_component);
-           i < layout.first(fields[f].first_component + fields[f].n_components); ++i)
-        share->unknowns.push_back(i);
-    }
-  }
-}
-
-template <int dim>
-bool BlockSystem<dim>::is_left_out(const std::string &field, const std::string &by) const
-{
-  return stage_of_field.at(field) != stage_of_field.at(by);
-}
-
-template <int dim>
-typename BlockSystem<dim>::Shares
-BlockSystem<dim>::shares_of(const std::vector<dealii::types::global_dof_index> &dofs) const
-{
-  if (asked_stages.size() == 1)
-    return {{0, {}, {}}};
-  Shares result;
-  for (unsigned int i = 0; i < dofs.size(); ++i) {
-    const unsigned int stage = stage_of_block[model.numbering->block_of(dofs[i])];
-    auto share =
-        std::find_if(result.begin(), result.end(), [&](const Share &other) { return other.stage == stage; });
-    if (share == result.end())
-      share = result.insert(share, {stage, {}, {}});
-    share->unknowns.push_back(i);
-  }
-  return result;
-}
-
-/// Those that have some of the blocks; empty: all.
-template <int dim>
-std::vector<bool> BlockSystem<dim>::stages_of(const std::vector<bool> &blocks) const
-{
-  std::vector<bool> stages(asked_stages.size(), blocks.empty());
-  for (unsigned int b = 0; b < blocks.size(); ++b)
-    if (blocks[b])
-      stages[stage_of_block[b]] = true;
-  return stages;
-}
-
-template <int dim>
-Asked BlockSystem<dim>::what_is_asked(const std::string &field) const
-{
-  const unsigned int stage = stage_of_field.at(field);
-  return !stages_of_residual[stage] ? Asked::nothing
-         : asked_stages[stage]      ? Asked::derivatives
-                                    : Asked::response;
-}
-
 /// The cells; ties are asked one by one.
 template <int dim>
 void BlockSystem<dim>::ask_for(const std::vector<bool> &of_blocks, const std::vector<bool> &residual_of)
 {
-  asked_stages = stages_of(of_blocks);
-  stages_of_residual = stages_of(residual_of);
+  stages.ask_for(of_blocks, residual_of);
   for (unsigned int d = 0; d < model.domains.size(); ++d) {
     std::vector<Asked> of_fields;
     for (const Field &field : model.domains[d]->fields())
-      of_fields.push_back(what_is_asked(field.name));
+      of_fields.push_back(stages.what_is_asked(field.name));
     cell_terms[d]->ask_for(of_fields);
   }
-}
-
-/// Whether the tangent of the cells has entries in a field's own block.
-template <int dim>
-bool BlockSystem<dim>::has_entries(const std::string &field) const
-{
-  const auto groups = model.field_groups();
-  for (unsigned int g = 0; g < groups_with_entries.size(); ++g)
-    if (!groups_with_entries[g] && std::find(groups[g].begin(), groups[g].end(), field) != groups[g].end())
-      return false;
-  return true;
 }
 
 template <int dim>
@@ -498,38 +144,6 @@ void BlockSystem<dim>::make_cell_terms()
   }
 }
 
-/// Whether the terms of a tied field need no entries, like the cells on both sides.
-template <int dim>
-bool BlockSystem<dim>::is_given_as_products(const Interface<dim> &interface, const TiedField &field) const
-{
-  return form == Form::direct && TieOperator<dim>::is_possible(interface, field) &&
-         !has_entries(field.names[source]);
-}
-
-/// Whether the tangent of a tie has entries in the row of a component and the column of another one, counted
-/// over both sides.
-template <int dim>
-bool BlockSystem<dim>::has_entries(const Interface<dim> &interface, const unsigned int row,
-                                   const unsigned int column) const
-{
-  if (!(form == Form::direct ? interface.couples(row, column) : interface.couples(column, row)))
-    return false;
-  const auto field_of = [&](const unsigned int i) -> const Field & {
-    const unsigned int n = interface.components[source].size();
-    const auto &side = interface.sides[i < n ? source : destination];
-    const unsigned int c = i < n ? interface.components[source][i] : interface.components[destination][i - n];
-    const auto &fields = side.domain->fields();
-    return *std::find_if(fields.begin(), fields.end(),
-                         [c](const Field &field) { return field.has_component(c); });
-  };
-  const std::string &name = field_of(row).name, &by = field_of(column).name;
-  return !is_left_out(name, by) &&
-         (name != by ||
-          std::none_of(interface.fields.begin(), interface.fields.end(), [&](const auto &field) {
-            return field.names[source] == name && is_given_as_products(interface, field);
-          }));
-}
-
 /// Those of its fields that have some, and are asked for.
 template <int dim>
 std::vector<TieOperator<dim> *> BlockSystem<dim>::products_of(const Interface<dim> &interface) const
@@ -538,7 +152,7 @@ std::vector<TieOperator<dim> *> BlockSystem<dim>::products_of(const Interface<di
   for (const auto &[part, cells] : cellwise)
     for (const TiedField &field : interface.fields)
       if (TieOperator<dim> *of_field = cells->of_tie(interface, field);
-          of_field != nullptr && is_asked(matrix.numbering(part).blocks()[0]))
+          of_field != nullptr && stages.asks_tangent(matrix.numbering(part).blocks()[0]))
         products.push_back(of_field);
   return products;
 }
@@ -550,17 +164,17 @@ void BlockSystem<dim>::make_cell_operators(const double t)
   for (unsigned int d = 0; d < model.domains.size(); ++d)
     for (const Field &field : model.domains[d]->fields())
       for (const Field &by : model.domains[d]->fields())
-        if (is_left_out(field.name, by.name))
+        if (stages.is_left_out(field.name, by.name))
           cell_terms[d]->leave_out_coupling(field, by);
   cellwise.clear();
   const auto &blocks = model.numbering->blocks();
   for (unsigned int b = 0; b < blocks.size(); ++b)
     if (const unsigned int part = matrix.part_of(b);
-        !blocks[b].is_constraint && !has_entries(blocks[b].field) && cellwise.count(part) == 0) {
+        !blocks[b].is_constraint && !entries.exist(blocks[b].field) && cellwise.count(part) == 0) {
       std::vector<typename CellwiseTangent<dim>::FieldOfTie> ties;
       for (const auto &interface : model.interfaces)
         for (const TiedField &field : interface->fields)
-          if (interface->is_active(t) && is_given_as_products(*interface, field) &&
+          if (interface->is_active(t) && entries.are_products(*interface, field) &&
               field.names[source] == blocks[b].field)
             ties.emplace_back(interface.get(), &field);
       cellwise[part] = std::make_shared<CellwiseTangent<dim>>(model, matrix.numbering(part), ties);
@@ -601,8 +215,8 @@ Vector BlockSystem<dim>::owned_vector() const
 template <int dim>
 Vector BlockSystem<dim>::ghosted_vector() const
 {
-  return Vector(model.numbering->split(model.numbering->owned), model.numbering->split(relevant),
-                model.communicator);
+  return Vector(model.numbering->split(model.numbering->owned),
+                model.numbering->split(constraints.relevant_unknowns()), model.communicator);
 }
 
 template <int dim>
@@ -638,9 +252,7 @@ void BlockSystem<dim>::set_time(const double t)
 {
   share = 1;
   if (t != time) { // else set_up has made them
-    if (prescribes_by_time())
-      if (ConstraintLines lines_then = lines_at(t); !are_prescribed(lines_then))
-        make_constraints(std::move(lines_then));
+    constraints.set_time(t);
     time = t;
   }
   problem = {};
@@ -691,9 +303,7 @@ void BlockSystem<dim>::hold_back_from(const Vector &x)
   share = 1;
   assemble(x, false);
   held_back = right_hand_side;
-  held_moves.clear();
-  for (const auto &line : constraints.get_lines())
-    held_moves[line.index] = line.inhomogeneity;
+  constraints.hold_back();
 }
 
 namespace {
@@ -750,59 +360,18 @@ ValuesOf BlockSystem<dim>::ghosted_values() const
   };
 }
 
-/// The update's constraints from those of x: dx_i = sum w dx_j + (b_i + sum w x_j - x_i).
-template <int dim>
-void BlockSystem<dim>::move_constraints_from(const Vector &ghosted)
-{
-  std::vector<double> largest_move(field_of_block.size(), 0.), largest_value(largest_move);
-  unsigned int i = 0;
-  for (const auto &line : constraints.get_lines()) {
-    double target = prescribed[i++];
-    for (const auto &[other, weight] : line.entries)
-      target += weight * ghosted(other);
-    if (share < 1)
-      target -= (1 - share) * held_moves.at(line.index);
-    const double distance = form == Form::transposed ? 0 : target - ghosted(line.index);
-    const unsigned int block = model.numbering->block_of(line.index);
-    largest_move[block] = std::max(largest_move[block], std::abs(distance));
-    largest_value[block] = std::max(largest_value[block], std::abs(target));
-    constraints.set_inhomogeneity(line.index, distance);
-  }
-  dealii::Utilities::MPI::max(largest_move, model.communicator, largest_move);
-  dealii::Utilities::MPI::max(largest_value, model.communicator, largest_value);
-  constraints_move.clear();
-  move = 0;
-  for (unsigned int b = 0; b < largest_move.size(); ++b) {
-    constraints_move.push_back(largest_move[b] > 1e-14 * largest_value[b]);
-    move = std::max(move, largest_move[b]);
-  }
-}
-
-namespace {
-
-/// An exception that this rank has caught, if any, or else one that another rank has.
-void throw_on_all_ranks(const std::exception_ptr &fault, const MPI_Comm &communicator)
-{
-  if (dealii::Utilities::MPI::max(fault ? 1 : 0, communicator) == 0)
-    return;
-  if (fault)
-    std::rethrow_exception(fault);
-  throw std::runtime_error("another rank could not assemble its part.");
-}
-
-} // namespace
-
 /// Only in time, where it is asked for again and again.
 template <int dim>
 AffineResidual<dim> *BlockSystem<dim>::affine_residual()
 {
-  if (!has_tangent || !has_rates() || !cellwise.empty() || form != Form::direct || asked_stages.size() > 1 ||
-      !AffineResidual<dim>::is_possible(model, time))
+  if (!has_tangent || !has_rates() || !cellwise.empty() || entries.form != Form::direct ||
+      stages.size() > 1 || !AffineResidual<dim>::is_possible(model, time))
     return nullptr;
   if (!affine) {
+    const dealii::IndexSet &relevant = constraints.relevant_unknowns();
     dealii::AffineConstraints<double> no_lines(relevant);
     no_lines.close();
-    dealii::DynamicSparsityPattern pattern = make_pattern(time, no_lines);
+    dealii::DynamicSparsityPattern pattern = entries.pattern(time, cell_terms, no_lines, relevant);
     affine = std::make_unique<AffineResidual<dim>>(model, parts_of_blocks(), pattern, relevant, time);
   }
   return affine->is_defined() ? affine.get() : nullptr;
@@ -815,7 +384,7 @@ bool BlockSystem<dim>::assemble_by_products(const Vector &x)
 {
   ++n_assemblies.residuals_by_products;
   ghosted_scratch = x;
-  move_constraints_from(ghosted_scratch);
+  constraints.move_from(ghosted_scratch, share);
   std::exception_ptr fault;
   try {
     affine->find_loads(time);
@@ -826,7 +395,7 @@ bool BlockSystem<dim>::assemble_by_products(const Vector &x)
   affine->evaluate(x, owned_rates);
   right_hand_side.equ(-1., affine->residual());
   std::vector<std::pair<dealii::types::global_dof_index, double>> passed_on;
-  for (const auto &line : constraints.get_lines())
+  for (const auto &line : constraints.of_update().get_lines())
     if (model.numbering->owned.is_element(line.index)) {
       const unsigned int b = model.numbering->block_of(line.index);
       const Block &block = model.numbering->blocks()[b];
@@ -842,13 +411,9 @@ bool BlockSystem<dim>::assemble_by_products(const Vector &x)
   if (share < 1)
     right_hand_side.add(share - 1, held_back);
 
-  sizes.forces = affine->squares_of_forces();
-  sizes.on_free = sizes.forces;
-  for (unsigned int b = 0; b < sizes.on_free.size(); ++b)
-    sizes.on_free[b] *= cell_terms[0]->longest_sum();
-  for (auto *block_sums : {&sizes.forces, &sizes.on_free})
-    dealii::Utilities::MPI::sum(*block_sums, model.communicator, *block_sums);
-  const bool is_defined = std::isfinite(std::accumulate(sizes.forces.begin(), sizes.forces.end(), 0.));
+  sizes.set_forces(affine->squares_of_forces(), cell_terms[0]->longest_sum(), model.communicator);
+  const std::vector<double> all_forces = sizes.forces();
+  const bool is_defined = std::isfinite(std::accumulate(all_forces.begin(), all_forces.end(), 0.));
   Assert(!is_defined || is_as_integrated(x),
          dealii::ExcMessage("products and integrals give different residuals"));
   return is_defined;
@@ -861,21 +426,21 @@ bool BlockSystem<dim>::is_as_integrated(const Vector &x)
 {
   const double largest = 1e-10;
   const Vector by_products = right_hand_side;
-  const Sizes sizes_of_products = sizes;
+  const ForceSizes sizes_of_products = sizes;
   const unsigned int n_blocks = field_of_block.size();
-  const std::vector<double> none(n_blocks, 0.);
   ghosted_scratch = x;
   right_hand_side = 0;
-  sizes = {none, none, none, none};
+  sizes.begin();
   assemble_all(false);
   right_hand_side.compress(dealii::VectorOperation::add);
   if (share < 1)
     right_hand_side.add(share - 1, held_back);
-  dealii::Utilities::MPI::sum(sizes.forces, model.communicator, sizes.forces);
+  sizes.finish([](unsigned int) { return false; }, model.communicator);
+  const std::vector<double> forces_here = sizes.forces();
   right_hand_side -= by_products;
   bool is_equal = true;
   for (unsigned int b = 0; b < n_blocks; ++b)
-    is_equal = is_equal && !(right_hand_side.block(b).l2_norm() > largest * std::sqrt(sizes.forces[b]));
+    is_equal = is_equal && !(right_hand_side.block(b).l2_norm() > largest * forces_here[b]);
   right_hand_side = by_products;
   sizes = sizes_of_products;
   return is_equal;
@@ -896,7 +461,7 @@ void BlockSystem<dim>::find_summands()
   for (unsigned int order = 1; order <= model.order_in_time(); ++order) {
     summands[order].copy_from(matrix);
     summands[order] = 0;
-    affine->add_mass(constraints, order, summands[order]);
+    affine->add_mass(constraints.of_update(), order, summands[order]);
   }
 }
 
@@ -913,34 +478,21 @@ void BlockSystem<dim>::combine_tangent()
   rates_of_tangent = {{step_rates.by_value, step_rates.second_by_value}};
 }
 
-namespace {
-
-/// By block, of sums of so many terms.
-std::vector<double> squares_of_products(const BlockMatrix &matrix, const Vector &x, const double n_terms)
-{
-  std::vector<double> squares;
-  for (unsigned int b = 0; b < x.n_blocks(); ++b)
-    squares.push_back(n_terms * std::pow(matrix.size_of_product(b, x), 2));
-  return squares;
-}
-
-} // namespace
-
 /// Those of the stages that are asked for are assembled anew.
 template <int dim>
 void BlockSystem<dim>::begin_tangent()
 {
   std::vector<bool> rows;
   for (unsigned int b = 0; b < field_of_block.size(); ++b)
-    rows.push_back(is_asked(b));
+    rows.push_back(stages.asks_tangent(b));
   matrix.set_zero(rows);
   for (const auto &[part, cells] : cellwise)
-    if (is_asked(matrix.numbering(part).blocks()[0]))
-      cells->begin(constraints);
+    if (stages.asks_tangent(matrix.numbering(part).blocks()[0]))
+      cells->begin(constraints.of_update());
 }
 
 /// Where the second tangent is that of another step, as in the start of a scheme, a third one may never come.
-/// The rounding that tangent_at_x stands for falls and grows with x also where the tangent is a sum.
+/// The rounding that its products stand for falls and grows with x also where the tangent is a sum.
 template <int dim>
 bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const std::vector<bool> &of_blocks,
                                 const std::vector<bool> &residual_of)
@@ -949,23 +501,24 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const 
   if ((!with_tangent || n_tangents >= few_tangents) && affine_residual() != nullptr) {
     if (with_tangent) {
       combine_tangent();
-      tangent_at_x = squares_of_products(matrix, x, cell_terms[0]->longest_sum());
+      std::vector<double> products;
+      for (unsigned int b = 0; b < x.n_blocks(); ++b)
+        products.push_back(matrix.size_of_product(b, x));
+      sizes.set_tangent(products, cell_terms[0]->longest_sum());
     }
     if (assemble_by_products(x))
       return true;
   }
   ++(with_tangent ? n_assemblies.tangents : n_assemblies.residuals_alone);
   ghosted_scratch = x;
-  move_constraints_from(ghosted_scratch);
+  constraints.move_from(ghosted_scratch, share);
   right_hand_side = 0;
   ask_for(of_blocks.empty() && !with_tangent ? residual_of : of_blocks, residual_of);
   if (with_tangent)
     begin_tangent();
   problem_here = {};
   last_undefined() = {};
-  const unsigned int n_blocks = field_of_block.size();
-  const std::vector<double> none(n_blocks, 0.);
-  sizes = {none, none, none, none};
+  sizes.begin();
 
   std::exception_ptr fault;
   bool is_defined = true;
@@ -979,20 +532,15 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const 
   right_hand_side.compress(dealii::VectorOperation::add);
   if (with_tangent)
     for (const auto &[part, cells] : cellwise)
-      if (is_asked(matrix.numbering(part).blocks()[0])) {
+      if (stages.asks_tangent(matrix.numbering(part).blocks()[0])) {
         cells->finish();
         if (moves_constraints())
-          cells->subtract_moves(constraints, right_hand_side);
+          cells->subtract_moves(constraints.of_update(), right_hand_side);
       }
   if (share < 1)
     right_hand_side.add(share - 1, held_back);
-  for (auto *block_sums : {&sizes.forces, &sizes.on_free, &sizes.tangents, &sizes.products})
-    dealii::Utilities::MPI::sum(*block_sums, model.communicator, *block_sums);
-  for (unsigned int b = 0; with_tangent && b < n_blocks; ++b)
-    if (is_asked(b)) {
-      tangent_at_x[b] = sizes.tangents[b];
-      products_at_x[b] = sizes.products[b];
-    }
+  sizes.finish([&](const unsigned int b) { return with_tangent && stages.asks_tangent(b); },
+               model.communicator);
   throw_on_all_ranks(fault, model.communicator);
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   has_tangent = with_tangent ? is_defined : has_tangent;
@@ -1015,105 +563,6 @@ void BlockSystem<dim>::accept_state()
       terms->accept_state();
 }
 
-/// At ghosted_scratch. Points of interfaces that are switched off belong to their bodies still.
-template <int dim>
-bool BlockSystem<dim>::evaluate_memory(const double t)
-{
-  bool is_defined = true;
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns;
-  for (unsigned int d = 0; d < model.domains.size(); ++d)
-    if (const Domain<dim> &domain = *model.domains[d]; domain.memory)
-      for (const auto &cell : domain.dof_handler().active_cell_iterators())
-        if (cell->is_locally_owned()) {
-          domain.cell_dofs(cell, dofs);
-          ghosted_values()(dofs, unknowns);
-          is_defined = cell_terms[d]->evaluate_memory(cell, t, unknowns) && is_defined;
-        }
-  for (const auto &interface : model.interfaces)
-    if (!interface->memory.empty())
-      is_defined = (interface->is_active(t)
-                        ? interface->tie().evaluate_memory(*interface, t, ghosted_values())
-                        : interface->tie().Tie<dim>::evaluate_memory(*interface, t, ghosted_values())) &&
-                   is_defined;
-  return is_defined;
-}
-
-template <int dim>
-bool BlockSystem<dim>::remember(const double t, const Vector &x)
-{
-  if (std::none_of(model.materials.begin(), model.materials.end(),
-                   [](const auto &material) { return material->has_memory(); }) &&
-      std::all_of(model.interfaces.begin(), model.interfaces.end(),
-                  [](const auto &interface) { return interface->tie().internal_variables().empty(); }))
-    return true;
-  ghosted_scratch = x;
-  std::exception_ptr fault;
-  bool is_defined = true;
-  try {
-    is_defined = evaluate_memory(t);
-  } catch (...) { // perhaps of this rank alone
-    fault = std::current_exception();
-  }
-  throw_on_all_ranks(fault, model.communicator);
-  if (dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 0)
-    return false;
-  for (const auto &domain : model.domains)
-    if (domain->memory)
-      domain->memory->accept();
-  for (const auto &interface : model.interfaces)
-    interface->memory.accept();
-  return true;
-}
-
-namespace {
-
-/// At the points of an interface, of both sides.
-template <int dim>
-void look_at_start_of_sides(Interface<dim> &interface, const ValuesOf &values_of)
-{
-  SidePoints<dim> points(interface, 0);
-  for_each_group(interface, values_of, [&](const auto &group, const std::vector<double> &unknowns) {
-    for (unsigned int q = group.begin; q < group.end; ++q)
-      for (const unsigned int side : {source, destination})
-        if (const Material<dim> &material = interface.sides[side].domain->material;
-            material.has_to_look_at_start()) {
-          points.reinit(side, q, unknowns);
-          material.look_at_start(points.state[side]);
-          interface.memory.set_trial(side, q, points.state[side].memory.trial);
-        }
-  });
-  interface.memory.accept();
-}
-
-} // namespace
-
-template <int dim>
-void BlockSystem<dim>::look_at_start(const Vector &x)
-{
-  const auto has_to = [](const Domain<dim> &domain) { return domain.material.has_to_look_at_start(); };
-  if (std::none_of(model.domains.begin(), model.domains.end(),
-                   [&](const auto &domain) { return has_to(*domain); }))
-    return;
-  ghosted_scratch = x;
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns;
-  for (unsigned int d = 0; d < model.domains.size(); ++d)
-    if (const Domain<dim> &domain = *model.domains[d]; has_to(domain)) {
-      for (const auto &cell : domain.dof_handler().active_cell_iterators())
-        if (cell->is_locally_owned()) {
-          domain.cell_dofs(cell, dofs);
-          ghosted_values()(dofs, unknowns);
-          cell_terms[d]->look_at_start(cell, unknowns);
-        }
-      domain.memory->accept();
-    }
-  for (const auto &interface : model.interfaces)
-    if (std::any_of(interface->sides.begin(), interface->sides.end(),
-                    [&](const auto &side) { return has_to(*side.domain); }))
-      look_at_start_of_sides(*interface, ghosted_values());
-}
-
 /// @return whether all laws are defined on this rank.
 template <int dim>
 bool BlockSystem<dim>::assemble_all(const bool with_tangent)
@@ -1124,8 +573,7 @@ bool BlockSystem<dim>::assemble_all(const bool with_tangent)
     cell_terms[d]->forget_given();
     is_defined = assemble_domain(d, ghosted_scratch, with_tangent) && is_defined;
   }
-  if (is_defined &&
-      std::find(stages_of_residual.begin(), stages_of_residual.end(), false) == stages_of_residual.end())
+  if (is_defined && stages.asks_all_residuals())
     time_of_given = time;
   if (!model.interfaces.empty()) {
     dealii::Timer timer;
@@ -1146,7 +594,7 @@ bool BlockSystem<dim>::assemble_point_terms(Interface<dim> &interface, const boo
   std::vector<Asked> of_fields;
   for (const TiedField &field : interface.fields)
     of_fields.push_back(
-        std::max(what_is_asked(field.names[source]), what_is_asked(field.names[destination])));
+        std::max(stages.what_is_asked(field.names[source]), stages.what_is_asked(field.names[destination])));
   if (std::all_of(of_fields.begin(), of_fields.end(),
                   [](const Asked asked) { return asked == Asked::nothing; }))
     return true;
@@ -1171,126 +619,37 @@ void BlockSystem<dim>::note_undefined(const std::string &where)
   problem_here.reason += " [" + where + "]";
 }
 
-/// Those stages that are asked for.
-template <int dim>
-void BlockSystem<dim>::scatter(const Shares &shares, const std::vector<double> &residual,
-                               const std::vector<dealii::types::global_dof_index> &dofs,
-                               const bool with_tangent, const unsigned int cell_index, const unsigned int d)
-{
-  for (unsigned int s = 0; s < shares.size(); ++s) {
-    if (!stages_of_residual[shares[s].stage])
-      continue;
-    const std::vector<unsigned int> &unknowns = shares[s].unknowns;
-    const unsigned int n = unknowns.size();
-    const bool has_matrix = with_tangent && asked_stages[shares[s].stage], is_all = shares.size() == 1;
-    if (!is_all) {
-      residual_of_share.resize(n);
-      dofs_of_share.resize(n);
-      for (unsigned int i = 0; i < n; ++i) {
-        residual_of_share[i] = residual[unknowns[i]];
-        dofs_of_share[i] = dofs[unknowns[i]];
-      }
-    }
-    if (!is_all && has_matrix) {
-      if (matrix_of_share.m() != n)
-        matrix_of_share.reinit(n, n, true);
-      for (unsigned int i = 0; i < n; ++i)
-        for (unsigned int j = 0; j < n; ++j)
-          matrix_of_share(i, j) = local_matrix(unknowns[i], unknowns[j]);
-    }
-    const auto &matrix_here = is_all ? local_matrix : matrix_of_share;
-    const auto &residual_here = is_all ? residual : residual_of_share;
-    const auto &dofs_here = is_all ? dofs : dofs_of_share;
-    const bool may_be_known =
-        has_matrix && cell_index != dealii::numbers::invalid_unsigned_int && positions[d][s] != nullptr;
-    if (!may_be_known || !positions[d][s]->add(cell_index, dofs_here, constraints, matrix_here, residual_here,
-                                               right_hand_side))
-      scatter(matrix_here, residual_here, dofs_here, has_matrix);
-  }
-}
-
-template <int dim>
-void BlockSystem<dim>::scatter(const dealii::FullMatrix<double> &of_matrix,
-                               const std::vector<double> &residual,
-                               const std::vector<dealii::types::global_dof_index> &dofs,
-                               const bool with_tangent)
-{
-  local_rhs.reinit(residual.size(), true);
-  for (unsigned int i = 0; i < residual.size(); ++i)
-    local_rhs[i] = -residual[i];
-  if (with_tangent && form == Form::transposed) {
-    local_transpose.reinit(residual.size(), residual.size(), true);
-    local_transpose.copy_transposed(of_matrix);
-    distribute_local_to_global(constraints, local_transpose, local_rhs, dofs, matrix, right_hand_side);
-  } else if (with_tangent)
-    distribute_local_to_global(constraints, of_matrix, local_rhs, dofs, matrix, right_hand_side);
-  else
-    constraints.distribute_local_to_global(local_rhs, dofs, right_hand_side);
-}
-
-/// From the second tangent on.
-template <int dim>
-void BlockSystem<dim>::keep_positions(const unsigned int d, const bool with_tangent)
-{
-  positions.resize(model.domains.size());
-  positions[d].resize(shares[d].size());
-  if (!with_tangent || form != Form::direct || !cell_terms[d]->has_entries())
-    return;
-  for (unsigned int s = 0; s < shares[d].size(); ++s)
-    if (asked_stages[shares[d][s].stage] &&
-        std::any_of(shares[d][s].fields.begin(), shares[d][s].fields.end(), [&](const unsigned int f) {
-          return shares[d].size() == 1 || has_entries(model.domains[d]->fields()[f].name);
-        })) {
-      if (positions[d][s])
-        positions[d][s]->keep();
-      else
-        positions[d][s] =
-            std::make_unique<KeptPositions<dim>>(*model.domains[d], shares[d][s].fields, matrix);
-    }
-}
-
 template <int dim>
 bool BlockSystem<dim>::assemble_domain(const unsigned int d, const Vector &ghosted, const bool with_tangent)
 {
   const Domain<dim> &domain = *model.domains[d];
+  CellTerms<dim> &terms = *cell_terms[d];
   const unsigned int n_local = domain.dofs_per_cell();
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> unknowns(n_local), residual(n_local);
   local_matrix.reinit(n_local, n_local);
-  keep_positions(d, with_tangent);
-  if (std::none_of(shares[d].begin(), shares[d].end(),
-                   [this](const Share &share) { return stages_of_residual[share.stage]; }))
+  sums.begin_domain(d, with_tangent && terms.has_entries());
+  const auto &shares = stages.of_cells(d);
+  if (std::none_of(shares.begin(), shares.end(),
+                   [this](const auto &of_stage) { return stages.asks_residual(of_stage); }))
     return true;
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       domain.cell_dofs(cell, dofs);
       ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      for (unsigned int s = 0; with_tangent && s < shares[d].size(); ++s)
-        if (positions[d][s] && asked_stages[shares[d][s].stage])
-          positions[d][s]->prefetch(cell->active_cell_index());
-      if (!cell_terms[d]->assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr)) {
+      if (with_tangent)
+        sums.prefetch(d, cell->active_cell_index());
+      if (!terms.assemble(cell, time, unknowns, residual, with_tangent ? &local_matrix : nullptr)) {
         note_undefined("domain " + domain.name + ", the cell around " + in_words(cell->center()));
         return false;
       }
-      const bool has_local_matrix = with_tangent && cell_terms[d]->has_entries(cell);
-      add_sizes(dofs, cell_terms[d]->forces(), unknowns, cell_terms[d]->longest_sum(), has_local_matrix);
-      if (with_tangent && !cell_terms[d]->products().empty())
-        add_products(dofs, cell_terms[d]->products(), cell_terms[d]->longest_sum());
-      scatter(shares[d], residual, dofs, has_local_matrix, cell->active_cell_index(), d);
+      const auto *tangent = with_tangent && terms.has_entries(cell) ? &local_matrix : nullptr;
+      sizes.add(dofs, terms.forces(), unknowns, terms.longest_sum(), constraints.of_update(), tangent);
+      if (with_tangent && !terms.products().empty())
+        sizes.add_products(dofs, terms.products(), terms.longest_sum(), constraints.of_update());
+      sums.add(d, cell->active_cell_index(), dofs, residual, tangent);
     }
   return true;
-}
-
-/// Whether the tangent of a tie has entries in any row and column.
-template <int dim>
-bool BlockSystem<dim>::has_entries(const Interface<dim> &interface) const
-{
-  const unsigned int n = interface.components[source].size() + interface.components[destination].size();
-  for (unsigned int row = 0; row < n; ++row)
-    for (unsigned int column = 0; column < n; ++column)
-      if (has_entries(interface, row, column))
-        return true;
-  return false;
 }
 
 /// The terms of a group. @p rest: what is not given as products
@@ -1311,7 +670,8 @@ bool BlockSystem<dim>::assemble_products(PointTerms<dim> &terms, const Interface
   leading.expand(residual_of_leading, residual);
   for (TieOperator<dim> *of_field : products)
     of_field->add(g, of_leading);
-  add_products(dofs, leading.sizes_of_products(of_leading, unknowns), dofs.size());
+  sizes.add_products(dofs, leading.sizes_of_products(of_leading, unknowns), dofs.size(),
+                     constraints.of_update());
   if (rest == nullptr)
     return is_defined;
   leading.expand(of_leading, *rest);
@@ -1327,53 +687,59 @@ bool BlockSystem<dim>::assemble_interface(Interface<dim> &interface, const Vecto
   PointTerms<dim> &terms = *interface.tie().parts().point_terms;
   const std::vector<TieOperator<dim> *> products =
       with_tangent ? products_of(interface) : std::vector<TieOperator<dim> *>();
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns, residual;
   const unsigned int n_local = interface.n_local(source) + interface.n_local(destination);
-  unknowns.resize(n_local);
-  const bool has_local_matrix = with_tangent && has_entries(interface);
-  if (has_local_matrix)
-    local_matrix.reinit(n_local, n_local);
-  Shares shares_here; // those of all groups
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<double> unknowns(n_local), residual;
+  dealii::FullMatrix<double> *tangent = with_tangent && entries.exist(interface) ? &local_matrix : nullptr;
+  if (tangent != nullptr)
+    tangent->reinit(n_local, n_local);
+  typename Stages<dim>::Shares shares; // those of all groups
   const auto &groups = interface.pairing().groups;
   for (unsigned int g = 0; g < groups.size(); ++g) {
     const auto &group = groups[g];
     interface.group_dofs(group, dofs);
     if (g == 0)
-      shares_here = shares_of(dofs);
+      shares = stages.shares_of(dofs);
     ghosted.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
     residual.assign(n_local, 0.);
     bool is_defined = true;
     if (!products.empty())
-      is_defined = assemble_products(terms, interface, g, products, dofs, unknowns, residual,
-                                     has_local_matrix ? &local_matrix : nullptr);
+      is_defined = assemble_products(terms, interface, g, products, dofs, unknowns, residual, tangent);
     else {
-      if (with_tangent && has_local_matrix)
-        local_matrix = 0;
-      is_defined = terms.assemble(interface, group, time, unknowns, residual,
-                                  has_local_matrix ? &local_matrix : nullptr);
+      if (tangent != nullptr)
+        *tangent = 0;
+      is_defined = terms.assemble(interface, group, time, unknowns, residual, tangent);
     }
     if (!is_defined) {
       note_undefined("interface " + interface.name + " near " +
                      in_words(interface.pairing().X(source, group.begin)));
       return false;
     }
-    add_sizes(dofs, residual, unknowns, n_local, has_local_matrix && products.empty());
-    if (const auto position = merge_repeated(interface, dofs); !position.empty()) {
-      std::vector<double> merged_residual(dofs.size(), 0.);
-      dealii::FullMatrix<double> merged(dofs.size(), dofs.size());
-      for (unsigned int i = 0; i < position.size(); ++i) {
-        merged_residual[position[i]] += residual[i];
-        for (unsigned int j = 0; has_local_matrix && j < position.size(); ++j)
-          merged(position[i], position[j]) += local_matrix(i, j);
-      }
-      std::swap(merged, local_matrix);
-      scatter(shares_of(dofs), merged_residual, dofs, has_local_matrix);
-      std::swap(merged, local_matrix);
-    } else
-      scatter(shares_here, residual, dofs, has_local_matrix);
+    sizes.add(dofs, residual, unknowns, n_local, constraints.of_update(),
+              products.empty() ? tangent : nullptr);
+    if (const auto position = merge_repeated(interface, dofs); !position.empty())
+      add_merged(position, dofs, residual, tangent);
+    else
+      sums.add(shares, dofs, residual, tangent);
   }
   return true;
+}
+
+/// Of a group with unknowns that are there twice. @p position: of each among @p dofs
+template <int dim>
+void BlockSystem<dim>::add_merged(const std::vector<unsigned int> &position,
+                                  const std::vector<dealii::types::global_dof_index> &dofs,
+                                  const std::vector<double> &residual,
+                                  const dealii::FullMatrix<double> *tangent)
+{
+  std::vector<double> merged_residual(dofs.size(), 0.);
+  dealii::FullMatrix<double> merged(dofs.size(), dofs.size());
+  for (unsigned int i = 0; i < position.size(); ++i) {
+    merged_residual[position[i]] += residual[i];
+    for (unsigned int j = 0; tangent != nullptr && j < position.size(); ++j)
+      merged(position[i], position[j]) += (*tangent)(i, j);
+  }
+  sums.add(stages.shares_of(dofs), dofs, merged_residual, tangent != nullptr ? &merged : nullptr);
 }
 
 template <int dim>
@@ -1384,11 +750,13 @@ void BlockSystem<dim>::assemble_multipliers(const Interface<dim> &interface, con
   std::vector<double> unknowns, residual;
   if (multipliers == nullptr)
     return;
+  const auto *tangent = with_tangent ? &local_matrix : nullptr;
   if (!interface.is_active(time)) { // they are zero
     local_matrix.reinit(1, 1);
     local_matrix(0, 0) = 1;
-    for_each_multiplier(
-        interface, [&](const auto dof) { scatter(shares_of({dof}), {ghosted(dof)}, {dof}, with_tangent); });
+    for_each_multiplier(interface, [&](const auto dof) {
+      sums.add(stages.shares_of({dof}), {dof}, {ghosted(dof)}, tangent);
+    });
     return;
   }
   for (unsigned int i = 0; i < multipliers->n_terms(); ++i) {
@@ -1401,19 +769,9 @@ void BlockSystem<dim>::assemble_multipliers(const Interface<dim> &interface, con
     std::vector<double> row_values = residual;
     if (dofs.size() > 1) // in the multiplier's equation the traces cancel
       row_values.back() = multipliers->magnitude_of_term(i, unknowns);
-    add_sizes(dofs, row_values, unknowns, dofs.size(), with_tangent);
-    scatter(shares_of(dofs), residual, dofs, with_tangent);
+    sizes.add(dofs, row_values, unknowns, dofs.size(), constraints.of_update(), tangent);
+    sums.add(stages.shares_of(dofs), dofs, residual, tangent);
   }
-}
-
-/// Calls @p visit with every multiplier of an interface that this rank owns.
-template <int dim>
-template <typename Visit>
-void BlockSystem<dim>::for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const
-{
-  for (const TiedField &field : interface.fields)
-    for (unsigned int i = 0; i < field.n_multipliers; ++i)
-      visit(field.first_multiplier + i);
 }
 
 template <int dim>
@@ -1442,7 +800,8 @@ NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x)
   for (unsigned int d = 0; d < given.size(); ++d)
     if (const Flows *flows = cell_terms[d]->given_flows(); flows != nullptr && time == time_of_given)
       given[d] = *flows;
-  return NodalForces<dim>(model, lines, constraints, ghosted(x), time, step_rates, products, given);
+  return NodalForces<dim>(model, constraints.lines(), constraints.of_update(), ghosted(x), time, step_rates,
+                          products, given);
 }
 
 template <int dim>
@@ -1490,63 +849,11 @@ NoteList BlockSystem<dim>::notes() const
     if (interface->is_active(time))
       for (const Note &note : interface->notes())
         all.push_back(note.of(interface->name));
-  if (const auto n = dealii::Utilities::MPI::sum(unconstrained.size(), model.communicator); n > 0)
+  if (const auto n = dealii::Utilities::MPI::sum(constraints.n_dropped(), model.communicator); n > 0)
     all.push_back(of_dropped_constraints(
         "constraints of interfaces that meet led back to themselves and were dropped at " +
         std::to_string(n) + (n == 1 ? " unknown" : " unknowns")));
   return all;
-}
-
-/// What one cell or group of points adds to the sizes. A force on an unknown that follows others acts on
-/// them; on one that is prescribed it is a reaction, in which nothing needs to cancel.
-template <int dim>
-void BlockSystem<dim>::add_sizes(const std::vector<dealii::types::global_dof_index> &dofs,
-                                 const std::vector<double> &forces, const std::vector<double> &unknowns,
-                                 const unsigned int longest_sum, const bool with_tangent)
-{
-  thread_local std::vector<double> row_sums;
-  row_sums.assign(dofs.size(), 0.);
-  if (with_tangent && std::any_of(unknowns.begin(), unknowns.end(), [](const double x) { return x != 0; }))
-    add_up_sizes(dofs.size(), &local_matrix(0, 0), unknowns.data(), row_sums.data());
-  unsigned int block = 0; // that of the unknown before, most often
-  for (unsigned int i = 0; i < dofs.size(); ++i) {
-    const double row_sum = row_sums[i];
-    const auto add = [&](const unsigned int block, const double weight) {
-      const double force = weight * weight * forces[i] * forces[i];
-      sizes.forces[block] += force;
-      sizes.on_free[block] += longest_sum * force;
-      sizes.products[block] += weight * weight * row_sum * row_sum;
-      sizes.tangents[block] += longest_sum * weight * weight * row_sum * row_sum;
-    };
-    const Block &before = model.numbering->blocks()[block];
-    if (dofs[i] < before.begin || dofs[i] >= before.end)
-      block = model.numbering->block_of(dofs[i]);
-    if (!constraints.is_constrained(dofs[i]))
-      add(block, 1.);
-    else {
-      sizes.forces[block] += forces[i] * forces[i];
-      for (const auto &[other, weight] : *constraints.get_constraint_entries(dofs[i]))
-        add(model.numbering->block_of(other), weight);
-    }
-  }
-}
-
-/// Likewise of the tangents of a cell that have no entries.
-template <int dim>
-void BlockSystem<dim>::add_products(const std::vector<dealii::types::global_dof_index> &dofs,
-                                    const std::vector<double> &products, const unsigned int longest_sum)
-{
-  for (unsigned int i = 0; i < dofs.size(); ++i) {
-    const auto add = [&](const unsigned int block, const double weight) {
-      sizes.products[block] += weight * weight * products[i] * products[i];
-      sizes.tangents[block] += longest_sum * weight * weight * products[i] * products[i];
-    };
-    if (!constraints.is_constrained(dofs[i]))
-      add(model.numbering->block_of(dofs[i]), 1.);
-    else
-      for (const auto &[other, weight] : *constraints.get_constraint_entries(dofs[i]))
-        add(model.numbering->block_of(other), weight);
-  }
 }
 
 template <int dim>
@@ -1555,29 +862,6 @@ std::vector<double> BlockSystem<dim>::residuals() const
   std::vector<double> norms;
   for (unsigned int b = 0; b < right_hand_side.n_blocks(); ++b)
     norms.push_back(right_hand_side.block(b).l2_norm());
-  return norms;
-}
-
-/// Nothing is at work in the equations of a constraint of a body, as one on its volume, but the terms that
-/// cancel.
-template <int dim>
-std::vector<double> BlockSystem<dim>::forces() const
-{
-  std::vector<double> norms;
-  for (unsigned int b = 0; b < sizes.forces.size(); ++b)
-    norms.push_back(std::sqrt(sizes.forces[b] + (is_constraint[b] ? products_at_x[b] : 0)));
-  return norms;
-}
-
-/// The errors of n terms, each of relative size u, add up like a random walk: u n^(1/2) times the sum of the
-/// sizes (Higham and Mary 2019); likewise those of different cells.
-template <int dim>
-std::vector<double> BlockSystem<dim>::rounding() const
-{
-  const double unit_roundoff = std::numeric_limits<double>::epsilon() / 2;
-  std::vector<double> norms;
-  for (unsigned int b = 0; b < sizes.on_free.size(); ++b)
-    norms.push_back(unit_roundoff * (std::sqrt(sizes.on_free[b]) + std::sqrt(tangent_at_x[b])));
   return norms;
 }
 
@@ -1598,7 +882,8 @@ std::vector<double> BlockSystem<dim>::linear_residuals(const Vector &dx, Vector 
         reference[row] = std::max(reference[row], product.l2_norm());
     });
   for (unsigned int b = 0; b < dx.n_blocks(); ++b)
-    if ((is_constraint[b] || is_of_multipliers[field_of_block[b]]) && !is_zero) // both sides may be one block
+    if ((model.numbering->blocks()[b].is_of_pressure() || is_of_multipliers[field_of_block[b]]) &&
+        !is_zero) // both sides may be one block
       reference[b] = std::max(reference[b], matrix.size_of_product(b, dx));
   // a block on which nothing acts keeps the rounding of the others, with which it is solved
   std::vector<double> rounding(fields.size(), 0.);
@@ -1616,54 +901,58 @@ template <int dim>
 std::optional<UnrestrainedMode<dim>> BlockSystem<dim>::find_unrestrained_mode(const bool in_any_case) const
 {
   for (unsigned int f = 0; f < fields.size(); ++f)
-    if (!is_of_multipliers[f] && (in_any_case || !is_surely_held(model, fields[f], time, constraints)))
-      if (const auto motion = dovetail::find_unrestrained_mode(model, fields[f], time, matrix, constraints))
+    if (!is_of_multipliers[f] &&
+        (in_any_case || !is_surely_held(model, fields[f], time, constraints.of_update())))
+      if (const auto motion =
+              dovetail::find_unrestrained_mode(model, fields[f], time, matrix, constraints.of_update()))
         return motion;
   return {};
 }
 
-/// x_i = sum w x_j + b_i with b_i = @p constant(line, its number)
 template <int dim>
-template <typename Constant>
-void BlockSystem<dim>::apply(Vector &x, const Constant &constant, const bool what_is_prescribed)
+bool BlockSystem<dim>::remember(const double t, const Vector &x)
 {
+  if (!has_to_remember(model))
+    return true;
   ghosted_scratch = x;
-  unsigned int i = 0;
-  for (const auto &line : constraints.get_lines()) {
-    double value = constant(line, i++);
-    if (model.numbering->owned.is_element(line.index) && (what_is_prescribed || !line.entries.empty())) {
-      for (const auto &[other, weight] : line.entries)
-        value += weight * ghosted_scratch(other);
-      x(line.index) = value;
-    }
-  }
-  x.compress(dealii::VectorOperation::insert);
+  return dovetail::remember(model, cell_terms, t, ghosted_values());
+}
+
+template <int dim>
+void BlockSystem<dim>::look_at_start(const Vector &x)
+{
+  if (!has_to_look_at_start(model))
+    return;
+  ghosted_scratch = x;
+  dovetail::look_at_start(model, cell_terms, ghosted_values());
 }
 
 template <int dim>
 void BlockSystem<dim>::distribute(Vector &dx)
 {
-  apply(dx, [](const auto &line, unsigned int) { return line.inhomogeneity; });
+  ghosted_scratch = dx;
+  constraints.distribute(dx, ghosted_scratch);
 }
 
 template <int dim>
 void BlockSystem<dim>::distribute_rate(Vector &rate, const bool what_is_prescribed)
 {
-  apply(
-      rate, [](const auto &, unsigned int) { return 0.; }, what_is_prescribed);
+  ghosted_scratch = rate;
+  constraints.distribute_rate(rate, ghosted_scratch, what_is_prescribed);
 }
 
 template <int dim>
 void BlockSystem<dim>::follow(Vector &x)
 {
-  apply(
-      x, [this](const auto &, const unsigned int i) { return prescribed[i]; }, false);
+  ghosted_scratch = x;
+  constraints.follow(x, ghosted_scratch);
 }
 
 template <int dim>
 void BlockSystem<dim>::constrain(Vector &x)
 {
-  apply(x, [this](const auto &, const unsigned int i) { return prescribed[i]; });
+  ghosted_scratch = x;
+  constraints.constrain(x, ghosted_scratch);
 }
 
 template class BlockSystem<2>;

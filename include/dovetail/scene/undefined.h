@@ -44,5 +44,7 @@ std::string in_words(const dealii::Point<dim> &X, unsigned int n_digits = 4);
 Undefined first_of_ranks(const Undefined &own, const MPI_Comm &communicator);
 /// If any rank has one, throw it as a UserError on all ranks. Collective.
 void refuse_undefined(const Undefined &own, const MPI_Comm &communicator);
+/// An exception that this rank has caught, if any, or else one that another rank has. Collective.
+void throw_on_all_ranks(const std::exception_ptr &caught, const MPI_Comm &communicator);
 
 } // namespace dovetail

@@ -9,11 +9,15 @@
 #include <dovetail/scene/undefined.h>
 #include <dovetail/solve/block_matrix.h>
 #include <dovetail/system/cellwise_tangent.h>
+#include <dovetail/system/force_sizes.h>
 #include <dovetail/system/free_pressures.h>
-#include <dovetail/system/kept_positions.h>
+#include <dovetail/system/local_to_global.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/nodal_forces.h>
+#include <dovetail/system/stages.h>
+#include <dovetail/system/tangent_entries.h>
 #include <dovetail/system/unrestrained_mode.h>
+#include <dovetail/system/update_constraints.h>
 #include <dovetail/system/vector.h>
 #include <dovetail/time/rates.h>
 
@@ -30,9 +34,6 @@ namespace dovetail {
 template <int dim>
 class AffineResidual;
 
-/// Of a tangent: K, or its transpose.
-enum class Form { direct, transposed };
-
 /// The nonlinear system R(x) = 0 on the constraints of hanging nodes, prescribed values and ties. Newton's
 /// update dx solves K dx = -R with the constraints that make x + dx satisfy those of the current time, so
 /// prescribed values enter through the tangent and not by a jump at the boundary nodes. In a linear scene
@@ -47,7 +48,7 @@ public:
 
   /// From the next set_up() on: of each group of fields (Model::field_groups), whether its matrix has all
   /// entries. If not, the tangent of the cells is products; that of ties and conditions has entries.
-  void choose_entries(const std::vector<bool> &of_groups) { groups_with_entries = of_groups; }
+  void choose_entries(const std::vector<bool> &of_groups) { entries.choose(of_groups); }
 
   /// From the next set_up() or make_matrix() on: the blocks of one stage by another (Model::stages) are left
   /// out of the tangent.
@@ -127,38 +128,37 @@ public:
   const Vector &negative_residual() const { return right_hand_side; }
   /// Prescribed values, hanging nodes and ties of the unknowns relevant to this rank, resolved.
   /// Their constants are those of the update.
-  const dealii::AffineConstraints<double> &all_constraints() const { return constraints; }
+  const dealii::AffineConstraints<double> &all_constraints() const { return constraints.of_update(); }
 
   /// What is at work in the equations of each block of unknowns at the state of the last assembly, as
   /// Euclidean norms: the residual; the forces, of every cell and tie for itself, be they internal, given,
   /// transmitted or reactions (of multipliers: the traces that cancel); what rounding can leave of them, a
   /// bound of the standard deviation, doc/theory/convergence.md.
   std::vector<double> residuals() const;
-  std::vector<double> forces() const;
-  std::vector<double> rounding() const;
+  std::vector<double> forces() const { return sizes.forces(); }
+  std::vector<double> rounding() const { return sizes.rounding(); }
   /// By block: the number of its field; multipliers have one of their own for each interface.
   const std::vector<unsigned int> &fields_of_blocks() const { return field_of_block; }
   /// For linear systems, by block ||K dx + R|| relative to the forces there. @p rest becomes -R - K dx.
   std::vector<double> linear_residuals(const Vector &dx, Vector &rest);
 
-  /// Whether the last assembled right-hand side moves prescribed values.
-  /// Whether the constraints move unknowns of a block.
-  bool moves_constraints(unsigned int block) const { return constraints_move[block]; }
-  bool moves_constraints() const
-  {
-    return std::find(constraints_move.begin(), constraints_move.end(), true) != constraints_move.end();
-  }
-  double largest_move() const { return move; } ///< of a prescribed value, likewise
+  /// Whether the last assembly has found that the constraints move unknowns, of a block or of any.
+  bool moves_constraints(const unsigned int block) const { return constraints.moves(block); }
+  bool moves_constraints() const { return constraints.moves(); }
+  double largest_move() const { return constraints.largest_move(); } ///< of a prescribed value, likewise
   /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
   /// nothing where all bodies are surely held, unless @p in_any_case.
   std::optional<UnrestrainedMode<dim>> find_unrestrained_mode(bool in_any_case = false) const;
   /// Pressures that the last tangent does not see. Collective; costs nothing where no body is incompressible.
   std::vector<FreePressure<dim>> find_free_pressures() const
   {
-    return dovetail::find_free_pressures(model, time, matrix, constraints);
+    return dovetail::find_free_pressures(model, time, matrix, constraints.of_update());
   }
   /// Whether an unknown that this rank owns follows from others, so that its row is trivial.
-  bool is_constrained(dealii::types::global_dof_index dof) const { return constraints.is_constrained(dof); }
+  bool is_constrained(dealii::types::global_dof_index dof) const
+  {
+    return constraints.of_update().is_constrained(dof);
+  }
   /// Whether a multiplier that this rank owns has no equation of its own and is zero: its tie is switched
   /// off, or has dropped it.
   bool is_dropped(dealii::types::global_dof_index multiplier) const { return dropped.count(multiplier) > 0; }
@@ -185,48 +185,25 @@ public:
   Vector ghosted_vector() const;
   Vector ghosted(const Vector &owned) const; ///< a copy with ghosts
 
-  double seconds_of_ties() const
-  {
-    return tie_seconds;
-  } ///< set-up of constraints and terms of interfaces, this rank
+  /// Set-up of constraints and terms of interfaces, this rank.
+  double seconds_of_ties() const { return tie_seconds + constraints.seconds_of_ties(); }
 
 private:
   ValuesOf ghosted_values() const;
 
-  void make_relevant_set(double t);
-  ConstraintLines lines_at(double t) const;
-  bool prescribes_by_time() const;
-  bool are_prescribed(const ConstraintLines &lines) const;
-  void make_constraints(ConstraintLines lines);
   void make_sparsity(double t);
   std::vector<unsigned int> parts_of_blocks() const;
-  bool has_entries(const std::string &field) const;
-  void find_shares();
-  bool is_left_out(const std::string &field, const std::string &by) const;
-  bool is_asked(unsigned int block) const { return asked_stages[stage_of_block[block]]; }
-  std::vector<bool> stages_of(const std::vector<bool> &blocks) const;
-  Asked what_is_asked(const std::string &field) const;
   void ask_for(const std::vector<bool> &of_blocks, const std::vector<bool> &residual_of);
   void begin_tangent();
   void make_cell_terms();
   void make_cell_operators(double t);
-  bool is_given_as_products(const Interface<dim> &interface, const TiedField &field) const;
-  bool has_entries(const Interface<dim> &interface, unsigned int row, unsigned int column) const;
-  bool has_entries(const Interface<dim> &interface) const;
   std::vector<TieOperator<dim> *> products_of(const Interface<dim> &interface) const;
   bool assemble_products(PointTerms<dim> &terms, const Interface<dim> &interface, unsigned int g,
                          const std::vector<TieOperator<dim> *> &products,
                          const std::vector<dealii::types::global_dof_index> &dofs,
                          const std::vector<double> &unknowns, std::vector<double> &residual,
                          dealii::FullMatrix<double> *rest);
-  dealii::DynamicSparsityPattern make_pattern(double t, const dealii::AffineConstraints<double> &lines) const;
-  void add_pattern(const CellTerms<dim> &terms, const dealii::AffineConstraints<double> &lines,
-                   dealii::DynamicSparsityPattern &pattern) const;
-  void add_pattern(const Interface<dim> &interface, const dealii::AffineConstraints<double> &lines,
-                   dealii::DynamicSparsityPattern &pattern) const;
   void find_dropped(double t);
-  void move_constraints_from(const Vector &ghosted);
-  bool evaluate_memory(double t);
   AffineResidual<dim> *affine_residual();
   bool assemble_by_products(const Vector &x);
   void combine_tangent();
@@ -237,28 +214,9 @@ private:
   bool assemble_interface(Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
   bool assemble_point_terms(Interface<dim> &interface, bool with_tangent);
   void assemble_multipliers(const Interface<dim> &interface, const Vector &ghosted, bool with_tangent);
-  template <typename Visit>
-  void for_each_multiplier(const Interface<dim> &interface, const Visit &visit) const;
-  template <typename Constant>
-  void apply(Vector &x, const Constant &constant, bool what_is_prescribed = true);
-  void add_sizes(const std::vector<dealii::types::global_dof_index> &dofs, const std::vector<double> &forces,
-                 const std::vector<double> &unknowns, unsigned int longest_sum, bool with_tangent);
-  void add_products(const std::vector<dealii::types::global_dof_index> &dofs,
-                    const std::vector<double> &products, unsigned int longest_sum);
-  /// Some of the unknowns of a cell or a group of points, all of those in one stage.
-  struct Share
-  {
-    unsigned int stage;
-    std::vector<unsigned int> unknowns, fields; ///< the latter are known of cells
-  };
-  using Shares = std::vector<Share>;
-  Shares shares_of(const std::vector<dealii::types::global_dof_index> &dofs) const;
-  void scatter(const Shares &shares, const std::vector<double> &residual,
-               const std::vector<dealii::types::global_dof_index> &dofs, bool with_tangent,
-               unsigned int cell_index = dealii::numbers::invalid_unsigned_int, unsigned int d = 0);
-  void scatter(const dealii::FullMatrix<double> &of_matrix, const std::vector<double> &residual,
-               const std::vector<dealii::types::global_dof_index> &dofs, bool with_tangent);
-  void keep_positions(unsigned int d, bool with_tangent);
+  void add_merged(const std::vector<unsigned int> &position,
+                  const std::vector<dealii::types::global_dof_index> &dofs,
+                  const std::vector<double> &residual, const dealii::FullMatrix<double> *tangent);
   void note_undefined(const std::string &where);
 
   Model<dim> &model;
@@ -266,26 +224,17 @@ private:
   std::vector<std::string> fields; ///< of the norms; multipliers have one of their own for each interface
   std::vector<unsigned int> field_of_block;
   std::vector<bool> is_of_multipliers; ///< by field
-  std::vector<bool> is_constraint;     ///< by block: of a body, not of an interface
-  dealii::IndexSet relevant;           ///< relevant unknowns of the domains and those behind interface points
-  ConstraintLines tie_lines;           ///< of owned unknowns
-  std::set<dealii::types::global_dof_index>
-      unconstrained;                                 ///< of tie_lines, where they would have no solution
+  bool has_couplings = true;           ///< of stages
+  Stages<dim> stages;
+  TangentEntries<dim> entries;
+  UpdateConstraints<dim> constraints;
   std::set<dealii::types::global_dof_index> dropped; ///< multipliers
-  std::shared_ptr<const ConstraintLines> lines;      ///< of owned unknowns, without those unconstrained
-  dealii::AffineConstraints<double> constraints;     ///< of dx
-  std::vector<double> prescribed; ///< of each of their lines: the constant in that of x at the current time
-  std::vector<bool> constraints_move; ///< by block
-  double move = 0;
   std::vector<bool> toggles_of_set_up;
   double time_of_set_up = 0;
   BlockMatrix matrix;
-  std::vector<bool> groups_with_entries;
-  bool has_couplings = true;                ///< of stages
-  std::vector<unsigned int> stage_of_block; ///< since set_up; all in one if they have couplings
-  std::map<std::string, unsigned int> stage_of_field;
-  std::vector<bool> asked_stages; ///< whose rows of the tangent are assembled
-  std::vector<Shares> shares;     ///< of the cells of each domain
+  Vector right_hand_side;
+  ForceSizes sizes;
+  LocalToGlobal<dim> sums;
   std::map<unsigned int, std::shared_ptr<CellwiseTangent<dim>>> cellwise; ///< by part of the matrix
   bool has_tangent = false;                                               ///< since set_up
   unsigned int n_tangents = 0;                                            ///< assembled, likewise
@@ -297,32 +246,14 @@ private:
   std::array<double, 2> rates_of_tangent{};    ///< derivatives of the rates in the last tangent
   Undefined problem, problem_here;             ///< over all ranks; on this one, in the present assembly
   Assemblies n_assemblies;
-  Vector right_hand_side;
   Vector ghosted_scratch;
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
-  std::optional<double> time_of_given; ///< that of their given_flows(), if these are complete
-  /// By domain, and by number of its shares; kept from the second tangent on.
-  std::vector<std::vector<std::unique_ptr<KeptPositions<dim>>>> positions;
-  dealii::FullMatrix<double> local_matrix, matrix_of_share;
-  dealii::FullMatrix<double> of_leading; // scratch
-  std::vector<double> residual_of_share, residual_of_leading;
-  std::vector<dealii::types::global_dof_index> dofs_of_share;
-  dealii::Vector<double> local_rhs;
-  /// Sums of squares over cells and ties, by block: of the forces; of those on free unknowns, and of
-  /// sum_j |K_ij x_j| there, times the number of terms; of the latter as it is.
-  struct Sizes
-  {
-    std::vector<double> forces, on_free, tangents, products;
-  };
-  Sizes sizes;
-  std::vector<double> tangent_at_x, products_at_x;              ///< of the last tangent
-  double share = 1;                                             ///< of what is held back
-  Vector held_back;                                             ///< the negative residual
-  std::map<dealii::types::global_dof_index, double> held_moves; ///< of relevant constrained unknowns
+  std::optional<double> time_of_given;                 ///< that of their given_flows(), if these are complete
+  dealii::FullMatrix<double> local_matrix, of_leading; // scratch
+  std::vector<double> residual_of_leading;
+  double share = 1; ///< of what is held back
+  Vector held_back; ///< the negative residual
   double tie_seconds = 0;
-  const Form form; ///< a transposed one has no moves of constraints
-  dealii::FullMatrix<double> local_transpose;
-  std::vector<bool> stages_of_residual; ///< whose rows of the residual are assembled, asked_stages among them
 };
 
 } // namespace dovetail

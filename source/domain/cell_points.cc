@@ -109,6 +109,23 @@ void CellPoints<dim>::go_to(const unsigned int q)
 }
 
 template <int dim>
+void CellPoints<dim>::evaluate_uniform(const Response<dim> &response, const std::vector<bool> &are_needed,
+                                       const std::vector<double> &weights,
+                                       std::vector<dealii::Tensor<1, dim>> &fluxes) const
+{
+  const unsigned int n = domain.n_components(), n_points = weights.size();
+  for (unsigned int c = 0; c < n; ++c) {
+    dealii::Tensor<1, dim> *const of_component = &fluxes[c * n_points];
+    std::fill_n(of_component, n_points, dealii::Tensor<1, dim>());
+    for (unsigned int d = 0; d < n; ++d)
+      if (are_needed[c] && domain.material.coupling(c, d).flux_by_gradient)
+        for (unsigned int q = 0; q < n_points; ++q)
+          of_component[q] +=
+              weights[q] * (response.by_gradient[c * n + d] * gradients_at_points[d * n_points + q]);
+  }
+}
+
+template <int dim>
 void CellPoints<dim>::reinit(const dealii::FEValuesBase<dim> &values, const unsigned int q,
                              const std::vector<double> &unknowns)
 {

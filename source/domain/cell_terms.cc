@@ -84,7 +84,7 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
                   dealii::update_values | dealii::update_gradients | dealii::update_quadrature_points |
                       dealii::update_JxW_values),
       open_boundary(domain), point(domain, 0), responses(cell_values.n_quadrature_points, point.response),
-      fluxes(n * responses.size()), uniform_response(n),
+      fluxes(n * responses.size()), move(domain), uniform_response(n),
       asked_with_tangent(domain.material.asks_for_all(true)),
       asked_alone(domain.material.asks_for_all(false)), is_asked(n, true), is_in_residual(n, true),
       is_sized(n, false), lumped(all_lumped_components(domain)), lumped_response(n), given(n),
@@ -106,13 +106,65 @@ CellTerms<dim>::CellTerms(const Domain<dim> &domain)
   for (const auto &condition : domain.conditions())
     if (condition->adds_flux() || condition->is_weak())
       flux_conditions.push_back(condition.get());
+  find_uniform();
 }
 
 template <int dim>
-void CellTerms<dim>::enter(const typename Domain<dim>::cell_iterator &cell)
+void CellTerms<dim>::enter(const cell_iterator &cell)
 {
   cell_values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
   tables.enter_cell(domain, cell_values);
+  move.begin_at(cell);
+}
+
+template <int dim>
+void CellTerms<dim>::enter_or_move_to(const cell_iterator &cell)
+{
+  if (move.vertices.empty() || !move.reaches(cell, cell_values.get_quadrature_points()))
+    enter(cell);
+}
+
+template <int dim>
+void CellTerms<dim>::Move::begin_at(const cell_iterator &cell)
+{
+  is_done = false;
+  if (!is_possible)
+    return;
+  vertices.resize(cell->n_vertices());
+  for (unsigned int v = 0; v < vertices.size(); ++v)
+    vertices[v] = cell->vertex(v);
+  tolerance = std::numeric_limits<double>::max();
+  for (unsigned int v = 1; v < vertices.size(); ++v)
+    tolerance = std::min(tolerance, 1e-12 * vertices[v].distance(vertices[0]));
+}
+
+template <int dim>
+bool CellTerms<dim>::Move::reaches(const cell_iterator &cell,
+                                   const std::vector<dealii::Point<dim>> &points_at_begin)
+{
+  is_done = vertices.size() == cell->n_vertices();
+  const dealii::Tensor<1, dim> way = cell->vertex(0) - vertices[0];
+  for (unsigned int v = 1; v < vertices.size() && is_done; ++v) {
+    const dealii::Tensor<1, dim> difference = cell->vertex(v) - vertices[v] - way;
+    for (unsigned int d = 0; d < dim; ++d)
+      is_done = is_done && std::abs(difference[d]) <= tolerance;
+  }
+  points.resize(points_at_begin.size());
+  for (unsigned int q = 0; q < points.size() && is_done; ++q)
+    points[q] = points_at_begin[q] + way;
+  return is_done;
+}
+
+/// What is_asked and its companions say has changed.
+template <int dim>
+void CellTerms<dim>::find_uniform()
+{
+  asked_of_uniform = asked_with_tangent;
+  std::replace(asked_of_uniform.begin(), asked_of_uniform.end(), Asked::response, Asked::derivatives);
+  is_uniform = !domain.body_force().depends_on_displacement();
+  for (unsigned int f = 0; f < asked_of_uniform.size(); ++f)
+    is_uniform = is_uniform && (asked_of_uniform[f] == Asked::nothing || domain.material.is_uniform(f));
+  has_uniform_responses = false;
 }
 
 template <int dim>
@@ -196,34 +248,13 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
     lumped_tangent.reinit(residual.size(), residual.size());
   point.state.t = t;
   find_rates(cell);
-  enter(cell);
   if (tangent == nullptr)
     has_uniform_tangent = false; // the next cell is not compared with the one of the last tangent
-  const bool needs_shapes = !with_source.empty() || !lumped.empty();
-  if (!needs_shapes)
-    point.enter(cell_values, unknowns, is_needed);
-  for (const unsigned int q : cell_values.quadrature_point_indices()) {
-    if (needs_shapes)
-      point.reinit(cell_values, q, unknowns);
-    else
-      point.go_to(q);
-    hide_lumped_rates();
-    const double JxW = tables.JxW[q];
-    // a point overwrites all that is not zero in every response
-    Response<dim> &response = tangent ? responses[q] : point.response;
-    if (!point.evaluate(tangent ? asked_with_tangent : asked_alone, response)) {
-      has_uniform_tangent = false; // what comes next is compared with this cell
-      return false;
-    }
-    for (unsigned int c = 0; c < n; ++c)
-      fluxes[c * cell_values.n_quadrature_points + q] = JxW * response.flux[c];
-    add_source_of_laws(response, JxW, residual);
-    if (!add_lumped_storage(q, JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr)) {
-      has_uniform_tangent = false;
-      return false;
-    }
+  if (!(is_uniform && point.state.rate.empty() ? add_uniform_laws(cell, unknowns, residual, tangent)
+                                               : add_laws(cell, unknowns, residual, tangent))) {
+    has_uniform_tangent = false; // what comes next is compared with this cell
+    return false;
   }
-  add_fluxes(residual);
   if (gives_away)
     give_away(cell, unknowns);
   if (tangent && is_any_asked(pairs))
@@ -239,6 +270,62 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
       return false;
   }
   return std::isfinite(std::accumulate(residual.begin(), residual.end(), 0.));
+}
+
+template <int dim>
+bool CellTerms<dim>::add_laws(const cell_iterator &cell, const std::vector<double> &unknowns,
+                              std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
+{
+  enter(cell);
+  has_uniform_responses = false;
+  const bool needs_shapes = !with_source.empty() || !lumped.empty();
+  if (!needs_shapes)
+    point.enter(cell_values, unknowns, is_needed);
+  for (const unsigned int q : cell_values.quadrature_point_indices()) {
+    if (needs_shapes)
+      point.reinit(cell_values, q, unknowns);
+    else
+      point.go_to(q);
+    hide_lumped_rates();
+    const double JxW = tables.JxW[q];
+    // a point overwrites all that is not zero in every response
+    Response<dim> &response = tangent ? responses[q] : point.response;
+    if (!point.evaluate(tangent ? asked_with_tangent : asked_alone, response))
+      return false;
+    for (unsigned int c = 0; c < n; ++c)
+      fluxes[c * cell_values.n_quadrature_points + q] = JxW * response.flux[c];
+    add_source_of_laws(response, JxW, residual);
+    if (!add_lumped_storage(q, JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr))
+      return false;
+  }
+  add_fluxes(residual);
+  return true;
+}
+
+/// The first point of all says what the response is. A cell at rest has no fluxes.
+template <int dim>
+bool CellTerms<dim>::add_uniform_laws(const cell_iterator &cell, const std::vector<double> &unknowns,
+                                      std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
+{
+  enter_or_move_to(cell);
+  const bool is_at_rest =
+      std::all_of(unknowns.begin(), unknowns.end(), [](const double x) { return x == 0; });
+  if (!is_at_rest || !has_uniform_responses)
+    point.enter(cell_values, unknowns, is_needed);
+  domain.material.count_uniform(asked_of_uniform, responses.size() - (has_uniform_responses ? 0 : 1));
+  if (!has_uniform_responses) {
+    point.go_to(0);
+    has_uniform_responses = point.evaluate(asked_of_uniform, responses[0]);
+    std::fill(responses.begin() + 1, responses.end(), responses[0]);
+  }
+  if (is_at_rest && has_uniform_responses)
+    return true;
+  point.evaluate_uniform(responses[0], is_in_residual, tables.JxW, fluxes);
+  const double *const A = &fluxes[0][0];
+  if (!has_uniform_responses || !std::isfinite(std::accumulate(A, A + dim * fluxes.size(), 0.)))
+    return add_laws(cell, unknowns, residual, tangent); // which finds the reason
+  add_fluxes(residual);
+  return true;
 }
 
 template <int dim>
@@ -464,6 +551,7 @@ void CellTerms<dim>::ask_for(const std::vector<Asked> &of_fields)
     }
   has_uniform_tangent = has_uniform_tangent && is_asked == before;
   find_sized();
+  find_uniform();
   is_needed.clear();
   for (unsigned int d = 0; d < n && !domain.material.has_memory(); ++d) {
     is_needed.push_back(is_in_residual[d] || domain.material.chooses_by(d));
@@ -774,19 +862,21 @@ template <int dim>
 void CellTerms<dim>::add_tangent(dealii::FullMatrix<double> &tangent)
 {
   // around an axis the measure of a cell changes with its position
-  const bool is_translated = !domain.measure.is_axisymmetric() &&
-                             cell_values.get_cell_similarity() == dealii::CellSimilarity::translation;
-  const bool is_uniform = std::all_of(responses.begin() + 1, responses.end(), [this](const auto &at_point) {
-    return has_equal_derivatives(at_point, responses[0]);
-  });
-  if (is_uniform && is_translated && has_uniform_tangent &&
+  const bool is_translated =
+      move.is_done || (!domain.measure.is_axisymmetric() &&
+                       cell_values.get_cell_similarity() == dealii::CellSimilarity::translation);
+  const bool are_equal = has_uniform_responses ||
+                         std::all_of(responses.begin() + 1, responses.end(), [this](const auto &at_point) {
+                           return has_equal_derivatives(at_point, responses[0]);
+                         });
+  if (are_equal && is_translated && has_uniform_tangent &&
       has_equal_derivatives(responses[0], uniform_response)) {
     std::copy_n(&uniform_tangent(0, 0), uniform_tangent.n_elements(), &tangent(0, 0)); // no new memory
     return;
   }
   add_pairs(tangent);
-  has_uniform_tangent = is_uniform;
-  if (is_uniform) {
+  has_uniform_tangent = are_equal;
+  if (are_equal) {
     uniform_tangent = tangent;
     uniform_response = responses[0];
   }
@@ -810,12 +900,12 @@ void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
 {
   for (unsigned int c = 0; c < n; ++c)
     if (const auto &[source, component] = source_of_component[c]; source != nullptr && is_in_residual[c]) {
-      source->values(cell_values.get_quadrature_points(), t, component, source_at_points);
+      source->values(points_of_cell(), t, component, source_at_points);
       for (const unsigned int q : cell_values.quadrature_point_indices()) {
         const double value = source_at_points[q];
         if (!std::isfinite(value))
           finite(value, domain.section.subsection("Source"), field_of_component(domain, c),
-                 cell_values.quadrature_point(q), t);
+                 points_of_cell()[q], t);
         source_at_points[q] *= tables.JxW[q];
         given_of_cell[c] += source_at_points[q];
       }
@@ -840,13 +930,13 @@ void CellTerms<dim>::add_body_force(const double t, const std::vector<double> &u
   const unsigned int first = force.first_component(), n_nodes = layout.n_nodes(first);
   std::vector<double> phi(n_nodes);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
-    const double JxW = domain.measure(cell_values, q);
+    const double JxW = tables.JxW[q];
     for (unsigned int a = 0; a < n_nodes; ++a)
       phi[a] = cell_values.shape_value(layout.shape_of_node(first, a), q);
     dealii::Tensor<1, dim> u;
     for (unsigned int c = 0; force.depends_on_displacement() && c < dim; ++c)
       u[c] = std::inner_product(phi.begin(), phi.end(), unknowns.begin() + layout.first(first + c), 0.);
-    const dealii::Tensor<1, dim> b = force.value(cell_values.quadrature_point(q), t, u);
+    const dealii::Tensor<1, dim> b = force.value(points_of_cell()[q], t, u);
     for (unsigned int c = 0; c < dim; ++c) {
       given_of_cell[first + c] += b[c] * JxW;
       for (unsigned int i = 0; i < n_nodes; ++i)
@@ -854,7 +944,7 @@ void CellTerms<dim>::add_body_force(const double t, const std::vector<double> &u
     }
     if (tangent == nullptr || !force.depends_on_displacement() || has_operator(first))
       continue;
-    const dealii::Tensor<2, dim> derivative = force.derivative(cell_values.quadrature_point(q), t);
+    const dealii::Tensor<2, dim> derivative = force.derivative(points_of_cell()[q], t);
     for (unsigned int c = 0; c < dim; ++c)
       for (unsigned int d = 0; d < dim; ++d)
         for (unsigned int i = 0; derivative[c][d] != 0 && i < n_nodes; ++i)

@@ -52,6 +52,7 @@ public:
 
   const Volumetric *volume() const override { return &U; }
   bool is_linear() const override { return true; }
+  bool is_uniform() const override { return moduli.shear.is_constant() && moduli.bulk.is_constant(); }
 
 private:
   static void set_derivatives(const IsotropicModuli &m, Response &response)

@@ -356,6 +356,23 @@ bool Material<dim>::has_linear_flux(const unsigned int field) const
   return all_terms(field, [](const Term<dim> &term) { return !term.has_flux() || term.is_linear(); });
 }
 
+/// What stores is left out where the rates are not known.
+template <int dim>
+bool Material<dim>::is_uniform(const unsigned int field) const
+{
+  return !has_phases() && !has_memory() && all_terms(field, [](const Term<dim> &term) {
+    return term.is_uniform() || term.order_in_time() > 0;
+  });
+}
+
+template <int dim>
+void Material<dim>::count_uniform(const std::vector<Asked> &asked, const unsigned int n_points) const
+{
+  for (unsigned int i = 0; i < terms.size(); ++i)
+    if (asked[field_of_term[i]] != Asked::nothing && terms[i]->is_uniform())
+      terms[i]->n_evaluations.fetch_add(n_points, std::memory_order_relaxed);
+}
+
 template <int dim>
 bool Material<dim>::is_symmetric(const unsigned int field) const
 {

@@ -87,6 +87,7 @@ public:
                                             : "is zero or parallel to the Second axis, or that is zero.");
   }
 
+  bool is_constant() const { return constant.has_value(); }
   bool depends_on_time() const { return first.depends_on_time() || second.depends_on_time(); }
 
   /// Nothing, and the reason is left, where the axes are none.
@@ -174,6 +175,7 @@ public:
   }
 
   bool is_linear() const override { return true; }
+  bool is_uniform() const override { return stiffness.is_constant(); }
   bool depends_on_time() const override { return stiffness.depends_on_time(); }
 
 private:

@@ -432,11 +432,11 @@ void Expression::Implementation::set_points(const std::vector<Point<dim>> &X, co
 {
   const unsigned int n = X.size();
   for_tape.resize((first_scalar + known.scalars.size()) * n);
-  for (unsigned int d = 0; d < 3; ++d)
+  for (unsigned int d = 0; d < dim; ++d)
     for (unsigned int i = 0; i < n; ++i)
-      for_tape[d * n + i] = d < dim ? X[i][d] : 0;
+      for_tape[d * n + i] = X[i][d];
+  std::fill(for_tape.begin() + dim * n, for_tape.end(), 0.);
   std::fill_n(for_tape.begin() + time * n, n, t);
-  std::fill(for_tape.begin() + first_scalar * n, for_tape.end(), 0.);
 }
 
 template <int dim>

@@ -112,7 +112,6 @@ Tape::Number Tape::add_constant(const double value)
 {
   Node node;
   node.constant = value;
-  node.values.assign(n, value);
   return add_node(node);
 }
 
@@ -275,27 +274,39 @@ Tape::Number Tape::derivative_of_power(const Number number, const unsigned int v
 const double *Tape::values(const unsigned int formula, const std::vector<double> &variables,
                            const unsigned int n_points)
 {
-  if (n != n_points || variables.size() != present.size() ||
-      std::memcmp(variables.data(), present.data(), variables.size() * sizeof(double)) != 0) {
-    present = variables;
-    for (Node &node : nodes)
-      if (node.operation == Operation::constant && n != n_points)
-        node.values.assign(n_points, node.constant);
-    n = n_points;
-    ++evaluation;
-  }
+  if (n != n_points || numbers.size() != nodes.size() * n_points || variables.size() != present.size() ||
+      std::memcmp(variables.data(), present.data(), variables.size() * sizeof(double)) != 0)
+    set_variables(variables, n_points);
   for (const Number i : formulas[formula].needed)
     if (nodes[i].evaluation != evaluation) {
-      evaluate(nodes[i]);
+      evaluate(i);
       nodes[i].evaluation = evaluation;
     }
   return values_of(formulas[formula].node);
 }
 
-void Tape::evaluate(Node &node)
+void Tape::set_variables(const std::vector<double> &variables, const unsigned int n_points)
 {
-  node.values.resize(n);
-  double *const __restrict__ value = node.values.data();
+  ++evaluation;
+  present = variables;
+  if (n != n_points || numbers.size() != nodes.size() * n_points) {
+    n = n_points;
+    numbers.resize(nodes.size() * n);
+    variable_nodes.clear();
+    for (Number i = 0; i < nodes.size(); ++i)
+      if (nodes[i].operation == Operation::constant)
+        std::fill_n(numbers.begin() + i * n, n, nodes[i].constant);
+      else if (nodes[i].operation == Operation::variable)
+        variable_nodes.push_back(i);
+  }
+  for (const Number i : variable_nodes)
+    std::copy_n(present.begin() + nodes[i].first * n, n, numbers.begin() + i * n);
+}
+
+void Tape::evaluate(const Number number)
+{
+  Node &node = nodes[number];
+  double *const __restrict__ value = numbers.data() + number * n;
   const double *const a = values_of(node.first), *const b = values_of(node.second),
                       *const c = values_of(node.third);
   switch (node.operation) { // loops that the compiler vectorises
@@ -312,7 +323,7 @@ void Tape::evaluate(Node &node)
       value[i] = a[i] * b[i];
     break;
   case Operation::function:
-    evaluate_function(node, a);
+    evaluate_function(node, a, value);
     break;
   case Operation::choice:
     for (unsigned int i = 0; i < n; ++i)
@@ -324,14 +335,14 @@ void Tape::evaluate(Node &node)
   }
 }
 
-void Tape::evaluate_function(Node &node, const double *const arguments)
+void Tape::evaluate_function(Node &node, const double *const arguments, double *const values)
 {
   for (unsigned int i = 0; i < n; ++i) {
     Known &known = node.known[place_of(arguments[i])];
     if (known.argument != arguments[i])
       known = {arguments[i], node.table ? node.table->derivative(std::lround(node.constant), arguments[i])
                                         : node.function->value(arguments[i])};
-    node.values[i] = known.value;
+    values[i] = known.value;
   }
 }
 

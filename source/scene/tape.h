@@ -101,7 +101,6 @@ private:
     std::vector<bool> depends;                  ///< on each variable
     std::vector<Known> known;                   ///< of a function, at a place that the argument tells
     unsigned long evaluation = 0;               ///< the last one that it took part in
-    std::vector<double> values;                 ///< [point]; not of a variable
   };
 
   struct Formula
@@ -135,13 +134,10 @@ private:
   Number derivative_of_power(Number node, unsigned int variable, std::vector<std::optional<Number>> &known);
   bool is_constant(Number node, double value) const;
   static double value_of(Operation operation, double first, double second);
-  void evaluate(Node &node);
-  void evaluate_function(Node &node, const double *arguments);
-  const double *values_of(const Number node) const
-  {
-    return nodes[node].operation == Operation::variable ? present.data() + nodes[node].first * n
-                                                        : nodes[node].values.data();
-  }
+  void set_variables(const std::vector<double> &variables, unsigned int n_points);
+  void evaluate(Number node);
+  void evaluate_function(Node &node, const double *arguments, double *values);
+  const double *values_of(const Number node) const { return numbers.data() + std::size_t(node) * n; }
 
   static const std::vector<Function> &functions();
   static std::vector<Function> trigonometric_functions();
@@ -159,9 +155,11 @@ private:
   std::vector<std::string> names;
   std::vector<Node> nodes;
   std::vector<Formula> formulas;
-  std::vector<double> present;  ///< variables
-  unsigned int n = 0;           ///< points
-  unsigned long evaluation = 0; ///< number of different sets of points so far
+  std::vector<double> present;        ///< variables
+  std::vector<double> numbers;        ///< [node][point]
+  std::vector<Number> variable_nodes; ///< of these numbers
+  unsigned int n = 0;                 ///< points
+  unsigned long evaluation = 0;       ///< number of different sets of points so far
 };
 
 } // namespace dovetail

@@ -35,7 +35,11 @@ KeptPositions<dim>::KeptPositions(const Domain<dim> &domain, const std::vector<u
       const RowNumbering &numbering = matrix.numbering(matrix.part_of(b));
       const auto &members = numbering.blocks();
       const unsigned int i = std::find(members.begin(), members.end(), b) - members.begin();
-      blocks.push_back({begin, begin + indices.block_size(b), b, numbering.first_local_of(i)});
+      const dealii::IndexSet &own = matrix.owned_unknowns()[b];
+      AssertThrow(own.is_contiguous(), dealii::ExcInternalError());
+      const Index begin_owned = begin + (own.n_elements() == 0 ? 0 : own.nth_index_in_set(0));
+      blocks.push_back({begin, begin + indices.block_size(b), b, numbering.first_local_of(i), begin_owned,
+                        begin_owned + own.n_elements()});
       has_one_part = has_one_part && matrix.part_of(b) == matrix.part_of(blocks[0].number);
     }
   part = matrix.part_of(blocks[0].number);
@@ -79,11 +83,9 @@ bool KeptPositions<dim>::find_rows(const std::vector<Index> &dofs, int *row_of_d
       block = &*std::find_if(blocks.begin(), blocks.end(), [&](const BlockOfDofs &candidate) {
         return dofs[i] >= candidate.begin && dofs[i] < candidate.end;
       });
-    const dealii::IndexSet &own = matrix.owned_unknowns()[block->number];
-    const Index number = own.index_within_set(dofs[i] - block->begin);
-    if (number == dealii::numbers::invalid_dof_index)
+    if (dofs[i] < block->begin_owned || dofs[i] >= block->end_owned)
       return false;
-    row_of_dof[i] = block->first_row + number;
+    row_of_dof[i] = block->first_row + (dofs[i] - block->begin_owned);
     column_of_dof[i] = columns_are_rows ? row_of_dof[i] : entries.LCID(entries.GRID(row_of_dof[i]));
   }
   return true;
@@ -97,6 +99,7 @@ bool KeptPositions<dim>::find(const std::vector<Index> &dofs, int *row_of_dof, s
   std::vector<int> &column_of_dof = columns;
   if (!has_one_part || !entries.exist || !find_rows(dofs, row_of_dof, column_of_dof.data()))
     return false;
+  const bool are_scalars = nodes.size() == n_local;
   // whether the entries of all components of two nodes stand behind that of the first ones
   const auto has_all = [&](const auto &node, const auto &other, const int position) {
     const unsigned int n_rows = node.size(), n_columns = other.size();
@@ -118,7 +121,8 @@ bool KeptPositions<dim>::find(const std::vector<Index> &dofs, int *row_of_dof, s
       if (position >= end - begin || begin[position] != column)
         position = std::lower_bound(begin, end, column) - begin;
       if (position >= end - begin || begin[position] != column ||
-          position > std::numeric_limits<std::uint16_t>::max() || !has_all(node, other, position))
+          position > std::numeric_limits<std::uint16_t>::max() ||
+          !(are_scalars || has_all(node, other, position)))
         return false;
       *kept++ = position;
     }
@@ -159,6 +163,14 @@ void add_row_of_vector(const unsigned int n_nodes, const std::uint16_t *const po
     for (unsigned int k = 0; k < dim; ++k)
       to[k] += from[k * n_nodes + b];
   }
+}
+
+/// Likewise where all fields are scalars.
+void add_row_of_scalars(const unsigned int n_nodes, const std::uint16_t *const position,
+                        const double *const from, double *const row)
+{
+  for (unsigned int b = 0; b < n_nodes; ++b)
+    row[position[b]] += from[b];
 }
 
 /// Likewise of any fields.
@@ -222,8 +234,10 @@ bool KeptPositions<dim>::add(const unsigned int cell_index, const std::vector<In
                              const dealii::FullMatrix<double> &local_matrix,
                              const std::vector<double> &local_residual, BlockMatrix::Vector &right_hand_side)
 {
-  thread_local Prescribed prescribed;
-  thread_local std::vector<double> rest;
+  thread_local Prescribed of_thread;
+  thread_local std::vector<double> rest_of_thread;
+  Prescribed &prescribed = of_thread;
+  std::vector<double> &rest = rest_of_thread;
   prescribed.find(dofs, constraints);
   if (!keeps && prescribed.is_general)
     return false;
@@ -240,13 +254,16 @@ bool KeptPositions<dim>::add(const unsigned int cell_index, const std::vector<In
 
   rest = local_residual;
   const Rows entries = rows();
-  const bool is_vector = nodes[0].size() == dim && nodes.size() * dim == n_local;
+  const bool is_vector = nodes[0].size() == dim && nodes.size() * dim == n_local,
+             are_scalars = nodes.size() == n_local;
   for (unsigned int n = 0; n < nodes.size(); ++n, kept += nodes.size())
     for (unsigned int k = 0; k < nodes[n].size(); ++k) {
       const unsigned int i = nodes[n][k];
       double *const row = entries.values + entries.first[row_of_dof[i]];
       if (!prescribed.is_any && is_vector)
         add_row_of_vector<dim>(nodes.size(), kept, &local_matrix(i, 0), row);
+      else if (!prescribed.is_any && are_scalars)
+        add_row_of_scalars(nodes.size(), kept, &local_matrix(i, 0), row);
       else if (!prescribed.is_any)
         add_row(nodes, kept, &local_matrix(i, 0), row);
       else if (prescribed.is[i] == 0)

@@ -67,6 +67,12 @@ public:
   {
     return domain.material.evaluate(state, asked, result);
   }
+  /// The fluxes at all points of enter() where the material is uniform (Material::is_uniform()) and has the
+  /// derivatives of @p response everywhere: of the components that @p are_needed, times @p weights,
+  /// [component][point].
+  void evaluate_uniform(const Response<dim> &response, const std::vector<bool> &are_needed,
+                        const std::vector<double> &weights,
+                        std::vector<dealii::Tensor<1, dim>> &fluxes) const;
 
   /// Material::evaluate_storage() into a response of its own, beside that of evaluate().
   bool evaluate_storage(Response<dim> &storage) const

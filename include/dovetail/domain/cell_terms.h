@@ -135,7 +135,18 @@ private:
     force_sizes[i] += std::abs(contribution);
   }
 
-  void enter(const typename Domain<dim>::cell_iterator &cell); ///< its points
+  using cell_iterator = typename Domain<dim>::cell_iterator;
+  void enter(const cell_iterator &cell); ///< its points
+  /// Likewise, but cell_values stay at the cell that they are at if that has only been moved here.
+  void enter_or_move_to(const cell_iterator &cell);
+  /// Fluxes, and sources of the laws, from all points of the cell; @p responses if @p tangent is not nullptr.
+  /// @return false if a law is not defined.
+  bool add_laws(const cell_iterator &cell, const std::vector<double> &unknowns, std::vector<double> &residual,
+                dealii::FullMatrix<double> *tangent);
+  void find_uniform();
+  /// Likewise where the material is uniform and no rates are known.
+  bool add_uniform_laws(const cell_iterator &cell, const std::vector<double> &unknowns,
+                        std::vector<double> &residual, dealii::FullMatrix<double> *tangent);
   void enter_without_tangent(const typename Domain<dim>::cell_iterator &cell, double t);
   void add_given(const typename Domain<dim>::cell_iterator &cell, double t,
                  const std::vector<double> &unknowns, std::vector<double> &residual,
@@ -209,12 +220,36 @@ private:
     std::vector<double> JxW;                            ///< of the points
   };
   Tables tables;
+  /// Of cells of degree 1 that are moved to each other: what stands in cell_values, and the points of the
+  /// cell where it is not these. Cells around an axis are not equal.
+  struct Move
+  {
+    explicit Move(const Domain<dim> &domain)
+        : is_possible(domain.mapping_degree() == 1 && !domain.measure.is_axisymmetric())
+    {
+    }
+    void begin_at(const cell_iterator &cell);
+    /// Whether @p cell is where the first one has been moved to, up to rounding.
+    bool reaches(const cell_iterator &cell, const std::vector<dealii::Point<dim>> &points_at_begin);
+
+    const bool is_possible;
+    bool is_done = false;
+    std::vector<dealii::Point<dim>> vertices, points;
+    double tolerance = 0;
+  };
+  Move move;
+  const std::vector<dealii::Point<dim>> &points_of_cell() const
+  {
+    return move.is_done ? move.points : cell_values.get_quadrature_points();
+  }
   std::vector<double> derivatives; // scratch
   /// Of the last cell whose points all had one and the same tangent of the laws.
   dealii::FullMatrix<double> uniform_tangent;
   Response<dim> uniform_response;
   bool has_uniform_tangent = false;
-  struct Pair ///< of components of which the first depends on the second
+  bool is_uniform = false;            ///< the material, in the fields of which something is asked
+  bool has_uniform_responses = false; ///< those of all cells
+  struct Pair                         ///< of components of which the first depends on the second
   {
     unsigned int c, d, index;
     Coupling coupling;
@@ -226,6 +261,7 @@ private:
   }
   std::vector<Pair> pairs, pairs_without_entries;
   std::vector<Asked> asked_with_tangent, asked_alone; ///< by field
+  std::vector<Asked> asked_of_uniform;                ///< derivatives in place of responses
   std::vector<bool> is_asked;                         ///< by component: its rows of the tangent
   std::vector<bool> is_in_residual;                   ///< by component: its rows
   std::vector<bool> is_needed; ///< by component: its state, for these rows; empty: all of them

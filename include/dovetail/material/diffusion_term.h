@@ -59,6 +59,7 @@ public:
   bool has_source() const override { return false; }
   Coupling coupling(unsigned int c, unsigned int d) const override;
   bool is_linear() const override { return law->is_linear(); }
+  bool is_uniform() const override { return constant.has_value(); }
   bool is_symmetric() const override { return law->is_symmetric() && !law->depends_on_scalar(own); }
   bool depends_on_time() const override { return law->depends_on_time(); }
   std::string description() const override { return name_of_law; }

@@ -90,8 +90,13 @@ public:
   bool stores_by_position() const;                                     ///< what is stored depends on X itself
   bool is_linear(unsigned int field) const;       ///< affine in all fields, so constant derivatives
   bool has_linear_flux(unsigned int field) const; ///< the same of the flux alone
-  bool has_large_strain() const;                  ///< a law knows the deformed body
-  bool is_symmetric(unsigned int field) const;    ///< own block of the tangent is symmetric, and not negative
+  /// Whether all that evaluate() gives for a field without rates is Term::is_uniform().
+  bool is_uniform(unsigned int field) const;
+  /// Count @p n_points more points of the fields of which something is asked: evaluate() would have said
+  /// there what it has said before.
+  void count_uniform(const std::vector<Asked> &asked, unsigned int n_points) const;
+  bool has_large_strain() const;               ///< a law knows the deformed body
+  bool is_symmetric(unsigned int field) const; ///< own block of the tangent is symmetric, and not negative
   bool depends_on_time() const;
   /// Whether all nonlinear fluxes of a field have second derivatives.
   bool has_curvature(unsigned int field) const;

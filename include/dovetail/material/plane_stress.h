@@ -28,6 +28,7 @@ public:
   Curvature curvature(const dealii::Tensor<2, 3> &H, double e, const dealii::Tensor<2, 3> &w,
                       const Place &place) const override;
   bool is_linear() const override { return law->is_linear(); }
+  bool is_uniform() const override { return law->is_uniform(); }
   std::optional<dealii::Tensor<2, 3>> full_gradient(const dealii::Tensor<2, 3> &H, double e,
                                                     const Place &place) const override;
   double energy(const dealii::Tensor<2, 3> &H, double e, const Place &place) const override;

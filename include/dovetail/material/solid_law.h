@@ -116,6 +116,8 @@ public:
 
   /// P is affine in (F, e): one solve, no curvature.
   virtual bool is_linear() const { return false; }
+  /// P = D H at e = 0, with the same D at every place: then it need not be evaluated there.
+  virtual bool is_uniform() const { return false; }
   /// It knows the deformed body: P is force per undeformed area, a pressure follows the boundary. Else (small
   /// displacements) P is the Cauchy stress itself.
   virtual bool has_large_strain() const { return !is_linear(); }

@@ -115,7 +115,7 @@ public:
   virtual ~Term() = default;
 
   const Field field;                                   ///< whose balance it belongs to
-  mutable std::atomic<unsigned long> n_evaluations{0}; ///< calls of add() on this rank
+  mutable std::atomic<unsigned long> n_evaluations{0}; ///< points of this rank that add() has served
 
   virtual bool has_flux() const = 0;
   virtual bool has_source() const = 0;
@@ -127,7 +127,10 @@ public:
   virtual bool stores_by_position() const { return false; }
   /// How component c of its field depends on component d of the material.
   virtual Coupling coupling(unsigned int c, unsigned int d) const = 0;
-  virtual bool is_linear() const = 0;       ///< affine in all fields, so its derivatives are constant
+  virtual bool is_linear() const = 0; ///< affine in all fields, so its derivatives are constant
+  /// Whether its flux is D grad B with the same D at every X, t and state, and it has no source: then its
+  /// derivatives at one state say all.
+  virtual bool is_uniform() const { return false; }
   virtual bool is_symmetric() const = 0;    ///< its derivatives by its own field are, and not negative
   virtual bool depends_on_time() const = 0; ///< through t itself
   virtual bool has_large_strain() const { return false; } ///< it knows the deformed body

@@ -61,6 +61,7 @@ private:
   {
     Index begin, end;
     unsigned int number, first_row; ///< among all blocks; of this rank in the part
+    Index begin_owned, end_owned;   ///< of this rank, all of the range
   };
   std::vector<BlockOfDofs> blocks;
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <sstream>
 
@@ -125,21 +126,38 @@ public:
   }
 
 private:
+  /// By elimination with one column for each component of a symmetric strain. A tangent without stiffness in
+  /// some direction tells nothing of the strain there: zero stands for it, so that all strain counts.
   Strain<dim> strain_of_stress() const
   {
-    const unsigned int n = point.domain.n_components();
-    dealii::SymmetricTensor<4, dim> tangent;
-    Strain<dim> stress;
-    for (unsigned int i = 0; i < dim; ++i)
-      for (unsigned int j = 0; j < dim; ++j) {
-        stress[i] = point.response.flux[first + i];
-        const dealii::Tensor<2, dim> &block = point.response.by_gradient[(first + i) * n + first + j];
-        for (unsigned int k = 0; k < dim; ++k)
-          for (unsigned int l = 0; l < dim; ++l)
-            if (i <= k && j <= l) // the law is symmetric in both pairs, up to rounding
-              tangent[i][k][j][l] = block[k][l];
-      }
-    return dealii::invert(tangent) * dealii::symmetrize(stress);
+    constexpr unsigned int n = dealii::SymmetricTensor<2, dim>::n_independent_components;
+    const double smallest_pivot = 1e-12;
+    const unsigned int n_components = point.domain.n_components();
+    std::array<std::array<double, n + 1>, n> rows{}; // the stress is the last column
+    for (unsigned int r = 0; r < n; ++r) {
+      const auto ik = dealii::SymmetricTensor<2, dim>::unrolled_to_component_indices(r);
+      for (unsigned int j = 0; j < dim; ++j)
+        for (unsigned int l = 0; l < dim; ++l)
+          rows[r][dealii::SymmetricTensor<2, dim>::component_to_unrolled_index({j, l})] +=
+              point.response.by_gradient[(first + ik[0]) * n_components + first + j][ik[1]][l];
+      rows[r][n] =
+          0.5 * (point.response.flux[first + ik[0]][ik[1]] + point.response.flux[first + ik[1]][ik[0]]);
+    }
+    double largest = 0;
+    for (unsigned int r = 0; r < n; ++r)
+      largest = std::max(largest, std::abs(rows[r][r]));
+    for (unsigned int r = 0; r < n; ++r) {
+      if (!(rows[r][r] > smallest_pivot * largest))
+        return {};
+      for (unsigned int other = 0; other < n; ++other)
+        if (const double factor = rows[other][r] / rows[r][r]; other != r)
+          for (unsigned int c = r; c <= n; ++c)
+            rows[other][c] -= factor * rows[r][c];
+    }
+    dealii::SymmetricTensor<2, dim> result;
+    for (unsigned int r = 0; r < n; ++r)
+      result.access_raw_entry(r) = rows[r][n] / rows[r][r];
+    return result;
   }
 
   CellPoints<dim> point;

@@ -26,7 +26,8 @@ const NoteName of_free_pressure("free pressure",
 /// Of a linear scene, relative to the forces at work. The balance of forces is asked for to 1e-10 of what is
 /// put in, which is less.
 const double exact_linear_residual = 1e-11;
-const double share_of_exact = 0.1; ///< that the solver is asked for
+const double usual_linear_residual = 1e-8; ///< more is told
+const double share_of_exact = 0.1;         ///< that the solver is asked for
 
 std::vector<bool> blocks_of_constraints(const Numbering &numbering)
 {
@@ -339,8 +340,64 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   system.distribute(dx);
   centre_pressures(x, dx);
   keep_stage(dx);
+  if (n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()))
+    *n_iterations += refine_by_laws(x, dx);
+  if (n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual)
+    explain_linear_residual();
   if (!model.is_linear())
     learn_scales(x, dx);
+  return n_iterations;
+}
+
+/// Of bodies: the largest of their norms relative to those of @p dx.
+template <int dim>
+double StepProblem<dim>::share_of(const Vector &correction, const Vector &dx) const
+{
+  double largest = 0;
+  for (unsigned int b = 0; b < has_block.size(); ++b)
+    if (const double size = dx.block(b).l2_norm(); size > 0 && !model.numbering->blocks()[b].is_constraint)
+      largest = std::max(largest, correction.block(b).l2_norm() / size);
+  return largest;
+}
+
+/// Of a linear stage. What rounding leaves of K dx in a stiff body that soft ones hold has a resultant, which
+/// moves it: the entries of K are rounded. Forces by the laws have none, whatever the rounding of strains:
+/// the gradients of the functions of a cell add up to zero. So dx is refined by the residual of the laws. A
+/// linear scene in time has it by products, which are rounded likewise.
+/// @return the number of linear iterations
+template <int dim>
+unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx)
+{
+  const unsigned int most = 4;
+  const double exact = 1e-9, least_gain = 0.5, enough = 1e-2;
+  LinearSolver::Demand needed = demand();
+  needed.first_group = linear_solver.first_with_stiff_and_soft(needed.first_group, needed.end_group);
+  if (needed.first_group == needed.end_group)
+    return 0;
+  needed.enough = std::max(needed.enough, enough);
+  needed.ends_at_rounding = false;
+  unsigned int n_iterations = 0;
+  double before = 1;
+  Vector correction = dx, state = x;
+  for (unsigned int pass = 0; pass < most; ++pass) {
+    state = x;
+    state += dx;
+    if (!system.assemble(state, false, {}, blocks_of_residual(true)))
+      break;
+    const auto n = linear_solver.solve(correction, system.negative_residual(), needed);
+    if (!n)
+      break;
+    n_iterations += *n;
+    system.distribute(correction);
+    keep_stage(correction);
+    const double share = share_of(correction, dx);
+    if (!(share < least_gain * before))
+      break;
+    dx += correction;
+    if (share * share / before < exact) // what the next one would find
+      break;
+    before = share;
+  }
   return n_iterations;
 }
 
@@ -442,18 +499,20 @@ bool is_rounding(BlockSystem<dim> &system, const BlockMatrix::Vector &dx)
 template <int dim>
 double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
 {
-  const double usual = 1e-8;
+  has_solver_failed = false;
   Vector rest = system.owned_vector(), correction;
   double relative = linear_residual(dx, rest);
   const bool is_final = relative > exact_linear_residual && is_rounding(system, dx);
-  for (unsigned int pass = 0; pass < 2 && !is_final && relative > (pass == 0 ? exact_linear_residual : usual);
+  for (unsigned int pass = 0;
+       pass < 2 && !is_final && relative > (pass == 0 ? exact_linear_residual : usual_linear_residual);
        ++pass) {
     if (pass == 1 && linear_solver.prefer_direct() && linear_solver.lacks_operator())
       make_other_tangent(x);
     LinearSolver::Demand needed = demand();
     needed.enough = share_of_exact * exact_linear_residual / relative;
     correction.reinit(rest);
-    if (!linear_solver.solve(correction, rest, needed))
+    has_solver_failed = !linear_solver.solve(correction, rest, needed);
+    if (has_solver_failed)
       break;
     Vector trial = dx;
     trial += correction;
@@ -462,15 +521,20 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
       relative = refined;
     }
   }
-  if (relative > usual) {
-    std::ostringstream words;
-    words.precision(2);
-    words << "the linear system is solved to " << relative
-          << " of the forces at work only, because rounding leaves no less: its matrix is close to singular. "
-             "Check what holds the bodies, and how far their stiffnesses and penalties differ";
-    all_notes.push_back(of_singular_matrix(words.str()));
-  }
   return relative;
+}
+
+template <int dim>
+void StepProblem<dim>::explain_linear_residual()
+{
+  std::ostringstream words;
+  words.precision(2);
+  words
+      << "the linear system is solved to " << residual_of_solver << " of the forces at work only, because "
+      << (has_solver_failed ? "the linear solver failed for what is left: its matrix may be "
+                            : "rounding leaves no less: its matrix is ")
+      << "close to singular. Check what holds the bodies, and how far their stiffnesses and penalties differ";
+  all_notes.push_back(of_singular_matrix(words.str()));
 }
 
 /// Updates of different fields are compared in the ranges of their values, which a step does not shrink.

@@ -115,10 +115,11 @@ double GroupSystem::contrast() const
   return largest;
 }
 
-/// Of a geometric mean those rows are a small part to which a constraint adds the stiffness of another body.
-std::vector<double> GroupSystem::stiffness_of_row() const
+/// The geometric mean of the diagonal of each block. Of such a mean those rows are a small part to which a
+/// constraint adds the stiffness of another body.
+std::vector<double> GroupSystem::usual_diagonals() const
 {
-  std::vector<double> result;
+  std::vector<double> means;
   for (const unsigned int block : group.blocks) {
     std::array<double, 2> mine{}; // sum of logarithms, and their number
     for (const double entry : matrix->diagonal(block))
@@ -128,10 +129,29 @@ std::vector<double> GroupSystem::stiffness_of_row() const
       }
     const double sum = dealii::Utilities::MPI::sum(mine[0], matrix->get_mpi_communicator()),
                  number = dealii::Utilities::MPI::sum(mine[1], matrix->get_mpi_communicator());
-    result.insert(result.end(), matrix->owned_unknowns()[block].n_elements(),
-                  number > 0 ? std::exp(sum / number) : 0);
+    means.push_back(number > 0 ? std::exp(sum / number) : 0);
   }
+  return means;
+}
+
+std::vector<double> GroupSystem::stiffness_of_row() const
+{
+  const std::vector<double> means = usual_diagonals();
+  std::vector<double> result;
+  for (unsigned int i = 0; i < means.size(); ++i)
+    result.insert(result.end(), matrix->owned_unknowns()[group.blocks[i]].n_elements(), means[i]);
   return result;
+}
+
+bool GroupSystem::has_stiff_and_soft_bodies() const
+{
+  const std::vector<double> means = usual_diagonals();
+  const std::vector<int> field = field_of_block();
+  for (unsigned int i = 0; i < means.size(); ++i)
+    for (unsigned int j = 0; j < means.size(); ++j)
+      if (field[i] == field[j] && means[j] > 0 && means[i] > GroupFacts::large_contrast * means[j])
+        return true;
+  return false;
 }
 
 /// Of a block: a temperature has one, a displacement up to six.

@@ -40,6 +40,8 @@ public:
   /// For iterations, one norm for all unknowns.
   const GroupOperator &scaled() const;
   void scale_multipliers(GroupVector &x) const; ///< solution or right-hand side of scaled()
+  /// Of one field, coupled or not: then what rounding leaves of K x may move a stiff body. Collective.
+  bool has_stiff_and_soft_bodies() const;
 
 private:
   Modes near_null_space(const Selection *rows) const;
@@ -51,6 +53,7 @@ private:
   unsigned int largest_number_of_modes() const;
   std::vector<double> mean_diagonals() const;
   double contrast() const;
+  std::vector<double> usual_diagonals() const;
   std::vector<double> stiffness_of_row() const;
   std::vector<unsigned int> color_blocks() const;
 

@@ -99,7 +99,8 @@ private:
 
 unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
                                 GroupVector &x, const GroupVector &b, const double goal,
-                                const std::function<bool(unsigned int n, double r)> &gives_up)
+                                const std::function<bool(unsigned int n, double r)> &gives_up,
+                                double *const reached)
 {
   Control control(goal, gives_up);
   const dealii::SolverGMRES<GroupVector>::AdditionalData data(102, true);
@@ -113,6 +114,8 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
   else
     dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, Bodies{P});
   dealii::GrowingVectorMemory<GroupVector>::release_unused_memory();
+  if (reached != nullptr)
+    *reached = control.last_value();
   return control.last_step();
 }
 

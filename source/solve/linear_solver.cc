@@ -530,6 +530,15 @@ std::optional<unsigned int> LinearSolver::solve(Vector &dx, const Vector &right_
   return n_iterations;
 }
 
+unsigned int LinearSolver::first_with_stiff_and_soft(const unsigned int first_group,
+                                                     const unsigned int end_group) const
+{
+  unsigned int g = first_group;
+  while (g < end_group && !groups[g]->system.has_stiff_and_soft_bodies())
+    ++g;
+  return g;
+}
+
 std::optional<unsigned long> LinearSolver::n_negative_eigenvalues(const unsigned int group) const
 {
   const Group &g = *groups[group];

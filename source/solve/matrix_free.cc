@@ -154,9 +154,11 @@ unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const G
     Epetra_Vector z(View, solution.trilinos_vector(), 0);
     cycle->vmult(z, Epetra_Vector(View, right_hand_side.trilinos_vector(), 0));
   };
-  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up);
+  double reached = goal;
+  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &reached);
   give_back_freed_memory();
-  upkeep.solved(n_iterations, std::log10(b.l2_norm() / goal));
+  upkeep.solved(n_iterations,
+                std::log10(b.l2_norm() / std::max(reached, std::numeric_limits<double>::min())));
   return n_iterations;
 }
 

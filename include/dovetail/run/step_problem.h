@@ -108,6 +108,9 @@ private:
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
+  unsigned int refine_by_laws(const Vector &x, Vector &dx);
+  void explain_linear_residual();
+  double share_of(const Vector &correction, const Vector &dx) const;
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);
   void check_is_held() const;
@@ -147,8 +150,9 @@ private:
 
   // of the last assembly and of the last update
   double residual_of_last = 0, residual_of_solver = 0;
-  bool has_new_tangent = false; ///< that the linear solver has not seen
-  bool update_moves = false;    ///< prescribed values
+  bool has_solver_failed = false; ///< for what was left of a linear scene
+  bool has_new_tangent = false;   ///< that the linear solver has not seen
+  bool update_moves = false;      ///< prescribed values
   Vector update_loads;
   std::optional<Vector> moving_loads;
   std::optional<Vector> guess; ///< of the next update

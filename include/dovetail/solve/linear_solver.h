@@ -99,6 +99,11 @@ public:
   };
   std::optional<unsigned int> solve(Vector &dx, const Vector &right_hand_side, const Demand &demand);
 
+  /// The first one of these groups in which stiffnesses of bodies differ by more than a thousand, and
+  /// @p end_group if there is none: the rounding of K x may move stiff bodies, which soft ones hold.
+  /// Collective. @pre set_matrix()
+  unsigned int first_with_stiff_and_soft(unsigned int first_group, unsigned int end_group) const;
+
   /// Of the matrix of a group that was solved last; nothing if the solver does not know.
   std::optional<unsigned long> n_negative_eigenvalues(unsigned int group) const;
 

@@ -19,8 +19,10 @@
 #include <dovetail/solve/free_memory.h>
 #include <dovetail/solve/krylov.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 

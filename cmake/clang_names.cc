@@ -3,7 +3,7 @@
 //
 // clang and gcc give different symbols to a function template whose return type looks a name up in a class of
 // namespace std, as enable_if<is_same<…>::value> does: clang writes "sr3std…", gcc "srSt…". A program
-// compiled by clang does therefore not find three functions of a deal.II 9.4 compiled by gcc. Here the names
+// compiled by clang does therefore not find three functions of a deal.II compiled by gcc. Here the names
 // of clang jump to those of gcc; both are weak, so that nothing happens where deal.II has the names of clang.
 
 #define JUMP(from, to)                                                                                       \
@@ -18,6 +18,10 @@ JUMP(
 JUMP(
     _ZN6dealii16TrilinosWrappers12SparseMatrix6reinitINS_22DynamicSparsityPatternEEENSt9enable_ifIXntsr3std7is_sameIT_NS_12SparseMatrixIdEEEE5valueEvE4typeERKNS_8IndexSetESC_RKS5_RKP19ompi_communicator_tb,
     _ZN6dealii16TrilinosWrappers12SparseMatrix6reinitINS_22DynamicSparsityPatternEEENSt9enable_ifIXntsrSt7is_sameIT_NS_12SparseMatrixIdEEE5valueEvE4typeERKNS_8IndexSetESE_RKS6_RKP19ompi_communicator_tb);
+// the same, from deal.II 9.5 on, which takes the communicator by value
+JUMP(
+    _ZN6dealii16TrilinosWrappers12SparseMatrix6reinitINS_22DynamicSparsityPatternEEENSt9enable_ifIXntsr3std7is_sameIT_NS_12SparseMatrixIdEEEE5valueEvE4typeERKNS_8IndexSetESC_RKS5_P19ompi_communicator_tb,
+    _ZN6dealii16TrilinosWrappers12SparseMatrix6reinitINS_22DynamicSparsityPatternEEENSt9enable_ifIXntsrSt7is_sameIT_NS_12SparseMatrixIdEEE5valueEvE4typeERKNS_8IndexSetESE_RKS6_P19ompi_communicator_tb);
 // eigenvectors<3, double>
 JUMP(
     _ZN6dealii12eigenvectorsILi3EdEESt5arrayISt4pairIT0_NS_6TensorILi1EXT_ES3_EEEXsr3std17integral_constantIiXT_EEE5valueEERKNS_15SymmetricTensorILi2EXT_ES3_EENS_32SymmetricTensorEigenvectorMethodE,

@@ -18,10 +18,18 @@ namespace dovetail {
 namespace {
 
 const NoteName of_bending("locking", "a solid of degree 1 bends with cells that are long beside its height");
+const NoteName of_expansion("thermal stress",
+                            "a solid of degree 1 cannot follow how its free expansion varies within cells");
 
 /// Of the energy of a strain as large as the gradients and the displacement in the diameter of its cell:
 /// less is that of a motion of a rigid body and rounding.
 const double smallest_share = 1e-14;
+
+/// Of the energy of the stress, that of an expansion which varies within cells: a quarter of the stress.
+const double largest_share_of_varying = 1. / 16;
+
+/// Of the energy of the strain: less is an expansion that is nearly uniform.
+const double smallest_share_of_varying = 1e-6;
 
 /// A body that expands freely has about as much of jumps as its expansion varies within cells.
 const double share_of_varying = 4;
@@ -185,6 +193,27 @@ Strain<dim> strain(const dealii::Tensor<2, dim> &H, const bool is_large)
   return 0.5 * twice;
 }
 
+/// Over all ranks. Collective.
+StiffnessShare sum(const StiffnessShare &own, const MPI_Comm &communicator)
+{
+  StiffnessShare all = own;
+  for (double *energy : {&all.jumping, &all.all, &all.with_stress, &all.varying, &all.of_gradients})
+    *energy = dealii::Utilities::MPI::sum(*energy, communicator);
+  return all;
+}
+
+/// The share of the strain energy that is told to be too much; 0: none.
+double share_of_jumps(const StiffnessShare &share)
+{
+  const bool jumps_in_all = share.jumping > largest_stiffness_share * share.all,
+             jumps_with_stress = share.jumping > largest_stiffness_share * share.with_stress +
+                                                     share_of_varying * share.varying;
+  const double energy = jumps_in_all ? share.all : share.with_stress;
+  return (jumps_in_all || jumps_with_stress) && energy > smallest_share * share.of_gradients
+             ? share.jumping / energy
+             : 0;
+}
+
 } // namespace
 
 template <int dim>
@@ -261,24 +290,26 @@ NoteList explain_stiffness(const Model<dim> &model, const Vector &solution, cons
     const Field *displacement = domain->material.solid_field();
     if (displacement == nullptr || domain->degree > 1)
       continue;
-    const StiffnessShare own = stiffness_share(*domain, *displacement, solution, t, model.communicator);
-    const double jumping = dealii::Utilities::MPI::sum(own.jumping, model.communicator),
-                 all = dealii::Utilities::MPI::sum(own.all, model.communicator),
-                 with_stress = dealii::Utilities::MPI::sum(own.with_stress, model.communicator),
-                 varying = dealii::Utilities::MPI::sum(own.varying, model.communicator),
-                 of_gradients = dealii::Utilities::MPI::sum(own.of_gradients, model.communicator);
-    const bool jumps_in_all = jumping > largest_stiffness_share * all,
-               jumps_with_stress =
-                   jumping > largest_stiffness_share * with_stress + share_of_varying * varying;
-    const double energy = jumps_in_all ? all : with_stress;
-    if (!(jumps_in_all || jumps_with_stress) || !(energy > smallest_share * of_gradients))
-      continue;
+    const StiffnessShare share =
+        sum(stiffness_share(*domain, *displacement, solution, t, model.communicator), model.communicator);
     std::ostringstream words;
     words.precision(2);
-    words << domain->name << ": neighbouring cells of degree 1 disagree about " << 100 * jumping / energy
+    if (const double jumps = share_of_jumps(share); jumps > 0) {
+      words
+          << domain->name << ": neighbouring cells of degree 1 disagree about " << 100 * jumps
           << " % of its strain energy, as in a body that bends with one to three cells across its height, or "
              "with long ones: it is too stiff by about as much, or more. Set Degree = 2, or refine the mesh";
-    notes.push_back(of_bending(words.str()));
+      notes.push_back(of_bending(words.str()));
+    } else if (share.varying > largest_share_of_varying * share.with_stress &&
+               share.varying > smallest_share_of_varying * share.all) {
+      words
+          << domain->name
+          << ": its free expansion varies within cells, and cells of degree 1 cannot follow: as much as "
+          << 100 * std::min(1., std::sqrt(share.varying / share.with_stress))
+          << " % of its stress (root mean square) may come of that. Set Degree = 2, or refine the mesh where "
+             "the temperature is steep";
+      notes.push_back(of_expansion(words.str()));
+    }
   }
   return notes;
 }

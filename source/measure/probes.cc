@@ -93,6 +93,10 @@ typename QuantityCatalogue<dim>::Creator read_quantity(const Section &section, c
                 "asks for " + name +
                     ", which only bodies with inertia have: set Inertia = true in the "
                     "subsection Steps of a transient scene.");
+  section.check(!quantity->is_stored() || is_transient(section), "Quantity",
+                "asks for " + name +
+                    ", which only transient scenes have: set Kind = transient in the subsection Steps, or "
+                    "leave it out.");
   section.check(is_on_boundary || !quantity->is_of_boundary(), "Quantity",
                 "asks for " + name + ", which only boundaries have: give Boundary and Reduce.");
   return member.create;

@@ -3,8 +3,8 @@
 //
 // The heat content per undeformed volume above the `Reference temperature of enthalpy` T_r of the material,
 // rho (int_(T_r)^T c dT + L (f(T) - f(T_r))), or rho (H(T) - H(T_r)) with an Enthalpy (content.h). Its
-// integral over a domain is a probe with Reduce = integral. NaN in static scenes, where nothing is stored,
-// and where this content is not finite: a formula c(T) may have a pole between T_r and T.
+// integral over a domain is a probe with Reduce = integral. Static scenes, in which nothing is stored, refuse
+// it. NaN where this content is not finite: a formula c(T) may have a pole between T_r and T.
 //
 //     set Quantity = enthalpy
 

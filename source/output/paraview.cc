@@ -138,6 +138,10 @@ void Paraview<dim>::read_fields(const Section &output)
         quantities_of[domain.get()].push_back(quantities.back().get());
         has_domain = true;
       }
+    output.check(!has_domain || !quantities.back()->is_stored() || is_transient(output), "Fields",
+                 "asks for " + *name +
+                     ", which only transient scenes have: set Kind = transient in the subsection Steps, or "
+                     "leave it out.");
     output.check(has_domain, "Fields",
                  "asks for " + *name + ", but no material has a " + law_of_field(member.field) +
                      ". Remove it from the list.");

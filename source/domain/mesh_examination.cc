@@ -8,6 +8,7 @@
 #include <deal.II/base/geometry_info.h>
 #include <deal.II/base/quadrature_lib.h>
 
+#include <boost/container/small_vector.hpp>
 #include <boost/pending/disjoint_sets.hpp>
 
 #include <algorithm>
@@ -65,6 +66,9 @@ const std::map<std::pair<unsigned int, unsigned int>, std::vector<std::vector<un
                          {4, 5, 6, 7},
                          {0, 1, 2, 3, 4, 5, 6, 7}}}};
 
+/// Of a cell or face; not on the heap.
+using Nodes = boost::container::small_vector<unsigned int, 8>;
+
 /// A face of a cell, known by its vertices in ascending order.
 struct Face
 {
@@ -79,7 +83,7 @@ struct Face
 };
 
 template <std::size_t n = 4>
-std::array<unsigned int, n> sort_vertices(const std::vector<unsigned int> &vertices)
+std::array<unsigned int, n> sort_vertices(const Nodes &vertices)
 {
   std::array<unsigned int, n> sorted;
   sorted.fill(std::numeric_limits<unsigned int>::max());
@@ -116,7 +120,7 @@ public:
 private:
   // ---- words
 
-  std::string numbers_of(const std::vector<unsigned int> &nodes) const
+  std::string numbers_of(const Nodes &nodes) const
   {
     std::string text;
     for (const unsigned int node : nodes)
@@ -124,7 +128,7 @@ private:
     return text;
   }
 
-  std::string place_of(const std::vector<unsigned int> &nodes) const
+  std::string place_of(const Nodes &nodes) const
   {
     dealii::Point<3> centre;
     for (const unsigned int node : nodes)
@@ -143,7 +147,7 @@ private:
   /// "element 3 (nodes 1, 2, 6, 5) around (0; 1)", with the nodes as in the file
   std::string words_of(const std::size_t cell) const
   {
-    std::vector<unsigned int> nodes = vertices_of(cell);
+    Nodes nodes = vertices_of(cell);
     if (is_ordered && n_vertices > dim + 1)
       for (unsigned int v = 0; v < n_vertices; ++v)
         nodes[v] = mesh.cells.nodes_of(cell)[place[v]];
@@ -152,22 +156,28 @@ private:
 
   void add_note(const std::string &words) { mesh.note += (mesh.note.empty() ? "" : "; ") + words; }
 
-  std::string words_of_face(const std::vector<unsigned int> &vertices) const
+  std::string words_of_face(const Nodes &vertices) const
   {
     return "the face with the nodes " + numbers_of(vertices) + " around " + place_of(vertices);
   }
 
   // ---- parts of the mesh
 
-  std::vector<unsigned int> vertices_of(const std::size_t cell) const
+  Nodes vertices_of(const std::size_t cell) const
+  {
+    const unsigned int *nodes = mesh.cells.nodes_of(cell);
+    return Nodes(nodes, nodes + n_vertices);
+  }
+
+  std::vector<unsigned int> list_of_vertices(const std::size_t cell) const
   {
     const unsigned int *nodes = mesh.cells.nodes_of(cell);
     return {nodes, nodes + n_vertices};
   }
 
-  std::vector<unsigned int> vertices_of_face(const std::size_t cell, const unsigned int number) const
+  Nodes vertices_of_face(const std::size_t cell, const unsigned int number) const
   {
-    std::vector<unsigned int> vertices;
+    Nodes vertices;
     for (const unsigned int v : (*faces)[number])
       vertices.push_back(mesh.cells.nodes_of(cell)[v]);
     return vertices;
@@ -213,12 +223,14 @@ private:
   /// The further nodes of cells of second order stand in the middle of vertices, or the cells are curved.
   void leave_vertices_only()
   {
+    if (mesh.cells.nodes.size() == mesh.cells.size() * n_vertices)
+      return;
     MeshElements vertices_only;
     for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
       const unsigned int *nodes = mesh.cells.nodes_of(c);
       for (unsigned int i = n_vertices; i < mesh.cells.n_nodes(c); ++i)
         look_at_further_node(nodes, nodes[i], middles_of_cell.at({dim, n_vertices})[i - n_vertices]);
-      vertices_only.add(mesh.cells.numbers[c], mesh.cells.ids[c], vertices_of(c));
+      vertices_only.add(mesh.cells.numbers[c], mesh.cells.ids[c], list_of_vertices(c));
     }
     mesh.cells = std::move(vertices_only);
   }
@@ -231,7 +243,7 @@ private:
       middle += mesh.nodes[nodes[v]] / double(around.size());
     const double length = mesh.nodes[nodes[around[0]]].distance(mesh.nodes[nodes[around[1]]]);
     is_curved = is_curved || middle.distance(mesh.nodes[node]) > 1e-6 * length;
-    std::vector<unsigned int> vertices;
+    Nodes vertices;
     for (const unsigned int v : around)
       vertices.push_back(nodes[v]);
     const auto [known, is_new] = node_between.emplace(sort_vertices<8>(vertices), node);
@@ -254,7 +266,7 @@ private:
   }
 
   /// The node between some vertices; nullptr if the file has none.
-  const dealii::Point<3> *find_between(const std::vector<unsigned int> &vertices) const
+  const dealii::Point<3> *find_between(const Nodes &vertices) const
   {
     const auto found = node_between.find(sort_vertices<8>(vertices));
     return found != node_between.end() ? &mesh.nodes[found->second] : nullptr;
@@ -266,7 +278,7 @@ private:
     return node != nullptr ? *node : dealii::Point<3>((mesh.nodes[a] + mesh.nodes[b]) / 2);
   }
 
-  std::vector<dealii::Point<3>> nodes_of_curved_simplex(const std::vector<unsigned int> &vertices) const
+  std::vector<dealii::Point<3>> nodes_of_curved_simplex(const Nodes &vertices) const
   {
     std::vector<dealii::Point<3>> nodes;
     for (unsigned int i = 0; i < vertices.size(); ++i)
@@ -278,7 +290,7 @@ private:
   /// Without a node of the file in the middle of a face or of the cell: by transfinite interpolation of the
   /// lines and faces (Gordon and Hall, 1973), which is what elements with 8 and 20 nodes are.
   template <int structdim>
-  std::vector<dealii::Point<3>> nodes_of_curved_cube(const std::vector<unsigned int> &vertices) const
+  std::vector<dealii::Point<3>> nodes_of_curved_cube(const Nodes &vertices) const
   {
     using Cube = dealii::GeometryInfo<structdim>;
     std::vector<dealii::Point<3>> nodes;
@@ -292,7 +304,7 @@ private:
     }
     if constexpr (structdim == 3)
       for (unsigned int f = 0; f < Cube::faces_per_cell; ++f) {
-        std::vector<unsigned int> face;
+        Nodes face;
         for (unsigned int v = 0; v < Cube::vertices_per_face; ++v)
           face.push_back(vertices[Cube::face_to_cell_vertices(f, v)]);
         nodes.push_back(nodes_of_curved_cube<2>(face).back());
@@ -419,8 +431,8 @@ private:
   {
     std::vector<std::size_t> turned;
     for (std::size_t c = 0; is_curved && c < mesh.cells.size(); ++c)
-      if (n_vertices == dim + 1 ? CurvedSimplex(mesh, c, vertices_of(c)).is_turned_over()
-                                : CurvedCube<dim>(mesh, c, vertices_of(c)).is_turned_over())
+      if (n_vertices == dim + 1 ? CurvedSimplex(mesh, c, list_of_vertices(c)).is_turned_over()
+                                : CurvedCube<dim>(mesh, c, list_of_vertices(c)).is_turned_over())
         turned.push_back(c);
     if (!turned.empty())
       add_note(std::to_string(turned.size()) +
@@ -497,7 +509,7 @@ private:
     MeshElements boundary;
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
       const unsigned int n = n_vertices_of_element(dim - 1, mesh.faces.n_nodes(f));
-      const std::vector<unsigned int> vertices(mesh.faces.nodes_of(f), mesh.faces.nodes_of(f) + n);
+      const Nodes vertices(mesh.faces.nodes_of(f), mesh.faces.nodes_of(f) + n);
       const Face face = {sort_vertices(vertices), 0, 0};
       const auto found = std::lower_bound(all_faces.begin(), all_faces.end(), face);
       const bool is_of_cell = found != all_faces.end() && found->sorted == face.sorted;
@@ -511,7 +523,7 @@ private:
         continue;
       if (chosen.emplace(face.sorted, boundary.size()).second) {
         ids.emplace_back();
-        boundary.add(mesh.faces.numbers[f], 0, vertices);
+        boundary.add(mesh.faces.numbers[f], 0, {vertices.begin(), vertices.end()});
       }
       if (mesh.faces.ids[f] > 0)
         ids[chosen.at(face.sorted)].insert(mesh.faces.ids[f]);

@@ -25,9 +25,6 @@ const NoteName of_expansion("thermal stress",
 /// less is that of a motion of a rigid body and rounding.
 const double smallest_share = 1e-14;
 
-/// Of the energy of the stress, that of an expansion which varies within cells: a quarter of the stress.
-const double largest_share_of_varying = 1. / 16;
-
 /// Of the energy of the strain: less is an expansion that is nearly uniform.
 const double smallest_share_of_varying = 1e-6;
 
@@ -300,7 +297,7 @@ NoteList explain_stiffness(const Model<dim> &model, const Vector &solution, cons
           << " % of its strain energy, as in a body that bends with one to three cells across its height, or "
              "with long ones: it is too stiff by about as much, or more. Set Degree = 2, or refine the mesh";
       notes.push_back(of_bending(words.str()));
-    } else if (share.varying > largest_share_of_varying * share.with_stress &&
+    } else if (share.varying > largest_stiffness_share * share.with_stress &&
                share.varying > smallest_share_of_varying * share.all) {
       words
           << domain->name

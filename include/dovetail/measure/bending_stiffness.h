@@ -30,9 +30,10 @@ StiffnessShare stiffness_share(const Domain<dim> &domain, const Field &displacem
                                double t, const MPI_Comm &communicator);
 
 /// About solids of degree 1 in which this share is larger than largest_stiffness_share; about others whose
-/// free expansion varies within cells so much that this makes a good part of their stress: the strain of a
-/// triangle or tetrahedron of degree 1 is constant, so a temperature that differs by dT within it makes a
-/// stress of the order of E alpha dT, also in a body that expands freely. Collective; @p solution is ghosted.
+/// free expansion varies within cells so much that this makes as large a share of the energy of their stress:
+/// the strain of a triangle or tetrahedron of degree 1 is constant, so a temperature that differs by dT
+/// within it makes a stress of the order of E alpha dT, also in a body that expands freely. Collective; @p
+/// solution is ghosted.
 template <int dim>
 NoteList explain_stiffness(const Model<dim> &model, const Vector &solution, double t);
 constexpr double largest_stiffness_share = 0.15;

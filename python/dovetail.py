@@ -53,7 +53,9 @@ def find_program():
 
 def text_of(value):
     """As a scene writes it: True as true, a list or an array of numpy as its elements with commas, a vector (tuple)
-    with semicolons."""
+    with semicolons, None as nothing."""
+    if value is None:
+        return ""
     if hasattr(value, "tolist"):  # of numpy: an array, or a number, whose repr is not that of Python
         value = value.tolist()
     if isinstance(value, bool):
@@ -68,7 +70,8 @@ def text_of(value):
 
 
 def with_texts(entries):
-    return {name: with_texts(value) if isinstance(value, dict) else text_of(value) for name, value in entries.items()}
+    return {name: with_texts(value) if isinstance(value, dict) else text_of(value)
+            for name, value in entries.items() if value is not None}
 
 
 class Scene:
@@ -88,7 +91,7 @@ class Scene:
         return cls(_file=os.fspath(file))
 
     def set(self, path, value):
-        """The same scene but for one entry, for instance set("Interface seam/Theta", -1)."""
+        """The same scene but for one entry, for instance set("Interface seam/Theta", -1). None takes the entry away."""
         if "=" in path:
             raise ValueError("'%s' is no path of an entry: it contains '='." % path)
         return Scene(self._entries, self._file, self._overrides + ("%s=%s" % (path, text_of(value)),))

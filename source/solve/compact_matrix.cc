@@ -3,22 +3,57 @@
 
 #include "compact_matrix.h"
 
+#include "row_products.h"
+
 #include <dovetail/solve/free_memory.h>
 
 #include <deal.II/base/exceptions.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace dovetail {
 
 namespace {
 
-/// By number of a column its value in an own row, in ascending order.
-void read_row(const Epetra_CrsMatrix &A, const int row, const std::vector<int> &numbers,
-              const bool needs_diagonal, std::vector<std::pair<int, double>> &entries)
+bool is_square(const Epetra_CrsMatrix &A)
+{
+  return A.RowMap().SameAs(A.DomainMap());
+}
+
+/// The rows of a matrix without columns that are zero but for the diagonal.
+class RowReader
+{
+public:
+  explicit RowReader(const Epetra_CrsMatrix &A);
+  /// By number of a column its value in an own row, in ascending order.
+  void read(int row, std::vector<std::pair<int, double>> &entries) const;
+
+private:
+  const Epetra_CrsMatrix &A;
+  const std::vector<int> numbers;
+  const bool has_diagonals;
+  std::vector<bool> has_row, has_column; ///< other entries than that of the diagonal, by number
+};
+
+RowReader::RowReader(const Epetra_CrsMatrix &A)
+    : A(A), numbers(numbers_of_columns(A)), has_diagonals(is_square(A)),
+      has_row(A.NumMyRows(), !has_diagonals),
+      has_column(A.DomainMap().NumMyElements() + numbers.size(), false)
+{
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    A.ExtractMyRowView(row, n, values, columns);
+    for (int k = 0; k < n; ++k)
+      if (const int column = numbers[columns[k]]; values[k] != 0 && !(has_diagonals && column == row))
+        has_row[row] = has_column[column] = true;
+  }
+}
+
+void RowReader::read(const int row, std::vector<std::pair<int, double>> &entries) const
 {
   int n = 0, *columns = nullptr;
   double *values = nullptr;
@@ -27,19 +62,71 @@ void read_row(const Epetra_CrsMatrix &A, const int row, const std::vector<int> &
   bool is_sorted = true, has_diagonal = false;
   for (int k = 0; k < n; ++k) {
     const int column = numbers[columns[k]];
-    is_sorted = is_sorted && (k == 0 || entries.back().first < column);
-    has_diagonal = has_diagonal || column == row;
+    const bool is_diagonal = has_diagonals && column == row;
+    if (!is_diagonal && !(has_row[row] && has_column[column]))
+      continue;
+    is_sorted = is_sorted && (entries.empty() || entries.back().first < column);
+    has_diagonal = has_diagonal || is_diagonal;
     entries.emplace_back(column, values[k]);
   }
-  if (needs_diagonal && !has_diagonal)
+  if (has_diagonals && !has_diagonal)
     entries.emplace_back(row, 0.);
-  if (!is_sorted || (needs_diagonal && !has_diagonal))
+  if (!is_sorted || (has_diagonals && !has_diagonal))
     std::sort(entries.begin(), entries.end());
 }
 
-bool is_square(const Epetra_CrsMatrix &A)
+/// The largest usual number of columns that follow each other wherever some do. None goes across the rows of
+/// the group, where they are columns, or from own columns to others.
+int block_length(const std::vector<int> &columns, const int first_row, const int n_rows, const int n_own,
+                 const bool has_diagonals)
 {
-  return A.RowMap().SameAs(A.DomainMap());
+  int divisor = 0, begin = 0, size = columns.size();
+  for (int k = 1; k <= size; ++k)
+    if (k == size || columns[k] != columns[k - 1] + 1 || columns[k] == n_own ||
+        (has_diagonals && (columns[k] == first_row || columns[k] == first_row + n_rows))) {
+      divisor = std::gcd(divisor, k - begin);
+      begin = k;
+    }
+  for (const int length : {6, 3, 2})
+    if (divisor % length == 0)
+      return length;
+  return 1;
+}
+
+DOVETAIL_WIDEST_VECTORS void multiply(const RowPattern &pattern, const float *const values, const double unit,
+                                      const double *const x, double *const y, double *const buffer)
+{
+  for (unsigned int g = 0; g < pattern.n_groups(); ++g) {
+    const RowPattern::Group group = pattern.group(g);
+    gather(group.columns, x, buffer);
+    with_constant(
+        group.n_rows, [&](const auto n) __attribute__((always_inline)) {
+          double sums[RowPattern::most_rows];
+          multiply_rows<n>(values + group.first_entry, group.columns.size, buffer, sums);
+          for (int i = 0; i < n; ++i)
+            y[group.first_row + i] = unit * sums[i];
+        });
+  }
+}
+
+/// Adds A^T x.
+DOVETAIL_WIDEST_VECTORS void add_transposed(const RowPattern &pattern, const float *const values,
+                                            const double unit, const double *const x, double *const y,
+                                            double *const buffer)
+{
+  for (unsigned int g = 0; g < pattern.n_groups(); ++g) {
+    const RowPattern::Group group = pattern.group(g);
+    with_constant(
+        group.n_rows, [&](const auto n) __attribute__((always_inline)) {
+          double factors[RowPattern::most_rows];
+          for (int i = 0; i < n; ++i)
+            factors[i] = unit * x[group.first_row + i];
+          combine_rows<n>(values + group.first_entry, group.columns.size, factors, buffer);
+        });
+    for_columns(
+        group.columns, [&](const int k, const int column)
+                           __attribute__((always_inline)) { y[column] += buffer[k]; });
+  }
 }
 
 } // namespace
@@ -47,6 +134,10 @@ bool is_square(const Epetra_CrsMatrix &A)
 std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A)
 {
   std::vector<int> numbers(A.NumMyCols());
+  if (A.Importer() == nullptr) { // looking for them takes longer
+    std::iota(numbers.begin(), numbers.end(), 0);
+    return numbers;
+  }
   int next = A.DomainMap().NumMyElements();
   for (unsigned int k = 0; k < numbers.size(); ++k) {
     const int own = A.DomainMap().LID(A.GCID(k));
@@ -55,54 +146,58 @@ std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A)
   return numbers;
 }
 
-RowPattern::RowPattern(const Epetra_CrsMatrix &A) : number_of_rows(A.NumMyRows())
+RowPattern::RowPattern(const Epetra_CrsMatrix &A)
 {
-  const std::vector<int> numbers = numbers_of_columns(A);
-  const bool needs_diagonal = is_square(A);
-  const int n_own = A.DomainMap().NumMyElements();
+  const RowReader reader(A);
   std::vector<std::pair<int, double>> entries;
-  const auto for_groups = [&](const auto &begin) { // two passes, as memory is precious
-    std::vector<int> last;
-    int first_row = 0;
-    for (int row = 0; row < number_of_rows; ++row) {
-      read_row(A, row, numbers, needs_diagonal, entries);
+  std::vector<int> columns;
+  const int n_rows = A.NumMyRows();
+  const auto for_groups = [&](const auto &add) { // two passes, as memory is precious
+    number_of_rows = 0;
+    for (int row = 0; row <= n_rows; ++row) {
+      if (row < n_rows)
+        reader.read(row, entries);
       const bool is_same =
-          row > 0 && row - first_row < most_rows &&
-          std::equal(entries.begin(), entries.end(), last.begin(), last.end(),
+          row < n_rows && row > 0 && row - number_of_rows < most_rows &&
+          std::equal(entries.begin(), entries.end(), columns.begin(), columns.end(),
                      [](const auto &entry, const int column) { return entry.first == column; });
-      if (!is_same) {
-        first_row = row;
-        last.clear();
-        for (const auto &[column, value] : entries)
-          last.push_back(column);
-      }
-      begin(row, is_same);
-    }
-  };
-  std::size_t n_groups = 0, n_columns = 0;
-  for_groups([&](int, const bool is_same) {
-    n_groups += is_same ? 0 : 1;
-    n_columns += is_same ? 0 : entries.size();
-  });
-  groups.reserve(n_groups);
-  columns.reserve(n_columns);
-  for_groups([&](const int row, const bool is_same) {
-    if (!is_same) {
-      const auto less_than = [&](const int limit) {
-        return static_cast<int>(std::count_if(entries.begin(), entries.end(),
-                                              [limit](const auto &entry) { return entry.first < limit; }));
-      };
-      groups.push_back({columns.size(), number_of_entries, row, less_than(row), less_than(n_own)});
+      if (is_same)
+        continue;
+      if (row > 0)
+        add(row - number_of_rows);
+      number_of_rows = row;
+      columns.clear();
       for (const auto &[column, value] : entries)
         columns.push_back(column);
     }
-    number_of_entries += entries.size();
+  };
+  std::size_t n_groups = 0, n_blocks = 0;
+  const int n_own = A.DomainMap().NumMyElements();
+  const bool has_diagonals = is_square(A);
+  for_groups([&](const int n) {
+    ++n_groups;
+    n_blocks += columns.size() / block_length(columns, number_of_rows, n, n_own, has_diagonals);
+  });
+  groups.reserve(n_groups);
+  blocks.reserve(n_blocks);
+  for_groups([&](const int n) {
+    const int length = block_length(columns, number_of_rows, n, n_own, has_diagonals);
+    const auto less_than = [&](const int limit) {
+      return static_cast<int>(std::lower_bound(columns.begin(), columns.end(), limit) - columns.begin());
+    };
+    const int size = columns.size();
+    groups.push_back({blocks.size(), number_of_entries, number_of_rows, length, size,
+                      less_than(number_of_rows), less_than(n_own)});
+    for (int k = 0; k < size; k += length)
+      blocks.push_back(columns[k]);
+    largest_number_of_columns = std::max(largest_number_of_columns, size);
+    number_of_entries += static_cast<std::size_t>(size) * n;
   });
 }
 
 std::size_t RowPattern::memory_consumption() const
 {
-  return groups.capacity() * sizeof(Stored) + columns.capacity() * sizeof(int);
+  return groups.capacity() * sizeof(Stored) + blocks.capacity() * sizeof(int);
 }
 
 CompactMatrix::CompactMatrix(const Epetra_CrsMatrix &A)
@@ -133,8 +228,7 @@ CompactMatrix::CompactMatrix(std::unique_ptr<Epetra_CrsMatrix> A)
 template <typename Done>
 void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
 {
-  const std::vector<int> numbers = numbers_of_columns(A);
-  const bool needs_diagonal = is_square(A);
+  const RowReader reader(A);
   std::vector<std::pair<int, double>> entries;
   for (int row = 0; row < A.NumMyRows(); ++row) {
     int n = 0;
@@ -144,59 +238,30 @@ void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
       unit = std::max(unit, std::abs(row_values[k]));
   }
   unit = unit > 0 ? unit : 1;
-  values.reserve(pattern->n_entries());
+  values.reserve(Lanes::padded(pattern->n_entries()));
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
-    values.resize(values.size() + static_cast<std::size_t>(group.n_columns) * group.n_rows);
     for (int i = 0; i < group.n_rows; ++i) {
-      read_row(A, group.first_row + i, numbers, needs_diagonal, entries);
-      for (int k = 0; k < group.n_columns; ++k)
-        values[group.first_entry + static_cast<std::size_t>(k) * group.n_rows + i] =
-            static_cast<float>(entries[k].second / unit);
+      reader.read(group.first_row + i, entries);
+      for (const auto &[column, value] : entries)
+        values.push_back(static_cast<float>(value / unit));
     }
     done(group.first_row + group.n_rows);
   }
+  values.resize(Lanes::padded(pattern->n_entries()), 0);
 }
 
 void CompactMatrix::multiply(Epetra_Vector &y, const Epetra_Vector &x) const
 {
-  std::vector<double> buffer;
-  const double *const of_columns = exchange.of_columns(x, buffer);
-  double *const result = y.Values();
-  for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
-    const RowPattern::Group group = pattern->group(g);
-    with_known_number(group.n_rows, [&](const auto n) {
-      std::array<double, RowPattern::most_rows> sum{};
-      const float *entries = values.data() + group.first_entry;
-      for (int k = 0; k < group.n_columns; ++k, entries += n) {
-        const double factor = of_columns[group.columns[k]];
-        for (int i = 0; i < n; ++i)
-          sum[i] += factor * static_cast<double>(entries[i]);
-      }
-      for (int i = 0; i < n; ++i)
-        result[group.first_row + i] = unit * sum[i];
-    });
-  }
+  std::vector<double> others, buffer(Lanes::padded(pattern->most_columns()));
+  dovetail::multiply(*pattern, values.data(), unit, exchange.of_columns(x, others), y.Values(),
+                     buffer.data());
 }
 
 void CompactMatrix::multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x) const
 {
-  std::vector<double> sums(exchange.n_columns(), 0.);
-  for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
-    const RowPattern::Group group = pattern->group(g);
-    with_known_number(group.n_rows, [&](const auto n) {
-      const float *entries = values.data() + group.first_entry;
-      std::array<double, RowPattern::most_rows> factor{};
-      for (int i = 0; i < n; ++i)
-        factor[i] = unit * x[group.first_row + i];
-      for (int k = 0; k < group.n_columns; ++k, entries += n) {
-        double sum = 0;
-        for (int i = 0; i < n; ++i)
-          sum += factor[i] * static_cast<double>(entries[i]);
-        sums[group.columns[k]] += sum;
-      }
-    });
-  }
+  std::vector<double> sums(exchange.n_columns(), 0.), buffer(Lanes::padded(pattern->most_columns()));
+  add_transposed(*pattern, values.data(), unit, x.Values(), sums.data(), buffer.data());
   exchange.add_up(sums, y);
 }
 
@@ -206,7 +271,8 @@ void CompactMatrix::diagonal(Epetra_Vector &result) const
     const RowPattern::Group group = pattern->group(g);
     for (int i = 0; i < group.n_rows; ++i)
       result[group.first_row + i] =
-          unit * values[group.first_entry + static_cast<std::size_t>(group.n_lower + i) * group.n_rows + i];
+          unit *
+          values[group.first_entry + static_cast<std::size_t>(i) * group.columns.size + group.n_lower + i];
   }
 }
 

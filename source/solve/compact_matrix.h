@@ -38,7 +38,9 @@ inline void with_known_number(const int n, const Action &action)
 std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A);
 
 /// The columns of the entries of a matrix. Rows that follow each other and have the same columns, as those of
-/// the components at a node, hold these once.
+/// the components at a node, hold these once, and of columns that follow each other the first ones. A column
+/// that is zero but for its diagonal entry, as of a prescribed unknown, is left out, and its row is by
+/// itself.
 class RowPattern
 {
 public:
@@ -48,42 +50,51 @@ public:
 
   static constexpr int most_rows = 8; ///< of a group
 
-  /// Rows that share their columns, which ascend.
+  /// Columns of a group, which ascend: @p block_length from each of the first ones on.
+  struct Columns
+  {
+    const int *first;
+    int block_length, size;
+
+    int operator[](const int k) const { return first[k / block_length] + k % block_length; }
+    Columns from(const int k) const { return {first + k / block_length, block_length, size - k}; }
+  };
+  /// Rows that share their columns.
   struct Group
   {
     int first_row, n_rows;
-    const int *columns;
-    int n_lower, n_own, n_columns; ///< how many columns are less than the first row, are own ones, are there
-    std::size_t first_entry;       ///< of n_rows * n_columns, column by column
+    Columns columns;
+    int n_lower, n_own;      ///< how many columns are less than the first row, are own ones
+    std::size_t first_entry; ///< of n_rows * columns.size, row by row
   };
   unsigned int n_groups() const { return groups.size(); }
   Group group(const unsigned int g) const
   {
     const Stored &stored = groups[g];
     const int end_row = g + 1 < groups.size() ? groups[g + 1].first_row : number_of_rows;
-    const std::size_t end = g + 1 < groups.size() ? groups[g + 1].first_column : columns.size();
     return {stored.first_row,
             end_row - stored.first_row,
-            columns.data() + stored.first_column,
+            {blocks.data() + stored.first_block, stored.block_length, stored.n_columns},
             stored.n_lower,
             stored.n_own,
-            static_cast<int>(end - stored.first_column),
             stored.first_entry};
   }
 
   int n_rows() const { return number_of_rows; }
   std::size_t n_entries() const { return number_of_entries; }
+  int most_columns() const { return largest_number_of_columns; } ///< of a group
   std::size_t memory_consumption() const;
 
 private:
   struct Stored
   {
-    std::size_t first_column, first_entry;
-    int first_row, n_lower, n_own;
+    std::size_t first_block, first_entry;
+    int first_row, block_length, n_columns, n_lower, n_own;
   };
+
   std::vector<Stored> groups;
-  std::vector<int> columns;
-  int number_of_rows = 0;
+  std::vector<int> blocks; ///< first columns of all groups
+  int number_of_rows = 0, largest_number_of_columns = 0;
   std::size_t number_of_entries = 0;
 };
 
@@ -114,7 +125,7 @@ private:
   Epetra_Map range;
   ColumnExchange exchange;
   std::shared_ptr<const RowPattern> pattern;
-  std::vector<float> values;
+  std::vector<float> values; ///< and some zeros
   double unit = 0;
 };
 

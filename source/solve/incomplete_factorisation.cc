@@ -3,6 +3,8 @@
 
 #include "incomplete_factorisation.h"
 
+#include "row_products.h"
+
 #include <deal.II/base/exceptions.h>
 
 #include <algorithm>
@@ -12,6 +14,22 @@
 namespace dovetail {
 
 namespace {
+
+/// A row of blocks: D^-1, and the columns and entries of U, row by row.
+struct BlockRow
+{
+  BlockRow(const RowPattern::Group &group, const float *const inverse)
+      : first_row(group.first_row), n_rows(group.n_rows), inverse(inverse),
+        columns(group.columns.from(group.n_lower + n_rows)), entries(inverse + n_rows * n_rows)
+  {
+    columns.size -= group.columns.size - group.n_own;
+  }
+
+  int first_row, n_rows;
+  const float *inverse;
+  RowPattern::Columns columns;
+  const float *entries;
+};
 
 /// The inverse of a symmetric positive definite block of n rows, in place, by Gauss and Jordan.
 void invert(float *const block, const int n)
@@ -39,6 +57,70 @@ void invert(float *const block, const int n)
       block[i * n + j] = block[j * n + i] = static_cast<float>(a[i * n + j]);
 }
 
+/// From another block row, whose diagonal block is @p block, its share of those columns of block row k from
+/// @p begin to @p end on: these are its rows.
+void subtract(const BlockRow &k, const int begin, const int end, const std::vector<float> &products,
+              const std::vector<int> &position, const RowPattern::Group &other, float *const block)
+{
+  const BlockRow row(other, block);
+  const int size = k.columns.size, n = other.n_rows;
+  const auto subtract_at = [&](const int here, float *const target, const int stride) {
+    for (int p = begin; p < end; ++p) {
+      float sum = 0;
+      for (int r = 0; r < k.n_rows; ++r)
+        sum += k.entries[r * size + p] * products[r * size + here];
+      target[(k.columns[p] - other.first_row) * stride] -= sum;
+    }
+  };
+  for (int p = begin; p < end; ++p)
+    subtract_at(p, block + (k.columns[p] - other.first_row), n);
+  for_columns(
+      row.columns, [&](const int q, const int column) __attribute__((always_inline)) {
+        if (position[column] >= 0)
+          subtract_at(position[column], block + n * n + q, row.columns.size);
+      });
+}
+
+/// v = D^-1 v
+template <int n>
+DOVETAIL_PART_OF_CALLER void multiply_block(const float *const inverse, double *const v)
+{
+  double sum[n] = {};
+  for (int c = 0; c < n; ++c)
+    for (int i = 0; i < n; ++i)
+      sum[i] += v[c] * static_cast<double>(inverse[c * n + i]);
+  std::copy_n(sum, n, v);
+}
+
+/// (D + U)^T D^-1 v = z, v in the place of z, then z + D^-1 U z = v.
+DOVETAIL_WIDEST_VECTORS void sweep(const RowPattern &pattern, const std::size_t *const first,
+                                   const float *const entries, double *const z, double *const buffer)
+{
+  for (unsigned int g = 0; g < pattern.n_groups(); ++g) {
+    const BlockRow k(pattern.group(g), entries + first[g]);
+    with_constant(
+        k.n_rows, [&](const auto n) __attribute__((always_inline)) {
+          multiply_block<n>(k.inverse, z + k.first_row);
+          combine_rows<n>(k.entries, k.columns.size, z + k.first_row, buffer);
+        });
+    for_columns(
+        k.columns, [&](const int q, const int column)
+                       __attribute__((always_inline)) { z[column] -= buffer[q]; });
+  }
+  for (unsigned int g = pattern.n_groups(); g-- > 0;) {
+    const BlockRow k(pattern.group(g), entries + first[g]);
+    gather(k.columns, z, buffer);
+    with_constant(
+        k.n_rows, [&](const auto n) __attribute__((always_inline)) {
+          double sums[n];
+          multiply_rows<n>(k.entries, k.columns.size, buffer, sums);
+          multiply_block<n>(k.inverse, sums);
+          for (int i = 0; i < n; ++i)
+            z[k.first_row + i] -= sums[i];
+        });
+  }
+}
+
 } // namespace
 
 IncompleteFactorisation::IncompleteFactorisation(const CompactMatrix &A, const double shift)
@@ -46,15 +128,6 @@ IncompleteFactorisation::IncompleteFactorisation(const CompactMatrix &A, const d
 {
   copy_upper(A, shift);
   factorise();
-}
-
-IncompleteFactorisation::BlockRow IncompleteFactorisation::block_row(const unsigned int g) const
-{
-  const RowPattern::Group group = pattern->group(g);
-  const int n = group.n_rows;
-  const float *const inverse = entries.data() + first[g];
-  return {group.first_row, n, inverse, group.n_own - group.n_lower - n, group.columns + group.n_lower + n,
-          inverse + n * n};
 }
 
 void IncompleteFactorisation::copy_upper(const CompactMatrix &A, const double shift)
@@ -66,13 +139,17 @@ void IncompleteFactorisation::copy_upper(const CompactMatrix &A, const double sh
     first.push_back(n_entries);
     n_entries += static_cast<std::size_t>(group.n_own - group.n_lower) * group.n_rows;
   }
-  entries.resize(n_entries);
+  entries.resize(Lanes::padded(n_entries), 0);
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
-    const std::size_t n = group.n_rows, begin = group.first_entry + group.n_lower * n;
-    std::copy_n(A.values.data() + begin, (group.n_own - group.n_lower) * n, entries.data() + first[g]);
-    for (std::size_t i = 0; i < n; ++i) {
-      float &diagonal = entries[first[g] + i * n + i];
+    const int n = group.n_rows, n_upper = group.n_own - group.n_lower - n;
+    float *const block = entries.data() + first[g], *const upper = block + n * n;
+    for (int i = 0; i < n; ++i) {
+      const float *const row = A.values.data() + group.first_entry +
+                               static_cast<std::size_t>(i) * group.columns.size + group.n_lower;
+      std::copy_n(row, n, block + i * n);
+      std::copy_n(row + n, n_upper, upper + i * n_upper);
+      float &diagonal = block[i * n + i];
       diagonal = diagonal == 0 ? 1 : static_cast<float>((1 + shift) * diagonal); // of an empty row
     }
   }
@@ -85,35 +162,25 @@ void IncompleteFactorisation::factorise()
   for (unsigned int g = 0; g < pattern->n_groups(); ++g)
     std::fill_n(group_of_row.begin() + pattern->group(g).first_row, pattern->group(g).n_rows, g);
   std::vector<int> position(pattern->n_rows(), -1); // of a column in block row k
-  std::vector<float> products;                      // D_k^-1 U_k
+  std::vector<float> products;                      // D_k^-1 U_k, row by row
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
-    const BlockRow k = block_row(g);
+    const BlockRow k(pattern->group(g), entries.data() + first[g]);
+    const int size = k.columns.size;
     invert(entries.data() + first[g], k.n_rows);
-    products.assign(static_cast<std::size_t>(k.n_columns) * k.n_rows, 0);
-    with_known_number(k.n_rows, [&](const auto n) {
-      for (int q = 0; q < k.n_columns; ++q) {
-        position[k.columns[q]] = q;
-        for (int c = 0; c < n; ++c)
-          for (int r = 0; r < n; ++r)
-            products[q * n + r] += k.inverse[c * n + r] * k.entries[q * n + c];
-      }
-      for (int begin = 0, end = 0; begin < k.n_columns; begin = end) { // the columns of one group
-        const unsigned int i = group_of_row[k.columns[begin]];
-        while (end < k.n_columns && group_of_row[k.columns[end]] == i)
-          ++end;
-        const RowPattern::Group other = pattern->group(i);
-        float *target = entries.data() + first[i];
-        for (int q = other.n_lower; q < other.n_own; ++q, target += other.n_rows)
-          if (const int here = position[other.columns[q]]; here >= 0)
-            for (int p = begin; p < end; ++p) {
-              float sum = 0;
-              for (int r = 0; r < n; ++r)
-                sum += k.entries[p * n + r] * products[here * n + r];
-              target[k.columns[p] - other.first_row] -= sum;
-            }
-      }
-    });
-    for (int q = 0; q < k.n_columns; ++q)
+    products.assign(static_cast<std::size_t>(size) * k.n_rows, 0);
+    for (int r = 0; r < k.n_rows; ++r)
+      for (int c = 0; c < k.n_rows; ++c)
+        for (int q = 0; q < size; ++q)
+          products[r * size + q] += k.inverse[r * k.n_rows + c] * k.entries[c * size + q];
+    for (int q = 0; q < size; ++q)
+      position[k.columns[q]] = q;
+    for (int begin = 0, end = 0; begin < size; begin = end) { // the columns of one group
+      const unsigned int i = group_of_row[k.columns[begin]];
+      while (end < size && group_of_row[k.columns[end]] == i)
+        ++end;
+      subtract(k, begin, end, products, position, pattern->group(i), entries.data() + first[i]);
+    }
+    for (int q = 0; q < size; ++q)
       position[k.columns[q]] = -1;
   }
 }
@@ -123,40 +190,8 @@ void IncompleteFactorisation::vmult(double *const z, const double *const r) cons
 {
   for (int row = 0; row < pattern->n_rows(); ++row)
     z[row] = r[row] / unit;
-  std::array<double, RowPattern::most_rows> sum{};
-  for (unsigned int g = 0; g < pattern->n_groups(); ++g) { // (D + U)^T D^-1 v = r, v in the place of z
-    const BlockRow k = block_row(g);
-    with_known_number(k.n_rows, [&](const auto n) {
-      double *const v = z + k.first_row;
-      sum.fill(0);
-      for (int c = 0; c < n; ++c)
-        for (int i = 0; i < n; ++i)
-          sum[i] += v[c] * static_cast<double>(k.inverse[c * n + i]);
-      std::copy_n(sum.begin(), static_cast<int>(n), v);
-      const float *entry = k.entries;
-      for (int q = 0; q < k.n_columns; ++q, entry += n) {
-        double product = 0;
-        for (int i = 0; i < n; ++i)
-          product += sum[i] * static_cast<double>(entry[i]);
-        z[k.columns[q]] -= product;
-      }
-    });
-  }
-  for (unsigned int g = pattern->n_groups(); g-- > 0;) { // z + D^-1 U z = v
-    const BlockRow k = block_row(g);
-    with_known_number(k.n_rows, [&](const auto n) {
-      sum.fill(0);
-      const float *entry = k.entries;
-      for (int q = 0; q < k.n_columns; ++q, entry += n) {
-        const double factor = z[k.columns[q]];
-        for (int i = 0; i < n; ++i)
-          sum[i] += factor * static_cast<double>(entry[i]);
-      }
-      for (int c = 0; c < n; ++c)
-        for (int i = 0; i < n; ++i)
-          z[k.first_row + i] -= sum[c] * static_cast<double>(k.inverse[c * n + i]);
-    });
-  }
+  std::vector<double> buffer(Lanes::padded(pattern->most_columns()));
+  sweep(*pattern, first.data(), entries.data(), z, buffer.data());
 }
 
 std::size_t IncompleteFactorisation::memory_consumption() const

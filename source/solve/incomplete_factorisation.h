@@ -35,22 +35,12 @@ public:
   std::size_t memory_consumption() const; ///< in bytes, without the columns
 
 private:
-  /// A row of blocks: D^-1, and the columns and entries of U, column by column.
-  struct BlockRow
-  {
-    int first_row, n_rows;
-    const float *inverse;
-    int n_columns;
-    const int *columns;
-    const float *entries;
-  };
-  BlockRow block_row(unsigned int group) const;
   void copy_upper(const CompactMatrix &A, double shift);
   void factorise();
 
   std::shared_ptr<const RowPattern> pattern;
   std::vector<std::size_t> first; ///< entry of each group
-  std::vector<float> entries;     ///< of each group those of D^-1, then those of U, column by column
+  std::vector<float> entries;     ///< of each group those of D^-1, then those of U, row by row; and zeros
   double unit;                    ///< of A
 };
 

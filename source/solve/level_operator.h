@@ -48,14 +48,17 @@ public:
   const Epetra_Map &rows() const override { return compact ? compact->rows() : A->OperatorDomainMap(); }
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override;
   void diagonal(Epetra_Vector &values) const override;
+  /// From now on, products are made with it.
   std::shared_ptr<const CompactMatrix> single_precision() const
   {
-    return compact ? compact : std::make_shared<const CompactMatrix>(*A);
+    if (!compact)
+      compact = std::make_shared<const CompactMatrix>(*A);
+    return compact;
   }
 
 private:
   const Epetra_CrsMatrix *A = nullptr;
-  std::shared_ptr<const CompactMatrix> compact; ///< instead
+  mutable std::shared_ptr<const CompactMatrix> compact; ///< instead
 };
 
 class MatrixLevel : public LevelOperator

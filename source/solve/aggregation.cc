@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace dovetail {
 
@@ -177,26 +178,33 @@ void make_basis(const std::vector<int> &rows, const Epetra_MultiVector &modes, s
 
 } // namespace
 
+Aggregation make_bases(std::vector<int> set_of_row, const int n_sets, const Epetra_MultiVector &modes)
+{
+  const int n_modes = modes.NumVectors();
+  std::vector<std::vector<int>> rows(n_sets);
+  for (unsigned int row = 0; row < set_of_row.size(); ++row)
+    if (set_of_row[row] >= 0)
+      rows[set_of_row[row]].push_back(row);
+  Aggregation result;
+  result.basis.assign(set_of_row.size() * n_modes, 0.);
+  result.of_row = std::move(set_of_row);
+  result.modes =
+      std::make_unique<Epetra_MultiVector>(Epetra_Map(-1, n_sets * n_modes, 0, modes.Comm()), n_modes);
+  for (int set = 0; set < n_sets; ++set)
+    make_basis(rows[set], modes, result.basis, *result.modes, set * n_modes);
+  return result;
+}
+
 Aggregation make_aggregation(const Epetra_CrsMatrix &A, const Epetra_MultiVector &modes,
                              const int rows_per_node)
 {
-  const int n_modes = modes.NumVectors();
   const CoupledNodes nodes(A, rows_per_node);
   const Sets sets(nodes);
-  Aggregation result;
-  result.of_row.assign(A.NumMyRows(), -1);
-  std::vector<std::vector<int>> rows(sets.number);
+  std::vector<int> set_of_row(A.NumMyRows(), -1);
   for (int row = 0; row < A.NumMyRows(); ++row)
-    if (const int set = sets.of_node[nodes.node_of(row)]; set >= 0 && nodes.is_coupled(row)) {
-      result.of_row[row] = set;
-      rows[set].push_back(row);
-    }
-  result.basis.assign(static_cast<std::size_t>(A.NumMyRows()) * n_modes, 0.);
-  result.modes =
-      std::make_unique<Epetra_MultiVector>(Epetra_Map(-1, sets.number * n_modes, 0, A.Comm()), n_modes);
-  for (int set = 0; set < sets.number; ++set)
-    make_basis(rows[set], modes, result.basis, *result.modes, set * n_modes);
-  return result;
+    if (const int set = sets.of_node[nodes.node_of(row)]; set >= 0 && nodes.is_coupled(row))
+      set_of_row[row] = set;
+  return make_bases(std::move(set_of_row), sets.number, modes);
 }
 
 } // namespace dovetail

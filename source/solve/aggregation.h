@@ -22,6 +22,10 @@ struct Aggregation
   std::unique_ptr<Epetra_MultiVector> modes; ///< in these bases: those of the coarser level
 };
 
+/// The bases of the modes on given sets. Collective.
+/// @param set_of_row as Aggregation::of_row
+Aggregation make_bases(std::vector<int> set_of_row, int n_sets, const Epetra_MultiVector &modes);
+
 /// A set is a node with all nodes that A couples with it, as long as all of them are free, then with those
 /// that are free, as long as they are a third of them; then the others join the set of which they see most.
 /// @param A symmetric, with @p rows_per_node unknowns of each node, one after another. Collective.

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/solve/column_exchange.h>
+#include <dovetail/widest_vectors.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Map.h>
@@ -20,7 +21,7 @@ namespace dovetail {
 
 /// Calls @p action(n) with a constant for the usual numbers of rows, so that the compiler knows it.
 template <typename Action>
-inline void with_known_number(const int n, const Action &action)
+DOVETAIL_PART_OF_CALLER void with_known_number(const int n, const Action &action)
 {
   if (n == 1)
     action(std::integral_constant<int, 1>());

@@ -3,11 +3,11 @@
 
 #include "semicoarsening.h"
 
+#include "aggregate_products.h"
 #include "smoothed_aggregation.h"
 
 #include <deal.II/base/exceptions.h>
 
-#include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_Import.h>
 #include <Epetra_Map.h>
 
@@ -25,7 +25,8 @@ const unsigned int none = std::numeric_limits<unsigned int>::max();
 
 double distance(const std::array<double, 3> &a, const std::array<double, 3> &b)
 {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+  return std::sqrt(x * x + y * y + z * z); // faster than std::hypot
 }
 
 std::vector<unsigned int> node_of_rows(const LevelNodes &nodes)
@@ -104,7 +105,7 @@ SeenNodes::SeenNodes(const Epetra_CrsMatrix &A, const LevelNodes &own)
   for (unsigned int i = 0; i < own.size(); ++i)
     add(own.body[i], own.position[i]);
   for (int column = 0; column < A.NumMyCols(); ++column) {
-    const int row = A.LRID(A.GCID(column)); // -1 on another rank
+    const int row = A.Importer() == nullptr ? column : A.LRID(A.GCID(column)); // -1 on another rank
     const std::array<double, 3> its_position = {{known[0][column], known[1][column], known[2][column]}};
     const auto its_body = static_cast<unsigned int>(known[3][column]);
     if (row < 0 && (body.size() == own.size() || position.back() != its_position || body.back() != its_body))
@@ -125,14 +126,19 @@ void SeenNodes::add(const unsigned int its_body, const std::array<double, 3> &it
 NodeGraph graph_of(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const SeenNodes &seen)
 {
   NodeGraph graph(nodes.size());
+  std::vector<unsigned int> found, last_from(seen.body.size(), none);
   for (unsigned int n = 0; n < nodes.size(); ++n) {
+    last_from[n] = n;
+    found.clear();
     for (int row = nodes.first_row[n]; row < nodes.first_row[n + 1]; ++row)
       for_entries(A, row, [&](const int column, double) {
-        if (seen.of_column[column] != n)
-          graph[n].push_back(seen.of_column[column]);
+        const unsigned int other = seen.of_column[column];
+        if (last_from[other] != n)
+          found.push_back(other);
+        last_from[other] = n;
       });
-    std::sort(graph[n].begin(), graph[n].end());
-    graph[n].erase(std::unique(graph[n].begin(), graph[n].end()), graph[n].end());
+    std::sort(found.begin(), found.end());
+    graph[n] = found;
   }
   return graph;
 }
@@ -208,149 +214,116 @@ Aggregates::Aggregates(const NodeGraph &near, const NodeGraph &all) : of_node(ne
       begin(node, near);
 }
 
-/// What an aggregate adds to T: an orthonormal basis of the modes on its rows, and what the modes are in it.
-struct Basis
+/// By own row its aggregate; none of a row that is not coupled, or prescribed.
+std::vector<int> aggregate_of_rows(const Epetra_CrsMatrix &A, const LevelNodes &nodes,
+                                   const Aggregates &aggregates)
 {
-  std::vector<std::vector<double>> columns;      ///< [column][row of the aggregate]
-  std::vector<std::vector<double>> coefficients; ///< [column][mode]
-};
-
-Basis make_basis(const std::vector<int> &rows, const Epetra_MultiVector &modes)
-{
-  const double least = 1e-7;
-  Basis basis;
-  for (int mode = 0; mode < modes.NumVectors(); ++mode) {
-    std::vector<double> v(rows.size());
-    for (unsigned int i = 0; i < rows.size(); ++i)
-      v[i] = modes[mode][rows[i]];
-    const auto norm = [&v]() { return std::sqrt(std::inner_product(v.begin(), v.end(), v.begin(), 0.)); };
-    const double before = norm();
-    if (before == 0)
-      continue;
-    for (unsigned int pass = 0; pass < 2; ++pass)
-      for (unsigned int k = 0; k < basis.columns.size(); ++k) {
-        const auto &q = basis.columns[k];
-        const double part = std::inner_product(v.begin(), v.end(), q.begin(), 0.);
-        basis.coefficients[k][mode] += part;
-        for (unsigned int i = 0; i < v.size(); ++i)
-          v[i] -= part * q[i];
-      }
-    const double after = norm();
-    if (after <= least * before)
-      continue;
-    for (double &x : v)
-      x /= after;
-    basis.columns.push_back(v);
-    basis.coefficients.emplace_back(modes.NumVectors(), 0.);
-    basis.coefficients.back()[mode] = after;
-  }
-  return basis;
-}
-
-/// T, and the nodes and modes of the coarse level.
-struct Coarse
-{
-  std::unique_ptr<Epetra_CrsMatrix> T;
-  LevelNodes nodes;
-  std::unique_ptr<Epetra_MultiVector> modes;
-};
-
-std::vector<std::vector<int>> rows_of_aggregates(const Epetra_CrsMatrix &A, const LevelNodes &nodes,
-                                                 const Aggregates &aggregates)
-{
-  std::vector<std::vector<int>> rows(aggregates.root.size());
+  std::vector<int> result(A.NumMyRows(), -1);
   for (unsigned int node = 0; node < nodes.size(); ++node)
     if (aggregates.of_node[node] != none)
-      for (int row = nodes.first_row[node]; row < nodes.first_row[node + 1]; ++row) {
-        bool is_coupled = false; // or prescribed
+      for (int row = nodes.first_row[node]; row < nodes.first_row[node + 1]; ++row)
         for_entries(A, row, [&](const int column, double) {
-          is_coupled = is_coupled || A.GCID(column) != A.GRID(row);
+          if (A.Importer() == nullptr ? column != row : A.GCID(column) != A.GRID(row))
+            result[row] = aggregates.of_node[node];
         });
-        if (is_coupled)
-          rows[aggregates.of_node[node]].push_back(row);
-      }
-  return rows;
+  return result;
 }
 
-Coarse make_coarse(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epetra_MultiVector &modes,
-                   const Aggregates &aggregates)
+/// With as many rows each as there are modes.
+LevelNodes coarse_nodes(const LevelNodes &nodes, const Aggregates &aggregates, const int n_modes)
 {
-  const std::vector<std::vector<int>> rows = rows_of_aggregates(A, nodes, aggregates);
-  Coarse coarse;
-  std::vector<Basis> bases;
-  coarse.nodes.first_row = {0};
-  for (unsigned int i = 0; i < rows.size(); ++i) {
-    bases.push_back(make_basis(rows[i], modes));
-    coarse.nodes.first_row.push_back(coarse.nodes.first_row.back() + bases[i].columns.size());
-    coarse.nodes.body.push_back(nodes.body[aggregates.root[i]]);
+  LevelNodes coarse;
+  for (unsigned int i = 0; i < aggregates.root.size(); ++i) {
+    coarse.first_row.push_back(i * n_modes);
+    coarse.body.push_back(nodes.body[aggregates.root[i]]);
   }
-  coarse.nodes.position.resize(rows.size());
-  std::vector<unsigned int> n_nodes(rows.size(), 0);
+  coarse.first_row.push_back(aggregates.root.size() * n_modes);
+  coarse.position.resize(aggregates.root.size());
+  std::vector<unsigned int> n_nodes(aggregates.root.size(), 0);
   for (unsigned int node = 0; node < nodes.size(); ++node)
     if (const unsigned int i = aggregates.of_node[node]; i != none) {
       const double weight = 1. / ++n_nodes[i];
       for (unsigned int d = 0; d < 3; ++d)
-        coarse.nodes.position[i][d] += weight * (nodes.position[node][d] - coarse.nodes.position[i][d]);
+        coarse.position[i][d] += weight * (nodes.position[node][d] - coarse.position[i][d]);
     }
-
-  const Epetra_Map coarse_rows(-1, coarse.nodes.first_row.back(), 0, A.Comm());
-  coarse.modes = std::make_unique<Epetra_MultiVector>(coarse_rows, modes.NumVectors());
-  std::vector<std::vector<std::pair<int, double>>> entries(A.NumMyRows());
-  for (unsigned int i = 0; i < rows.size(); ++i)
-    for (unsigned int k = 0; k < bases[i].columns.size(); ++k) {
-      const int column = coarse.nodes.first_row[i] + k;
-      for (int mode = 0; mode < modes.NumVectors(); ++mode)
-        (*coarse.modes)[mode][column] = bases[i].coefficients[k][mode];
-      for (unsigned int r = 0; r < rows[i].size(); ++r)
-        if (bases[i].columns[k][r] != 0)
-          entries[rows[i][r]].emplace_back(coarse_rows.GID(column), bases[i].columns[k][r]);
-    }
-  coarse.T = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), modes.NumVectors());
-  for (int row = 0; row < A.NumMyRows(); ++row)
-    for (const auto &[column, value] : entries[row])
-      coarse.T->InsertGlobalValues(A.GRID(row), 1, &value, &column);
-  coarse.T->FillComplete(coarse_rows, A.OperatorDomainMap());
   return coarse;
 }
 
-/// A_near.
-std::unique_ptr<Epetra_CrsMatrix> without_far_couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes,
-                                                        const Couplings &couplings)
+/// How many vectors of all bases are not zero. Collective.
+int size_of_basis(const Aggregation &aggregation)
 {
-  const std::vector<unsigned int> node = node_of_rows(nodes);
-  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), A.ColMap(), 0);
-  std::vector<double> values;
-  std::vector<int> columns;
-  for (int row = 0; row < A.NumMyRows(); ++row) {
-    const std::vector<unsigned int> &near = couplings.near[node[row]];
-    columns.clear();
-    values.clear();
-    for_entries(A, row, [&](const int column, const double value) {
-      const unsigned int other = couplings.node_of_column[column];
-      if (other == node[row] || std::binary_search(near.begin(), near.end(), other)) {
-        columns.push_back(column);
-        values.push_back(value);
-      }
-    });
-    result->InsertMyValues(row, columns.size(), values.data(), columns.data());
-  }
-  result->FillComplete(A.OperatorDomainMap(), A.OperatorRangeMap());
-  return result;
+  const Epetra_MultiVector &modes = *aggregation.modes;
+  int here = 0, everywhere = 0;
+  for (int row = 0; row < modes.MyLength(); ++row)
+    here += modes[row % modes.NumVectors()][row] != 0 ? 1 : 0;
+  modes.Comm().SumAll(&here, &everywhere, 1);
+  return everywhere;
 }
 
-/// The largest eigenvalue of D^-1 A, from below.
-double largest_eigenvalue(const Epetra_CrsMatrix &A, const Epetra_Vector &inverse_diagonal)
+/// The rows of A_near, which has the columns of A.
+class NearEntries
+{
+public:
+  NearEntries(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Couplings &couplings);
+
+  SparseRows rows() const { return {begin.data(), columns.data(), values.data()}; }
+  /// Of D^-1 A_near, from below, where D = diag(A). Collective.
+  double largest_eigenvalue(const Epetra_CrsMatrix &A) const;
+
+private:
+  std::vector<int> begin, columns;
+  std::vector<double> values;
+};
+
+NearEntries::NearEntries(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Couplings &couplings)
+{
+  const auto for_near = [&](const auto &action, const auto &row_ends) {
+    std::vector<unsigned int> near_to(couplings.n_nodes, none); // of each node the last one
+    for (unsigned int node = 0; node < nodes.size(); ++node) {
+      near_to[node] = node;
+      for (const unsigned int other : couplings.near[node])
+        near_to[other] = node;
+      for (int row = nodes.first_row[node]; row < nodes.first_row[node + 1]; ++row) {
+        for_entries(A, row, [&](const int column, const double value) {
+          if (near_to[couplings.node_of_column[column]] == node)
+            action(column, value);
+        });
+        row_ends();
+      }
+    }
+  };
+  begin.reserve(A.NumMyRows() + 1); // two passes, as memory is precious
+  begin.push_back(0);
+  int n = 0;
+  for_near([&n](int, double) { ++n; }, [&]() { begin.push_back(n); });
+  columns.reserve(n);
+  values.reserve(n);
+  for_near(
+      [&](const int column, const double value) {
+        columns.push_back(column);
+        values.push_back(value);
+      },
+      []() {});
+}
+
+double NearEntries::largest_eigenvalue(const Epetra_CrsMatrix &A) const
 {
   const unsigned int n_steps = 10;
-  Epetra_Vector x(A.OperatorDomainMap()), y(A.OperatorDomainMap());
+  Epetra_Vector x(A.OperatorDomainMap()), diagonal(x);
+  LevelEntries(A).diagonal(diagonal);
   for (int i = 0; i < x.MyLength(); ++i)
     x[i] = std::sin(1e4 * (1 + x.Map().GID(i) % 1009));
   double norm = 1;
   for (unsigned int step = 0; step < n_steps; ++step) {
     x.Norm2(&norm);
     x.Scale(1 / norm);
-    A.Multiply(false, x, y);
-    x.Multiply(1., inverse_diagonal, y, 0.);
+    const Epetra_MultiVector known = of_columns(A, x);
+    for (int row = 0; row < x.MyLength(); ++row) {
+      double sum = 0;
+      for (int k = begin[row]; k < begin[row + 1]; ++k)
+        sum += values[k] * known[0][columns[k]];
+      x[row] = diagonal[row] > 0 ? sum / diagonal[row] : 0;
+    }
   }
   x.Norm2(&norm);
   return norm;
@@ -360,59 +333,56 @@ double largest_eigenvalue(const Epetra_CrsMatrix &A, const Epetra_Vector &invers
 class LeastRow
 {
 public:
-  /// @param modes the rows of B, by mode
-  explicit LeastRow(std::vector<std::vector<double>> modes);
+  /// @param modes the rows of B, mode by mode
+  void set(std::vector<double> modes, unsigned int number_of_modes);
   /// Adds d to @p row, where d B = @p product.
-  void add(double *row, const std::vector<double> &product) const;
+  void add(double *row, const double *product) const;
 
 private:
-  struct Step
-  {
-    unsigned int mode;
-    std::vector<double> parts; ///< of the mode along the directions before
-    double length;
-  };
-  std::vector<Step> steps;
-  std::vector<std::vector<double>> directions; ///< orthonormal
+  unsigned int n_modes = 0;
+  std::vector<double> directions; ///< by mode: orthonormal, or zero if it depends on those before
+  std::vector<double> parts;      ///< by mode what it is along the directions, up to its own
+  mutable std::vector<double> along;
 };
 
-LeastRow::LeastRow(std::vector<std::vector<double>> modes)
+void LeastRow::set(std::vector<double> modes, const unsigned int number_of_modes)
 {
   const double least = 1e-5;
-  const auto product = [](const auto &a, const auto &b) {
-    return std::inner_product(a.begin(), a.end(), b.begin(), 0.);
-  };
-  for (unsigned int mode = 0; mode < modes.size(); ++mode) {
-    std::vector<double> &v = modes[mode];
-    Step step{mode, std::vector<double>(directions.size(), 0.), std::sqrt(product(v, v))};
-    const double before = step.length;
+  n_modes = number_of_modes;
+  directions = std::move(modes);
+  parts.assign(n_modes * n_modes, 0.);
+  along.resize(n_modes);
+  const std::size_t n = directions.size() / n_modes;
+  for (unsigned int mode = 0; mode < n_modes; ++mode) {
+    double *const v = &directions[mode * n], *const part = &parts[mode * n_modes];
+    const auto product = [n, v](const double *const w) { return std::inner_product(v, v + n, w, 0.); };
+    const double before = std::sqrt(product(v));
     for (unsigned int pass = 0; pass < 2; ++pass)
-      for (unsigned int k = 0; k < directions.size(); ++k) {
-        const double part = product(v, directions[k]);
-        step.parts[k] += part;
-        for (unsigned int i = 0; i < v.size(); ++i)
-          v[i] -= part * directions[k][i];
+      for (unsigned int k = 0; k < mode; ++k) {
+        const double *const direction = &directions[k * n];
+        const double along_it = product(direction);
+        part[k] += along_it;
+        for (std::size_t i = 0; i < n; ++i)
+          v[i] -= along_it * direction[i];
       }
-    step.length = std::sqrt(product(v, v));
-    if (!(step.length > least * before))
-      continue;
-    for (double &x : v)
-      x /= step.length;
-    directions.push_back(std::move(v));
-    steps.push_back(std::move(step));
+    const double length = std::sqrt(product(v));
+    part[mode] = length > least * before ? length : 0;
+    for (std::size_t i = 0; i < n; ++i)
+      v[i] = part[mode] > 0 ? v[i] / length : 0;
   }
 }
 
-void LeastRow::add(double *const row, const std::vector<double> &product) const
+void LeastRow::add(double *const row, const double *const product) const
 {
-  std::vector<double> along;
-  for (const Step &step : steps) {
-    along.push_back(
-        (product[step.mode] - std::inner_product(along.begin(), along.end(), step.parts.begin(), 0.)) /
-        step.length);
-    const std::vector<double> &direction = directions[along.size() - 1];
-    for (unsigned int i = 0; i < direction.size(); ++i)
-      row[i] += along.back() * direction[i];
+  const std::size_t n = directions.size() / n_modes;
+  for (unsigned int mode = 0; mode < n_modes; ++mode) {
+    const double *const part = &parts[mode * n_modes], *const direction = &directions[mode * n];
+    along[mode] =
+        part[mode] > 0
+            ? (product[mode] - std::inner_product(part, part + mode, along.begin(), 0.)) / part[mode]
+            : 0;
+    for (std::size_t i = 0; i < n; ++i)
+      row[i] += along[mode] * direction[i];
   }
 }
 
@@ -424,48 +394,40 @@ void fit(Epetra_CrsMatrix &P, const Epetra_MultiVector &coarse_modes, const Epet
   P.Multiply(false, coarse_modes, missing);
   missing.Update(1., modes, -1.);
   of_columns.Import(coarse_modes, Epetra_Import(P.ColMap(), coarse_modes.Map()), Insert);
-  std::unique_ptr<LeastRow> least;
+  LeastRow least;
   std::vector<int> last_columns; // which rows of a node share
   std::vector<double> product(n_modes);
   for (int row = 0; row < P.NumMyRows(); ++row) {
     int n = 0, *columns = nullptr;
     double *values = nullptr;
     P.ExtractMyRowView(row, n, values, columns);
-    if (!least || !std::equal(columns, columns + n, last_columns.begin(), last_columns.end())) {
+    if (n == 0)
+      continue;
+    if (!std::equal(columns, columns + n, last_columns.begin(), last_columns.end())) {
       last_columns.assign(columns, columns + n);
-      std::vector<std::vector<double>> in_row(n_modes, std::vector<double>(n));
+      std::vector<double> in_row(static_cast<std::size_t>(n_modes) * n);
       for (int mode = 0; mode < n_modes; ++mode)
         for (int k = 0; k < n; ++k)
-          in_row[mode][k] = of_columns[mode][columns[k]];
-      least = std::make_unique<LeastRow>(std::move(in_row));
+          in_row[mode * n + k] = of_columns[mode][columns[k]];
+      least.set(std::move(in_row), n_modes);
     }
     for (int mode = 0; mode < n_modes; ++mode)
       product[mode] = missing[mode][row];
-    least->add(values, product);
+    least.add(values, product.data());
   }
 }
 
 /// (I - w D^-1 A_near) T + F
-std::unique_ptr<Epetra_CrsMatrix> smoothed(const Coarse &coarse, const Epetra_CrsMatrix &A_near,
-                                           const Epetra_MultiVector &modes)
+std::unique_ptr<Epetra_CrsMatrix> make_prolongation(const Epetra_CrsMatrix &A, const LevelNodes &nodes,
+                                                    const Couplings &couplings,
+                                                    const Aggregation &aggregation,
+                                                    const Epetra_MultiVector &modes)
 {
-  const Epetra_CrsMatrix &T = *coarse.T;
-  Epetra_Vector inverse(A_near.RowMap());
-  A_near.ExtractDiagonalCopy(inverse);
-  for (int i = 0; i < inverse.MyLength(); ++i)
-    inverse[i] = inverse[i] > 0 ? 1 / inverse[i] : 0;
-  const double damping = 1 / largest_eigenvalue(A_near, inverse); // 4/3 of it, with a margin
-  auto P = std::make_unique<Epetra_CrsMatrix>(Copy, T.RowMap(), 0);
-  EpetraExt::MatrixMatrix::Multiply(A_near, false, T, false, *P, false);
-  P->FillComplete(T.OperatorDomainMap(), T.OperatorRangeMap());
-  inverse.Scale(-damping);
-  P->LeftScale(inverse);
-  auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, T.RowMap(), 0);
-  Epetra_CrsMatrix *raw = sum.get();
-  EpetraExt::MatrixMatrix::Add(*P, false, 1., T, false, 1., raw);
-  sum->FillComplete(T.OperatorDomainMap(), T.OperatorRangeMap());
-  fit(*sum, *coarse.modes, modes);
-  return sum;
+  const NearEntries near(A, nodes, couplings);
+  const double w = 1 / near.largest_eigenvalue(A); // 4/3 of it, with a margin
+  auto P = smooth_bases(A, near.rows(), aggregation, w);
+  fit(*P, *aggregation.modes, modes);
+  return P;
 }
 
 } // namespace
@@ -511,6 +473,7 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   A.Comm().SumAll(counts.data(), sums.data(), counts.size());
   share_of_far = sums[1] > 0 ? sums[0] / sums[1] : 0;
   rows_together = sums[1] > 0 ? sums[2] / sums[1] : 0;
+  n_nodes = seen.body.size();
   node_of_column = std::move(seen.of_column);
 }
 
@@ -592,14 +555,15 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     const Epetra_CrsMatrix &matrix = coarsest();
     const Couplings couplings(matrix, nodes);
     const Aggregates aggregates(own_part(couplings.near), couplings.all);
-    Coarse coarse = make_coarse(matrix, nodes, *modes, aggregates);
-    if (coarse.T->NumGlobalCols() > largest_growth * matrix.NumGlobalRows())
+    Aggregation aggregation = make_bases(aggregate_of_rows(matrix, nodes, aggregates),
+                                         static_cast<int>(aggregates.root.size()), *modes);
+    if (size_of_basis(aggregation) > largest_growth * matrix.NumGlobalRows())
       break;
-    auto P = smoothed(coarse, *without_far_couplings(matrix, nodes, couplings), *modes);
-    auto next = restrict_matrix(matrix, *P);
-    add_level(make_smoother, std::move(P), [&next]() { return std::move(next); });
-    owned_modes = std::move(coarse.modes);
-    nodes = std::move(coarse.nodes);
+    auto P = make_prolongation(matrix, nodes, couplings, aggregation, *modes);
+    const MakeMatrix make_next = sum_coarse_matrix(matrix, *P, modes->NumVectors());
+    add_level(make_smoother, std::move(P), make_next);
+    nodes = coarse_nodes(nodes, aggregates, modes->NumVectors());
+    owned_modes = std::move(aggregation.modes);
     if (const Epetra_Import *const gather = gather_coarsest()) {
       owned_modes = imported(*owned_modes, *gather);
       nodes = imported_nodes(nodes, *gather);

@@ -42,6 +42,7 @@ struct Couplings
 
   NodeGraph all, near;
   std::vector<unsigned int> node_of_column; ///< of A
+  unsigned int n_nodes = 0;                 ///< of this rank, and those of other ranks
   double share_of_far = 0;                  ///< of the nodes of all ranks: with a long one within a body
   double rows_together = 0; ///< mean of all ranks: of a node and those that short couplings connect with it
 };

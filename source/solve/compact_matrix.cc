@@ -98,11 +98,10 @@ DOVETAIL_WIDEST_VECTORS void multiply(const RowPattern &pattern, const float *co
 {
   for (unsigned int g = 0; g < pattern.n_groups(); ++g) {
     const RowPattern::Group group = pattern.group(g);
-    gather(group.columns, x, buffer);
     with_constant(
         group.n_rows, [&](const auto n) __attribute__((always_inline)) {
-          double sums[RowPattern::most_rows];
-          multiply_rows<n>(values + group.first_entry, group.columns.size, buffer, sums);
+          double sums[n];
+          multiply_rows<n>(group.columns, values + group.first_entry, x, sums, buffer);
           for (int i = 0; i < n; ++i)
             y[group.first_row + i] = unit * sums[i];
         });
@@ -118,14 +117,11 @@ DOVETAIL_WIDEST_VECTORS void add_transposed(const RowPattern &pattern, const flo
     const RowPattern::Group group = pattern.group(g);
     with_constant(
         group.n_rows, [&](const auto n) __attribute__((always_inline)) {
-          double factors[RowPattern::most_rows];
+          double factors[n];
           for (int i = 0; i < n; ++i)
             factors[i] = unit * x[group.first_row + i];
-          combine_rows<n>(values + group.first_entry, group.columns.size, factors, buffer);
+          add_rows<n>(group.columns, values + group.first_entry, factors, y, buffer);
         });
-    for_columns(
-        group.columns, [&](const int k, const int column)
-                           __attribute__((always_inline)) { y[column] += buffer[k]; });
   }
 }
 
@@ -241,10 +237,12 @@ void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
   values.reserve(Lanes::padded(pattern->n_entries()));
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
+    values.resize(values.size() + static_cast<std::size_t>(group.columns.size) * group.n_rows);
     for (int i = 0; i < group.n_rows; ++i) {
       reader.read(group.first_row + i, entries);
-      for (const auto &[column, value] : entries)
-        values.push_back(static_cast<float>(value / unit));
+      for (int k = 0; k < group.columns.size; ++k)
+        values[group.first_entry + Lanes::place(i, k, group.n_rows, group.columns.size)] =
+            static_cast<float>(entries[k].second / unit);
     }
     done(group.first_row + group.n_rows);
   }

@@ -66,7 +66,7 @@ public:
     int first_row, n_rows;
     Columns columns;
     int n_lower, n_own;      ///< how many columns are less than the first row, are own ones
-    std::size_t first_entry; ///< of n_rows * columns.size, row by row
+    std::size_t first_entry; ///< of n_rows * columns.size, in the order of Lanes
   };
   unsigned int n_groups() const { return groups.size(); }
   Group group(const unsigned int g) const

@@ -15,7 +15,7 @@ namespace dovetail {
 
 namespace {
 
-/// A row of blocks: D^-1, and the columns and entries of U, row by row.
+/// A row of blocks: D^-1, and the columns and entries of U.
 struct BlockRow
 {
   BlockRow(const RowPattern::Group &group, const float *const inverse)
@@ -57,30 +57,6 @@ void invert(float *const block, const int n)
       block[i * n + j] = block[j * n + i] = static_cast<float>(a[i * n + j]);
 }
 
-/// From another block row, whose diagonal block is @p block, its share of those columns of block row k from
-/// @p begin to @p end on: these are its rows.
-void subtract(const BlockRow &k, const int begin, const int end, const std::vector<float> &products,
-              const std::vector<int> &position, const RowPattern::Group &other, float *const block)
-{
-  const BlockRow row(other, block);
-  const int size = k.columns.size, n = other.n_rows;
-  const auto subtract_at = [&](const int here, float *const target, const int stride) {
-    for (int p = begin; p < end; ++p) {
-      float sum = 0;
-      for (int r = 0; r < k.n_rows; ++r)
-        sum += k.entries[r * size + p] * products[r * size + here];
-      target[(k.columns[p] - other.first_row) * stride] -= sum;
-    }
-  };
-  for (int p = begin; p < end; ++p)
-    subtract_at(p, block + (k.columns[p] - other.first_row), n);
-  for_columns(
-      row.columns, [&](const int q, const int column) __attribute__((always_inline)) {
-        if (position[column] >= 0)
-          subtract_at(position[column], block + n * n + q, row.columns.size);
-      });
-}
-
 /// v = D^-1 v
 template <int n>
 DOVETAIL_PART_OF_CALLER void multiply_block(const float *const inverse, double *const v)
@@ -96,24 +72,26 @@ DOVETAIL_PART_OF_CALLER void multiply_block(const float *const inverse, double *
 DOVETAIL_WIDEST_VECTORS void sweep(const RowPattern &pattern, const std::size_t *const first,
                                    const float *const entries, double *const z, double *const buffer)
 {
+  const std::ptrdiff_t ahead = 1024;
   for (unsigned int g = 0; g < pattern.n_groups(); ++g) {
     const BlockRow k(pattern.group(g), entries + first[g]);
+    prefetch(k.entries, std::size_t(k.columns.size) * k.n_rows, ahead);
     with_constant(
         k.n_rows, [&](const auto n) __attribute__((always_inline)) {
           multiply_block<n>(k.inverse, z + k.first_row);
-          combine_rows<n>(k.entries, k.columns.size, z + k.first_row, buffer);
+          double factors[n];
+          for (int i = 0; i < n; ++i)
+            factors[i] = -z[k.first_row + i];
+          add_rows<n>(k.columns, k.entries, factors, z, buffer);
         });
-    for_columns(
-        k.columns, [&](const int q, const int column)
-                       __attribute__((always_inline)) { z[column] -= buffer[q]; });
   }
   for (unsigned int g = pattern.n_groups(); g-- > 0;) {
     const BlockRow k(pattern.group(g), entries + first[g]);
-    gather(k.columns, z, buffer);
+    prefetch(k.entries, std::size_t(k.columns.size) * k.n_rows, -ahead);
     with_constant(
         k.n_rows, [&](const auto n) __attribute__((always_inline)) {
           double sums[n];
-          multiply_rows<n>(k.entries, k.columns.size, buffer, sums);
+          multiply_rows<n>(k.columns, k.entries, z, sums, buffer);
           multiply_block<n>(k.inverse, sums);
           for (int i = 0; i < n; ++i)
             z[k.first_row + i] -= sums[i];
@@ -142,46 +120,67 @@ void IncompleteFactorisation::copy_upper(const CompactMatrix &A, const double sh
   entries.resize(Lanes::padded(n_entries), 0);
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
-    const int n = group.n_rows, n_upper = group.n_own - group.n_lower - n;
-    float *const block = entries.data() + first[g], *const upper = block + n * n;
+    const int n = group.n_rows;
+    float *const block = entries.data() + first[g];
+    const float *const values = A.values.data() + group.first_entry;
     for (int i = 0; i < n; ++i) {
-      const float *const row = A.values.data() + group.first_entry +
-                               static_cast<std::size_t>(i) * group.columns.size + group.n_lower;
-      std::copy_n(row, n, block + i * n);
-      std::copy_n(row + n, n_upper, upper + i * n_upper);
+      for (int k = 0; k < group.n_own - group.n_lower; ++k)
+        block[k * n + i] = values[Lanes::place(i, group.n_lower + k, n, group.columns.size)];
       float &diagonal = block[i * n + i];
       diagonal = diagonal == 0 ? 1 : static_cast<float>((1 + shift) * diagonal); // of an empty row
     }
   }
 }
 
-/// Block row by block row: D_i and U_ij lose U_ki^T D_k^-1 U_ki and U_ki^T D_k^-1 U_kj, k < i < j.
+/// Block row by block row: D_i and U_ij lose U_ki^T D_k^-1 U_ki and U_ki^T D_k^-1 U_kj, k < i < j. U is held
+/// column by column until it has served as U_k.
 void IncompleteFactorisation::factorise()
 {
   std::vector<unsigned int> group_of_row(pattern->n_rows());
   for (unsigned int g = 0; g < pattern->n_groups(); ++g)
     std::fill_n(group_of_row.begin() + pattern->group(g).first_row, pattern->group(g).n_rows, g);
-  std::vector<int> position(pattern->n_rows(), -1); // of a column in block row k
-  std::vector<float> products;                      // D_k^-1 U_k, row by row
+  std::vector<int> position(pattern->n_rows(), -1), columns; // of a column in block row k
+  std::vector<float> upper, products;                        // U_k and D_k^-1 U_k
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
-    const BlockRow k(pattern->group(g), entries.data() + first[g]);
+    float *const block = entries.data() + first[g];
+    const BlockRow k(pattern->group(g), block);
     const int size = k.columns.size;
-    invert(entries.data() + first[g], k.n_rows);
-    products.assign(static_cast<std::size_t>(size) * k.n_rows, 0);
-    for (int r = 0; r < k.n_rows; ++r)
-      for (int c = 0; c < k.n_rows; ++c)
-        for (int q = 0; q < size; ++q)
-          products[r * size + q] += k.inverse[r * k.n_rows + c] * k.entries[c * size + q];
-    for (int q = 0; q < size; ++q)
-      position[k.columns[q]] = q;
-    for (int begin = 0, end = 0; begin < size; begin = end) { // the columns of one group
-      const unsigned int i = group_of_row[k.columns[begin]];
-      while (end < size && group_of_row[k.columns[end]] == i)
-        ++end;
-      subtract(k, begin, end, products, position, pattern->group(i), entries.data() + first[i]);
-    }
-    for (int q = 0; q < size; ++q)
-      position[k.columns[q]] = -1;
+    invert(block, k.n_rows);
+    upper.assign(k.entries, k.entries + static_cast<std::size_t>(size) * k.n_rows);
+    products.assign(upper.size(), 0);
+    columns.clear();
+    for_columns(k.columns, [&](int, const int column) { columns.push_back(column); });
+    with_known_number(k.n_rows, [&](const auto n) {
+      for (int q = 0; q < size; ++q) {
+        position[columns[q]] = q;
+        for (int c = 0; c < n; ++c)
+          for (int r = 0; r < n; ++r)
+            products[q * n + r] += k.inverse[c * n + r] * upper[q * n + c];
+      }
+      for (int begin = 0, end = 0; begin < size; begin = end) { // the columns of one group
+        const unsigned int i = group_of_row[columns[begin]];
+        while (end < size && group_of_row[columns[end]] == i)
+          ++end;
+        const RowPattern::Group other = pattern->group(i);
+        RowPattern::Columns of_other = other.columns.from(other.n_lower);
+        of_other.size -= other.columns.size - other.n_own;
+        float *const target = entries.data() + first[i] - other.first_row;
+        for_columns(of_other, [&](const int q, const int column) {
+          if (const int here = position[column]; here >= 0)
+            for (int p = begin; p < end; ++p) {
+              float sum = 0;
+              for (int r = 0; r < n; ++r)
+                sum += upper[p * n + r] * products[here * n + r];
+              target[q * other.n_rows + columns[p]] -= sum;
+            }
+        });
+      }
+      for (int q = 0; q < size; ++q) {
+        position[columns[q]] = -1;
+        for (int r = 0; r < n; ++r)
+          block[n * n + Lanes::place(r, q, n, size)] = upper[q * n + r];
+      }
+    });
   }
 }
 

@@ -3,7 +3,7 @@
 //
 // Products of the rows of a group of a RowPattern, for functions with the widest vectors of the processor.
 // The entries of each row follow each other in single precision; sums are in double precision. What a product
-// needs of a vector is gathered in a buffer, so that eight entries are multiplied at a time, in any row.
+// needs of a vector is gathered in a buffer, so that four entries are multiplied at a time, in any row.
 
 #pragma once
 
@@ -11,19 +11,26 @@
 
 #include <dovetail/widest_vectors.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <type_traits>
 
 namespace dovetail {
 
 /// The numbers that are multiplied at a time.
 struct Lanes
 {
-  static constexpr int number = 8;
-  typedef double Doubles __attribute__((vector_size(64), aligned(8), may_alias));
-  typedef float Floats __attribute__((vector_size(32), aligned(4), may_alias));
+  static constexpr int number = 4;
+  typedef double Doubles __attribute__((vector_size(32), aligned(8), may_alias));
 
-  /// How long a buffer, or what is read of an array, may be.
+  /// How long a buffer is, or an array, of which so many numbers more are read and multiplied by zero.
   static std::size_t padded(const std::size_t n) { return n + number; }
+  /// Where the entry of row @p i and column @p k of n_rows * size ones is.
+  static std::size_t place(const int i, const int k, const int n_rows, const int size)
+  {
+    const int first = k / number * number, n_columns = std::min(number, size - first);
+    return static_cast<std::size_t>(first) * n_rows + i * n_columns + (k - first);
+  }
 };
 
 /// Calls @p action(n) with a constant for any number of rows of a group.
@@ -79,48 +86,81 @@ DOVETAIL_PART_OF_CALLER void for_columns(const RowPattern::Columns &columns, con
     for_blocks(std::integral_constant<int, 1>());
 }
 
-/// buffer = x at the columns, and zeros after them
-DOVETAIL_PART_OF_CALLER void gather(const RowPattern::Columns &columns, const double *const x,
-                                    double *const buffer)
+/// Asks for what is read soon, so many entries before or after the present ones.
+DOVETAIL_PART_OF_CALLER void prefetch(const float *const entries, const std::size_t n,
+                                      const std::ptrdiff_t ahead)
 {
+  const std::size_t per_line = 16;
+  for (std::size_t k = 0; k < n; k += per_line)
+    __builtin_prefetch(entries + k + ahead);
+}
+
+/// Calls @p action(k, entries, n) for the columns from k on, n of which are multiplied at a time.
+template <int n_rows, typename Action>
+DOVETAIL_PART_OF_CALLER void for_lanes(const float *entries, const int size, const Action &action)
+{
+  int k = 0;
+  for (; k + Lanes::number <= size; k += Lanes::number, entries += Lanes::number * n_rows)
+    action(k, entries, std::integral_constant<int, Lanes::number>());
+  if (k < size)
+    action(k, entries, size - k);
+}
+
+DOVETAIL_PART_OF_CALLER Lanes::Doubles lanes_at(const float *const entries)
+{
+  return Lanes::Doubles{entries[0], entries[1], entries[2], entries[3]};
+}
+
+/// sums = the products of n rows with x. A single row is not worth the buffer.
+template <int n>
+DOVETAIL_PART_OF_CALLER void multiply_rows(const RowPattern::Columns &columns, const float *const entries,
+                                           const double *const x, double *const sums, double *const buffer)
+{
+  if constexpr (n == 1) {
+    sums[0] = 0;
+    for_columns(
+        columns, [&](const int k, const int column) __attribute__((always_inline)) {
+          sums[0] += x[column] * static_cast<double>(entries[k]);
+        });
+    return;
+  }
   for_columns(
       columns, [&](const int k, const int column) __attribute__((always_inline)) { buffer[k] = x[column]; });
   *reinterpret_cast<Lanes::Doubles *>(buffer + columns.size) = Lanes::Doubles{};
-}
-
-/// sums = the products of n rows of @p size entries with the buffer. Entries after them are multiplied by
-/// zero.
-template <int n>
-DOVETAIL_PART_OF_CALLER void multiply_rows(const float *const entries, const int size,
-                                           const double *const buffer, double *const sums)
-{
   Lanes::Doubles sum[n] = {};
-  for (int k = 0; k < size; k += Lanes::number) {
-    const Lanes::Doubles x = *reinterpret_cast<const Lanes::Doubles *>(buffer + k);
-    for (int i = 0; i < n; ++i)
-      sum[i] += x * __builtin_convertvector(*reinterpret_cast<const Lanes::Floats *>(entries + i * size + k),
-                                            Lanes::Doubles);
-  }
-  for (int i = 0; i < n; ++i) {
-    const auto four = __builtin_shufflevector(sum[i], sum[i], 0, 1, 2, 3) +
-                      __builtin_shufflevector(sum[i], sum[i], 4, 5, 6, 7);
-    sums[i] = (four[0] + four[2]) + (four[1] + four[3]);
-  }
+  for_lanes<n>(
+      entries,
+      columns.size, [&](const int k, const float *const a, const auto width) __attribute__((always_inline)) {
+        const Lanes::Doubles of_columns = *reinterpret_cast<const Lanes::Doubles *>(buffer + k);
+        for (int i = 0; i < n; ++i)
+          sum[i] += of_columns * lanes_at(a + i * width);
+      });
+  for (int i = 0; i < n; ++i)
+    sums[i] = (sum[i][0] + sum[i][2]) + (sum[i][1] + sum[i][3]);
 }
 
-/// buffer = the sum of n rows of @p size entries times factors
+/// y += the sum of n rows times factors
 template <int n>
-DOVETAIL_PART_OF_CALLER void combine_rows(const float *const entries, const int size,
-                                          const double *const factors, double *const buffer)
+DOVETAIL_PART_OF_CALLER void add_rows(const RowPattern::Columns &columns, const float *const entries,
+                                      const double *const factors, double *const y, double *const buffer)
 {
-  for (int k = 0; k < size; k += Lanes::number) {
-    Lanes::Doubles sum = {};
-    for (int i = 0; i < n; ++i)
-      sum += factors[i] *
-             __builtin_convertvector(*reinterpret_cast<const Lanes::Floats *>(entries + i * size + k),
-                                     Lanes::Doubles);
-    *reinterpret_cast<Lanes::Doubles *>(buffer + k) = sum;
+  if constexpr (n == 1) {
+    for_columns(
+        columns, [&](const int k, const int column) __attribute__((always_inline)) {
+          y[column] += factors[0] * static_cast<double>(entries[k]);
+        });
+    return;
   }
+  for_lanes<n>(
+      entries,
+      columns.size, [&](const int k, const float *const a, const auto width) __attribute__((always_inline)) {
+        Lanes::Doubles sum = {};
+        for (int i = 0; i < n; ++i)
+          sum += factors[i] * lanes_at(a + i * width);
+        *reinterpret_cast<Lanes::Doubles *>(buffer + k) = sum;
+      });
+  for_columns(
+      columns, [&](const int k, const int column) __attribute__((always_inline)) { y[column] += buffer[k]; });
 }
 
 } // namespace dovetail

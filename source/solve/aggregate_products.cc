@@ -315,14 +315,17 @@ private:
   const int length;
   std::vector<Row> rows;                    ///< by first row of a block
   std::vector<int> last_rows, last_columns; ///< of the last sum
+  int last_n_rows = 0;                      ///< likewise
   std::vector<BlockPlace> places;           ///< likewise
 };
 
 /// The rows of a node have the same ones.
 void BlockSums::find_places(const SparseRow &p, const RowSums &q)
 {
-  if (std::equal(last_rows.begin(), last_rows.end(), p.columns, p.columns + p.n) && last_columns == q.blocks)
+  if (last_n_rows == q.n_rows && last_columns == q.blocks &&
+      std::equal(last_rows.begin(), last_rows.end(), p.columns, p.columns + p.n))
     return;
+  last_n_rows = q.n_rows;
   last_rows.assign(p.columns, p.columns + p.n);
   last_columns = q.blocks;
   places.clear();

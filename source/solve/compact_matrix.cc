@@ -270,7 +270,7 @@ void CompactMatrix::diagonal(Epetra_Vector &result) const
     for (int i = 0; i < group.n_rows; ++i)
       result[group.first_row + i] =
           unit *
-          values[group.first_entry + static_cast<std::size_t>(i) * group.columns.size + group.n_lower + i];
+          values[group.first_entry + Lanes::place(i, group.n_lower + i, group.n_rows, group.columns.size)];
   }
 }
 

@@ -27,8 +27,7 @@ std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Ep
 ///
 /// The prolongation is P = (I - w D^-1 A) T: T is a basis of the near-null space on each of the aggregates,
 /// D = diag(A), and w = 4/3 over the largest eigenvalue of D^-1 A. The columns of T and P come in blocks, one
-/// for each aggregate, so that P^T A P is made of small dense products. It is summed row by row of A; A P is
-/// never stored, which would need more memory than A.
+/// for each aggregate, so that P^T A P is made of small dense products (aggregate_products.h).
 ///
 /// P. Vanek, J. Mandel, M. Brezina: Algebraic multigrid by smoothed aggregation for second and fourth order
 /// elliptic problems, 1996.

@@ -21,7 +21,8 @@ namespace dovetail {
 struct Lanes
 {
   static constexpr int number = 4;
-  typedef double Doubles __attribute__((vector_size(32), aligned(8), may_alias));
+  typedef double Doubles __attribute__((vector_size(32)));
+  typedef double InMemory __attribute__((vector_size(32), aligned(8), may_alias));
 
   /// How long a buffer is, or an array, of which so many numbers more are read and multiplied by zero.
   static std::size_t padded(const std::size_t n) { return n + number; }
@@ -106,9 +107,11 @@ DOVETAIL_PART_OF_CALLER void for_lanes(const float *entries, const int size, con
     action(k, entries, size - k);
 }
 
-DOVETAIL_PART_OF_CALLER Lanes::Doubles lanes_at(const float *const entries)
+/// sum += factor * entries
+template <typename Factor>
+DOVETAIL_PART_OF_CALLER void add_lanes(Lanes::Doubles &sum, const Factor &factor, const float *const entries)
 {
-  return Lanes::Doubles{entries[0], entries[1], entries[2], entries[3]};
+  sum += factor * Lanes::Doubles{entries[0], entries[1], entries[2], entries[3]};
 }
 
 /// sums = the products of n rows with x. A single row is not worth the buffer.
@@ -126,14 +129,14 @@ DOVETAIL_PART_OF_CALLER void multiply_rows(const RowPattern::Columns &columns, c
   }
   for_columns(
       columns, [&](const int k, const int column) __attribute__((always_inline)) { buffer[k] = x[column]; });
-  *reinterpret_cast<Lanes::Doubles *>(buffer + columns.size) = Lanes::Doubles{};
+  *reinterpret_cast<Lanes::InMemory *>(buffer + columns.size) = Lanes::Doubles{};
   Lanes::Doubles sum[n] = {};
   for_lanes<n>(
       entries,
       columns.size, [&](const int k, const float *const a, const auto width) __attribute__((always_inline)) {
-        const Lanes::Doubles of_columns = *reinterpret_cast<const Lanes::Doubles *>(buffer + k);
+        const Lanes::Doubles of_columns = *reinterpret_cast<const Lanes::InMemory *>(buffer + k);
         for (int i = 0; i < n; ++i)
-          sum[i] += of_columns * lanes_at(a + i * width);
+          add_lanes(sum[i], of_columns, a + i * width);
       });
   for (int i = 0; i < n; ++i)
     sums[i] = (sum[i][0] + sum[i][2]) + (sum[i][1] + sum[i][3]);
@@ -156,8 +159,8 @@ DOVETAIL_PART_OF_CALLER void add_rows(const RowPattern::Columns &columns, const 
       columns.size, [&](const int k, const float *const a, const auto width) __attribute__((always_inline)) {
         Lanes::Doubles sum = {};
         for (int i = 0; i < n; ++i)
-          sum += factors[i] * lanes_at(a + i * width);
-        *reinterpret_cast<Lanes::Doubles *>(buffer + k) = sum;
+          add_lanes(sum, factors[i], a + i * width);
+        *reinterpret_cast<Lanes::InMemory *>(buffer + k) = sum;
       });
   for_columns(
       columns, [&](const int k, const int column) __attribute__((always_inline)) { y[column] += buffer[k]; });

@@ -85,6 +85,11 @@ void SceneState::refuse_misspelt_subsection() const
     }
 }
 
+std::shared_ptr<SceneText> SceneText::copy() const
+{
+  return std::shared_ptr<SceneText>(new SceneText(std::make_unique<Implementation>(*implementation)));
+}
+
 SceneText::SceneText(std::unique_ptr<Implementation> implementation)
     : implementation(std::move(implementation))
 {

@@ -512,6 +512,11 @@ void Section::give(const std::string &subsection, const std::string &name, const
   state().tree.set(path, {name, value, {reason, 0}});
 }
 
+Section Section::in_copy_of_scene() const
+{
+  return Section(text->copy(), section_path);
+}
+
 bool Section::documenting() const
 {
   return state().is_documenting;

@@ -79,8 +79,11 @@ Model<dim>::Model(const Model &other, const unsigned int more_degrees)
     domains.push_back(
         std::make_unique<Domain<dim>>(*domain, domain->degree + more_degrees, toggles, communicator));
   for (const auto &interface : other.interfaces) {
-    interfaces.push_back(
-        std::make_unique<Interface<dim>>(interface->name, interface->section, domains, toggles));
+    const std::string type = interface->tie().type_for_errors();
+    const Section section = type.empty() ? interface->section : interface->section.in_copy_of_scene();
+    if (!type.empty())
+      section.give("", "Type", type, "the estimate of errors");
+    interfaces.push_back(std::make_unique<Interface<dim>>(interface->name, section, domains, toggles));
     interfaces.back()->follow(*interface);
   }
   tell_other_interfaces();

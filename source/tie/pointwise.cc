@@ -44,6 +44,7 @@ public:
 
   TieParts<dim> parts() override { return {nullptr, this, nullptr, this}; }
   std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
+  std::string type_for_errors() const override { return "Nitsche"; }
   bool has_constant_tangent(const Interface<dim> &) const override { return true; }
   std::string description() const override { return "the destination's unknowns follow the source"; }
   void add_constraints(const Interface<dim> &interface, TieConstraints &constraints,

@@ -70,6 +70,9 @@ public:
   /// The names that boundaries of a domain have, by files or by the scene. @pre The domain has been made.
   BoundaryNames boundary_names(const std::string &domain) const;
 
+  /// One of its own, with what has been given and read so far.
+  std::shared_ptr<SceneText> copy() const;
+
 private:
   friend class Section;
   struct Implementation;

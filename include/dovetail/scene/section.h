@@ -119,6 +119,8 @@ public:
   /// section ("": this one); used.prm shows it. @p reason stands for its line in messages.
   void give(const std::string &subsection, const std::string &name, const std::string &value,
             const std::string &reason) const;
+  /// The same section in a copy of the scene: what is given and read there does not show here.
+  Section in_copy_of_scene() const;
   bool documenting() const;
   unsigned int dimension() const;  ///< 2 or 3, as set at the top of the scene (3 while documenting)
   const std::string &path() const; ///< e.g. "Domain left/Mesh"

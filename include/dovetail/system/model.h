@@ -25,8 +25,9 @@ class Model
 public:
   /// Reads `Toggles`, `Materials`, `Domains` and `Interfaces`; makes the meshes. Collective.
   Model(const Section &scene, const MPI_Comm &communicator);
-  /// The same bodies on the same meshes, with elements that are @p more_degrees higher. It has no materials
-  /// of its own and lives no longer than @p other keeps its meshes. Collective.
+  /// The same bodies on the same meshes, with elements that are @p more_degrees higher, tied such that the
+  /// errors of @p other show (Tie::type_for_errors). It has no materials of its own and lives no longer than
+  /// @p other keeps its meshes. Collective.
   Model(const Model &other, unsigned int more_degrees);
 
   /// Find the partners of all interfaces. Collective; nothing happens without interfaces.

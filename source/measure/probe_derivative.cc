@@ -241,24 +241,33 @@ private:
 
 /// @return nothing if a law is not defined somewhere.
 template <int dim>
-std::optional<std::vector<Vector>>
+std::optional<ProbeDerivative>
 derivative_of_resultant(const typename Probes<dim>::Probe &probe, const Domain<dim> &domain,
-                        const Enrichment<dim> &enriched, const Reactions<dim> &reactions)
+                        const Enrichment<dim> &enriched, const Reactions<dim> &reactions,
+                        const Vector &coarse_residual)
 {
   const auto raised = [&enriched](const Vector &coarse) {
     return enriched.system().ghosted(enriched.raised(coarse));
   };
   std::vector<Vector> all_w;
   std::vector<std::array<Vector, 2>> all_g;
+  std::vector<double> of_coarse;
   for (unsigned int c = 0; c < probe.field->n_components; ++c) {
     const auto lift = reactions.lift(*probe.region.domain, probe.region.boundary_ids, *probe.field, c);
     all_w.push_back(raised(lift.w));
+    of_coarse.push_back(coarse_residual * lift.w);
     all_g.push_back({{raised(lift.g[0]), raised(lift.g[1])}});
   }
   auto products = unconstrained_products(enriched.model(), enriched.t, enriched.ghosted_x(), all_w);
   if (!products)
     return {};
-  std::vector<Vector> &result = products->transposed;
+  ProbeDerivative derivative;
+  Vector owned_w = enriched.system().owned_vector();
+  for (unsigned int c = 0; c < all_w.size(); ++c) {
+    owned_w = all_w[c];
+    derivative.lacks.push_back(products->residual * owned_w - of_coarse[c]);
+  }
+  std::vector<Vector> &result = derivative.loads = std::move(products->transposed);
   add_influx(probe, domain, enriched, result);
   bool is_defined = true;
   FluxDerivative<dim> flux(domain, enriched);
@@ -269,34 +278,35 @@ derivative_of_resultant(const typename Probes<dim>::Probe &probe, const Domain<d
             flux.add_face(face, probe.field->first_component + c, all_g[c][part], result[c]) && is_defined;
   if (dealii::Utilities::MPI::min(is_defined ? 1 : 0, enriched.model().communicator) == 0)
     return {};
-  return std::move(result);
+  return derivative;
 }
 
 } // namespace
 
 template <int dim>
-std::optional<std::vector<Vector>> probe_derivative(const typename Probes<dim>::Probe &probe,
-                                                    const Enrichment<dim> &enriched,
-                                                    const Reactions<dim> &reactions)
+std::optional<ProbeDerivative>
+probe_derivative(const typename Probes<dim>::Probe &probe, const Enrichment<dim> &enriched,
+                 const Reactions<dim> &reactions, const Vector &coarse_residual)
 {
   const Domain<dim> &domain = same_body(*probe.region.domain, enriched);
-  std::vector<Vector> result;
-  if (!probe.X && !probe.reduce) {
-    auto of_resultant = derivative_of_resultant(probe, domain, enriched, reactions);
+  ProbeDerivative result;
+  if (is_resultant<dim>(probe)) {
+    auto of_resultant = derivative_of_resultant(probe, domain, enriched, reactions, coarse_residual);
     if (!of_resultant)
       return {};
     result = std::move(*of_resultant);
   } else {
     const auto quantity = probe.make_quantity(domain);
     QuantityDerivative<dim> derivative(domain, *quantity, enriched);
-    result.assign(quantity->n_numbers(), enriched.system().owned_vector());
+    result.loads.assign(quantity->n_numbers(), enriched.system().owned_vector());
+    result.lacks.assign(quantity->n_numbers(), 0.);
     if (probe.X)
-      add_point<dim>(probe, domain, enriched, derivative, result);
+      add_point<dim>(probe, domain, enriched, derivative, result.loads);
     else
-      add_reduction<dim>(probe, domain, enriched, derivative, result);
+      add_reduction<dim>(probe, domain, enriched, derivative, result.loads);
   }
   bool is_finite = true;
-  for (Vector &vector : result) {
+  for (Vector &vector : result.loads) {
     vector.compress(dealii::VectorOperation::add);
     is_finite = is_finite && std::isfinite(vector.l2_norm());
   }
@@ -305,9 +315,9 @@ std::optional<std::vector<Vector>> probe_derivative(const typename Probes<dim>::
   return result;
 }
 
-template std::optional<std::vector<Vector>> probe_derivative(const Probes<2>::Probe &, const Enrichment<2> &,
-                                                             const Reactions<2> &);
-template std::optional<std::vector<Vector>> probe_derivative(const Probes<3>::Probe &, const Enrichment<3> &,
-                                                             const Reactions<3> &);
+template std::optional<ProbeDerivative> probe_derivative(const Probes<2>::Probe &, const Enrichment<2> &,
+                                                         const Reactions<2> &, const Vector &);
+template std::optional<ProbeDerivative> probe_derivative(const Probes<3>::Probe &, const Enrichment<3> &,
+                                                         const Reactions<3> &, const Vector &);
 
 } // namespace dovetail

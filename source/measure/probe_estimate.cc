@@ -36,6 +36,7 @@ struct Goal
 {
   unsigned int probe;
   Vector load;          ///< J', before constraints
+  double lack;          ///< of the value that has been reported
   Vector z;             ///< of the dual problem, owned
   Vector contributions; ///< of the nodes, owned
 };
@@ -61,7 +62,8 @@ class Estimator
 {
 public:
   Estimator(const Model<dim> &model, BlockSystem<dim> &system, const Vector &x, const double t)
-      : model(model), enriched(model, system, t, x), move(enriched.distance_to_constraints())
+      : model(model), enriched(model, system, t, x), move(enriched.distance_to_constraints()),
+        coarse_x(system.ghosted(x))
   {
   }
 
@@ -79,6 +81,7 @@ private:
   const Model<dim> &model;
   Enrichment<dim> enriched;
   const Vector move;
+  const Vector coarse_x; ///< ghosted
   std::vector<Goal> goals;
 };
 
@@ -86,13 +89,24 @@ template <int dim>
 std::string Estimator<dim>::find_loads(const Probes<dim> &probes, const Reactions<dim> &reactions,
                                        ProbeErrors &result)
 {
+  Vector residual; // of all unknowns of the coarse model
   for (const auto &probe : probes.all())
     if (probe.tolerance > 0) {
-      auto loads = probe_derivative<dim>(probe, enriched, reactions);
-      if (!loads)
+      if (is_resultant<dim>(probe) && residual.size() == 0) {
+        auto products = unconstrained_products(model, enriched.t, coarse_x, {});
+        if (!products)
+          return "a law is not defined at a point";
+        residual = std::move(products->residual);
+      }
+      auto derivative = probe_derivative<dim>(probe, enriched, reactions, residual);
+      if (!derivative)
         return "the derivative of the probe " + probe.name + " is not defined";
-      for (Vector &load : *loads)
-        goals.push_back({static_cast<unsigned int>(result.probes.size()), std::move(load), {}, {}});
+      for (unsigned int i = 0; i < derivative->loads.size(); ++i)
+        goals.push_back({static_cast<unsigned int>(result.probes.size()),
+                         std::move(derivative->loads[i]),
+                         derivative->lacks[i],
+                         {},
+                         {}});
       ProbeError error;
       error.name = probe.name;
       error.tolerance = probe.tolerance;
@@ -130,7 +144,7 @@ std::string Estimator<dim>::weigh(ProbeErrors &result)
     return "a law is not defined at a point of elements of one degree more";
   for (unsigned int g = 0; g < goals.size(); ++g)
     result.probes[goals[g].probe].errors.push_back(
-        weigh(goals[g], products->residual, products->transposed[g]));
+        goals[g].lack + weigh(goals[g], products->residual, products->transposed[g]));
   return "";
 }
 

@@ -12,19 +12,37 @@
 
 namespace dovetail {
 
-/// J'(B), one vector per number of the probe, with an entry at each unknown of the enriched model, before
-/// constraints: J'(B) v is the sum of the products with those of v.
+/// Whether its value is the resultant of a flux on a boundary.
+template <int dim>
+bool is_resultant(const typename Probes<dim>::Probe &probe)
+{
+  return !probe.X && !probe.reduce;
+}
+
+/// By number of a probe.
+struct ProbeDerivative
+{
+  std::vector<Vector> loads; ///< J'
+  std::vector<double> lacks; ///< J(B) in the enriched model, less the value that has been reported
+};
+
+/// J'(B) has an entry at each unknown of the enriched model, before constraints: J'(B) v is the sum of the
+/// products with those of v.
 ///
 /// A value at a point or a reduction has J' = sum_q w_q (q_B phi_i + q_grad . grad phi_i), where the
 /// derivatives of the quantity q by value and gradient are central differences. The resultant of a flux is
 /// J(B) = R(B)(w) + integrals of A.N g with the functions of Reactions::lift(), plus the influxes h(B) that
 /// conditions give, so that J' = K^T w + integrals of A'.N g and h'.
 ///
-/// @p reactions: those of the solution of the coarse model. Collective. @return nothing, on all ranks alike,
+/// The ties of both models differ by their penalties or types, and sources by their points. So R(B)(w) is not
+/// what has been reported, the same with the residual of the coarse model.
+///
+/// @p reactions: those of the solution of the coarse model; @p coarse_residual: of all its unknowns, for
+/// resultants only. Collective. @return nothing, on all ranks alike,
 /// if a law is not defined somewhere.
 template <int dim>
-std::optional<std::vector<Vector>> probe_derivative(const typename Probes<dim>::Probe &probe,
-                                                    const Enrichment<dim> &enriched,
-                                                    const Reactions<dim> &reactions);
+std::optional<ProbeDerivative>
+probe_derivative(const typename Probes<dim>::Probe &probe, const Enrichment<dim> &enriched,
+                 const Reactions<dim> &reactions, const Vector &coarse_residual);
 
 } // namespace dovetail

@@ -87,6 +87,13 @@ public:
     return 0.5 * tangent[0][0][0][0] * (H.norm_square() + w.norm_square());
   }
 
+  /// Of a stress across the plane in plane strain, as of an isotropic solid.
+  double across(const double stress) const
+  {
+    const double lambda = tangent[0][0][1][1], mu = tangent[0][1][0][1];
+    return 0.5 * stress * stress * (lambda + mu) / (mu * (3 * lambda + 2 * mu));
+  }
+
   bool is_defined = false;
 
 private:
@@ -116,12 +123,19 @@ public:
                                              const std::vector<double> &unknowns)
   {
     at_points.assign(values.n_quadrature_points, Strain<dim>());
+    across.assign(at_points.size(), 0.);
     for (unsigned int q = 0; exists && q < at_points.size(); ++q) {
       point.reinit(values, q, unknowns);
       for (unsigned int i = 0; i < dim; ++i)
         point.state.gradient[first + i] = 0;
-      if (point.evaluate(true))
-        at_points[q] = -1. * strain_of_stress();
+      if (!point.evaluate(true))
+        continue;
+      at_points[q] = -1. * strain_of_stress();
+      if (dim == 2 && !point.domain.measure.is_axisymmetric()) {
+        for (unsigned int i = 0; i < dim; ++i)
+          point.state.gradient[first + i] = at_points[q][i];
+        across[q] = point.domain.material.cauchy_stress(point.state)[2][2];
+      }
     }
     return at_points;
   }
@@ -129,6 +143,9 @@ public:
   {
     return std::accumulate(at_points.begin(), at_points.end(), Strain<dim>()) / double(at_points.size());
   }
+
+  /// At these points, the stress across the plane that is left with this strain; 0 in plane stress and in 3D.
+  const std::vector<double> &stress_across() const { return across; }
 
 private:
   /// By elimination with one column for each component of a symmetric strain. A tangent without stiffness in
@@ -169,6 +186,7 @@ private:
   const unsigned int first;
   bool exists = false;
   std::vector<Strain<dim>> at_points;
+  std::vector<double> across;
 };
 
 template <int dim>
@@ -194,7 +212,8 @@ Strain<dim> strain(const dealii::Tensor<2, dim> &H, const bool is_large)
 StiffnessShare sum(const StiffnessShare &own, const MPI_Comm &communicator)
 {
   StiffnessShare all = own;
-  for (double *energy : {&all.jumping, &all.all, &all.with_stress, &all.varying, &all.of_gradients})
+  for (double *energy :
+       {&all.jumping, &all.all, &all.across, &all.with_stress, &all.varying, &all.of_gradients})
     *energy = dealii::Utilities::MPI::sum(*energy, communicator);
   return all;
 }
@@ -269,6 +288,7 @@ StiffnessShare stiffness_share(const Domain<dim> &domain, const Field &displacem
         share.jumping += energy(difference) * dV;
         share.all += energy(E) * dV;
         share.with_stress += energy(E - without_stress[q]) * dV;
+        share.across += energy.across(free_strain.stress_across()[q]) * dV;
         share.varying += energy(without_stress[q] - free_strain.mean()) * dV;
         dealii::Tensor<1, dim> u;
         for (unsigned int a = 0; a < n_vertices; ++a)
@@ -297,12 +317,13 @@ NoteList explain_stiffness(const Model<dim> &model, const Vector &solution, cons
           << " % of its strain energy, as in a body that bends with one to three cells across its height, or "
              "with long ones: it is too stiff by about as much, or more. Set Degree = 2, or refine the mesh";
       notes.push_back(of_bending(words.str()));
-    } else if (share.varying > largest_stiffness_share * share.with_stress &&
+    } else if (const double of_stress = share.with_stress + share.across;
+               share.varying > largest_stiffness_share * of_stress &&
                share.varying > smallest_share_of_varying * share.all) {
       words
           << domain->name
           << ": its free expansion varies within cells, and cells of degree 1 cannot follow: as much as "
-          << 100 * std::min(1., std::sqrt(share.varying / share.with_stress))
+          << std::lround(100 * std::min(1., std::sqrt(share.varying / of_stress)))
           << " % of its stress (root mean square) may come of that. Set Degree = 2, or refine the mesh where "
              "the temperature is steep";
       notes.push_back(of_expansion(words.str()));

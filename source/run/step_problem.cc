@@ -340,9 +340,10 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   system.distribute(dx);
   centre_pressures(x, dx);
   keep_stage(dx);
+  bool is_refined = false;
   if (n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()))
-    *n_iterations += refine_by_laws(x, dx);
-  if (n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual)
+    *n_iterations += refine_by_laws(x, dx, is_refined);
+  if (n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual && !is_refined)
     explain_linear_residual();
   if (!model.is_linear())
     learn_scales(x, dx);
@@ -364,9 +365,10 @@ double StepProblem<dim>::share_of(const Vector &correction, const Vector &dx) co
 /// moves it: the entries of K are rounded. Forces by the laws have none, whatever the rounding of strains:
 /// the gradients of the functions of a cell add up to zero. So dx is refined by the residual of the laws. A
 /// linear scene in time has it by products, which are rounded likewise.
+/// @param is_refined whether dx is exact up to what is asked for
 /// @return the number of linear iterations
 template <int dim>
-unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx)
+unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, bool &is_refined)
 {
   const unsigned int most = 4;
   const double exact = 1e-9, least_gain = 0.5, enough = 1e-2;
@@ -394,10 +396,12 @@ unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx)
     if (!(share < least_gain * before))
       break;
     dx += correction;
-    if (share * share / before < exact) // what the next one would find
+    is_refined = share * share / before < exact; // what the next one would find
+    if (is_refined)
       break;
     before = share;
   }
+  centre_pressures(x, dx);
   return n_iterations;
 }
 

@@ -21,6 +21,7 @@ namespace dovetail {
 struct StiffnessShare
 {
   double jumping = 0, all = 0; ///< energies
+  double across = 0;           ///< that of the stress across the plane of a body in plane strain at E_T
   double with_stress = 0;      ///< that of E - E_T
   double varying = 0;          ///< that of E_T less its mean in each cell
   double of_gradients = 0;     ///< that of a strain as large as its gradients and itself in a cell

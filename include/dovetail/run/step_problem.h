@@ -108,7 +108,7 @@ private:
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
-  unsigned int refine_by_laws(const Vector &x, Vector &dx);
+  unsigned int refine_by_laws(const Vector &x, Vector &dx, bool &is_refined);
   void explain_linear_residual();
   double share_of(const Vector &correction, const Vector &dx) const;
   Vector find_moving_loads(const Vector &x);

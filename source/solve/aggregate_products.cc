@@ -49,10 +49,10 @@ DOVETAIL_WIDEST_VECTORS void add_to_blocks(const int n_rows, const int length, c
 }
 
 /// Sums of sparse rows whose entries come in blocks of the same length, for some rows at a time.
-class RowSums
+class ProductRows
 {
 public:
-  RowSums(const unsigned int n_columns, const int length) : length(length), position(n_columns, none) {}
+  ProductRows(const unsigned int n_columns, const int length) : length(length), position(n_columns, none) {}
 
   void clear(int number_of_rows);
   /// Adds to each of the sums its factor times a row whose blocks begin at columns that are multiples of
@@ -77,7 +77,7 @@ private:
   std::vector<std::size_t> places;
 };
 
-void RowSums::clear(const int number_of_rows)
+void ProductRows::clear(const int number_of_rows)
 {
   n_rows = number_of_rows;
   for (const int column : blocks)
@@ -86,7 +86,7 @@ void RowSums::clear(const int number_of_rows)
   entries.clear();
 }
 
-void RowSums::add(const double *const factors, const SparseRow &row)
+void ProductRows::add(const double *const factors, const SparseRow &row)
 {
   places.clear();
   for (int k = 0; k < row.n; k += length) {
@@ -205,7 +205,7 @@ template <typename Rows, typename Visit>
 void for_rows_of_product(const SparseRows &rows_of_A, const int n_rows, const Rows &rows_of_Q,
                          const int n_columns, const int block_length, const Visit &visit)
 {
-  RowSums sums(n_columns, block_length);
+  ProductRows sums(n_columns, block_length);
   std::array<double, most_rows> factors{};
   for (int row = 0; row < n_rows; row += sums.n_rows) {
     sums.clear(rows_alike(rows_of_A, row, n_rows));
@@ -298,7 +298,7 @@ public:
   }
 
   /// Adds p_r^T q_r for all rows r of @p q.
-  void add(const std::array<SparseRow, most_rows> &p, const RowSums &q);
+  void add(const std::array<SparseRow, most_rows> &p, const ProductRows &q);
   /// Calls @p visit(row, column, entries) with the first row and column of each block.
   template <typename Visit>
   void for_blocks(const Visit &visit) const;
@@ -309,7 +309,7 @@ private:
     std::vector<int> blocks; ///< first columns
     std::vector<double> entries;
   };
-  void find_places(const SparseRow &p, const RowSums &q);
+  void find_places(const SparseRow &p, const ProductRows &q);
 
   const int *const numbers;
   const int length;
@@ -320,7 +320,7 @@ private:
 };
 
 /// The rows of a node have the same ones.
-void BlockSums::find_places(const SparseRow &p, const RowSums &q)
+void BlockSums::find_places(const SparseRow &p, const ProductRows &q)
 {
   if (last_n_rows == q.n_rows && last_columns == q.blocks &&
       std::equal(last_rows.begin(), last_rows.end(), p.columns, p.columns + p.n))
@@ -348,7 +348,7 @@ void BlockSums::find_places(const SparseRow &p, const RowSums &q)
     place.entries = &rows[place.row].entries[place.first];
 }
 
-void BlockSums::add(const std::array<SparseRow, most_rows> &p, const RowSums &q)
+void BlockSums::add(const std::array<SparseRow, most_rows> &p, const ProductRows &q)
 {
   for (int begin = 0, end = 0; begin < q.n_rows; begin = end) { // rows of P with the same columns
     const SparseRow &first = p[begin];
@@ -443,7 +443,7 @@ std::unique_ptr<Epetra_CrsMatrix> smooth_bases(const Epetra_CrsMatrix &A, const 
   LevelEntries(A).diagonal(diagonal);
   auto P = std::make_unique<Epetra_CrsMatrix>(Copy, graph_of_product(A, near, T, length));
   const int n_columns = T.columns().NumMyElements();
-  for_rows_of_product(near, A.NumMyRows(), T, n_columns, length, [&](const int first_row, RowSums &sums) {
+  for_rows_of_product(near, A.NumMyRows(), T, n_columns, length, [&](const int first_row, ProductRows &sums) {
     for (int r = 0; r < sums.n_rows; ++r) {
       const int row = first_row + r;
       const double factor = diagonal[row] > 0 ? -w / diagonal[row] : 0;
@@ -471,7 +471,7 @@ Cycle::MakeMatrix sum_coarse_matrix(const Epetra_CrsMatrix &A, const Epetra_CrsM
   const SparseRows rows_of_Q(*Q);
   auto sums = std::make_shared<BlockSums>(all, block_length);
   for_rows_of_product(SparseRows(A), A.NumMyRows(), rows_of_Q, Q->NumMyCols(), block_length,
-                      [&](const int row, const RowSums &product) {
+                      [&](const int row, const ProductRows &product) {
                         std::array<SparseRow, most_rows> own_rows;
                         for (int r = 0; r < product.n_rows; ++r)
                           own_rows[r] = rows_of_Q[own_column(A, row + r)];

@@ -234,31 +234,31 @@ void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
       unit = std::max(unit, std::abs(row_values[k]));
   }
   unit = unit > 0 ? unit : 1;
-  values.reserve(Lanes::padded(pattern->n_entries()));
+  values.reserve(FourColumns::padded(pattern->n_entries()));
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
     values.resize(values.size() + static_cast<std::size_t>(group.columns.size) * group.n_rows);
     for (int i = 0; i < group.n_rows; ++i) {
       reader.read(group.first_row + i, entries);
       for (int k = 0; k < group.columns.size; ++k)
-        values[group.first_entry + Lanes::place(i, k, group.n_rows, group.columns.size)] =
+        values[group.first_entry + FourColumns::place(i, k, group.n_rows, group.columns.size)] =
             static_cast<float>(entries[k].second / unit);
     }
     done(group.first_row + group.n_rows);
   }
-  values.resize(Lanes::padded(pattern->n_entries()), 0);
+  values.resize(FourColumns::padded(pattern->n_entries()), 0);
 }
 
 void CompactMatrix::multiply(Epetra_Vector &y, const Epetra_Vector &x) const
 {
-  std::vector<double> others, buffer(Lanes::padded(pattern->most_columns()));
+  std::vector<double> others, buffer(FourColumns::padded(pattern->most_columns()));
   dovetail::multiply(*pattern, values.data(), unit, exchange.of_columns(x, others), y.Values(),
                      buffer.data());
 }
 
 void CompactMatrix::multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x) const
 {
-  std::vector<double> sums(exchange.n_columns(), 0.), buffer(Lanes::padded(pattern->most_columns()));
+  std::vector<double> sums(exchange.n_columns(), 0.), buffer(FourColumns::padded(pattern->most_columns()));
   add_transposed(*pattern, values.data(), unit, x.Values(), sums.data(), buffer.data());
   exchange.add_up(sums, y);
 }
@@ -269,8 +269,8 @@ void CompactMatrix::diagonal(Epetra_Vector &result) const
     const RowPattern::Group group = pattern->group(g);
     for (int i = 0; i < group.n_rows; ++i)
       result[group.first_row + i] =
-          unit *
-          values[group.first_entry + Lanes::place(i, group.n_lower + i, group.n_rows, group.columns.size)];
+          unit * values[group.first_entry +
+                        FourColumns::place(i, group.n_lower + i, group.n_rows, group.columns.size)];
   }
 }
 

@@ -57,7 +57,6 @@ public:
     const int *first;
     int block_length, size;
 
-    int operator[](const int k) const { return first[k / block_length] + k % block_length; }
     Columns from(const int k) const { return {first + k / block_length, block_length, size - k}; }
   };
   /// Rows that share their columns.
@@ -66,7 +65,7 @@ public:
     int first_row, n_rows;
     Columns columns;
     int n_lower, n_own;      ///< how many columns are less than the first row, are own ones
-    std::size_t first_entry; ///< of n_rows * columns.size, in the order of Lanes
+    std::size_t first_entry; ///< of n_rows * columns.size, in the order of FourColumns
   };
   unsigned int n_groups() const { return groups.size(); }
   Group group(const unsigned int g) const

@@ -117,7 +117,7 @@ void IncompleteFactorisation::copy_upper(const CompactMatrix &A, const double sh
     first.push_back(n_entries);
     n_entries += static_cast<std::size_t>(group.n_own - group.n_lower) * group.n_rows;
   }
-  entries.resize(Lanes::padded(n_entries), 0);
+  entries.resize(FourColumns::padded(n_entries), 0);
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
     const int n = group.n_rows;
@@ -125,7 +125,7 @@ void IncompleteFactorisation::copy_upper(const CompactMatrix &A, const double sh
     const float *const values = A.values.data() + group.first_entry;
     for (int i = 0; i < n; ++i) {
       for (int k = 0; k < group.n_own - group.n_lower; ++k)
-        block[k * n + i] = values[Lanes::place(i, group.n_lower + k, n, group.columns.size)];
+        block[k * n + i] = values[FourColumns::place(i, group.n_lower + k, n, group.columns.size)];
       float &diagonal = block[i * n + i];
       diagonal = diagonal == 0 ? 1 : static_cast<float>((1 + shift) * diagonal); // of an empty row
     }
@@ -178,7 +178,7 @@ void IncompleteFactorisation::factorise()
       for (int q = 0; q < size; ++q) {
         position[columns[q]] = -1;
         for (int r = 0; r < n; ++r)
-          block[n * n + Lanes::place(r, q, n, size)] = upper[q * n + r];
+          block[n * n + FourColumns::place(r, q, n, size)] = upper[q * n + r];
       }
     });
   }
@@ -189,7 +189,7 @@ void IncompleteFactorisation::vmult(double *const z, const double *const r) cons
 {
   for (int row = 0; row < pattern->n_rows(); ++row)
     z[row] = r[row] / unit;
-  std::vector<double> buffer(Lanes::padded(pattern->most_columns()));
+  std::vector<double> buffer(FourColumns::padded(pattern->most_columns()));
   sweep(*pattern, first.data(), entries.data(), z, buffer.data());
 }
 

@@ -40,7 +40,7 @@ private:
 
   std::shared_ptr<const RowPattern> pattern;
   std::vector<std::size_t> first; ///< entry of each group
-  std::vector<float> entries;     ///< of each group those of D^-1, then those of U as Lanes; and zeros
+  std::vector<float> entries;     ///< of each group those of D^-1, then those of U as FourColumns; and zeros
   double unit;                    ///< of A
 };
 

@@ -3,6 +3,7 @@
 
 #include <dovetail/solve/prolongation.h>
 
+#include <Epetra_Comm.h>
 #include <Epetra_CrsGraph.h>
 
 #include <algorithm>

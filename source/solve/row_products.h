@@ -18,7 +18,7 @@
 namespace dovetail {
 
 /// The numbers that are multiplied at a time.
-struct Lanes
+struct FourColumns
 {
   static constexpr int number = 4;
   typedef double Doubles __attribute__((vector_size(32)));
@@ -101,17 +101,18 @@ template <int n_rows, typename Action>
 DOVETAIL_PART_OF_CALLER void for_lanes(const float *entries, const int size, const Action &action)
 {
   int k = 0;
-  for (; k + Lanes::number <= size; k += Lanes::number, entries += Lanes::number * n_rows)
-    action(k, entries, std::integral_constant<int, Lanes::number>());
+  for (; k + FourColumns::number <= size; k += FourColumns::number, entries += FourColumns::number * n_rows)
+    action(k, entries, std::integral_constant<int, FourColumns::number>());
   if (k < size)
     action(k, entries, size - k);
 }
 
 /// sum += factor * entries
 template <typename Factor>
-DOVETAIL_PART_OF_CALLER void add_lanes(Lanes::Doubles &sum, const Factor &factor, const float *const entries)
+DOVETAIL_PART_OF_CALLER void add_lanes(FourColumns::Doubles &sum, const Factor &factor,
+                                       const float *const entries)
 {
-  sum += factor * Lanes::Doubles{entries[0], entries[1], entries[2], entries[3]};
+  sum += factor * FourColumns::Doubles{entries[0], entries[1], entries[2], entries[3]};
 }
 
 /// sums = the products of n rows with x. A single row is not worth the buffer.
@@ -129,12 +130,12 @@ DOVETAIL_PART_OF_CALLER void multiply_rows(const RowPattern::Columns &columns, c
   }
   for_columns(
       columns, [&](const int k, const int column) __attribute__((always_inline)) { buffer[k] = x[column]; });
-  *reinterpret_cast<Lanes::InMemory *>(buffer + columns.size) = Lanes::Doubles{};
-  Lanes::Doubles sum[n] = {};
+  *reinterpret_cast<FourColumns::InMemory *>(buffer + columns.size) = FourColumns::Doubles{};
+  FourColumns::Doubles sum[n] = {};
   for_lanes<n>(
       entries,
       columns.size, [&](const int k, const float *const a, const auto width) __attribute__((always_inline)) {
-        const Lanes::Doubles of_columns = *reinterpret_cast<const Lanes::InMemory *>(buffer + k);
+        const FourColumns::Doubles of_columns = *reinterpret_cast<const FourColumns::InMemory *>(buffer + k);
         for (int i = 0; i < n; ++i)
           add_lanes(sum[i], of_columns, a + i * width);
       });
@@ -157,10 +158,10 @@ DOVETAIL_PART_OF_CALLER void add_rows(const RowPattern::Columns &columns, const 
   for_lanes<n>(
       entries,
       columns.size, [&](const int k, const float *const a, const auto width) __attribute__((always_inline)) {
-        Lanes::Doubles sum = {};
+        FourColumns::Doubles sum = {};
         for (int i = 0; i < n; ++i)
           add_lanes(sum, factors[i], a + i * width);
-        *reinterpret_cast<Lanes::InMemory *>(buffer + k) = sum;
+        *reinterpret_cast<FourColumns::InMemory *>(buffer + k) = sum;
       });
   for_columns(
       columns, [&](const int k, const int column) __attribute__((always_inline)) { y[column] += buffer[k]; });

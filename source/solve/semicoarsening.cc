@@ -551,14 +551,17 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
 {
   const Epetra_MultiVector *modes = &given_modes;
   std::unique_ptr<Epetra_MultiVector> owned_modes;
-  while (coarsest().NumGlobalRows() > largest_coarse) {
+  int n_unknowns = coarsest().NumGlobalRows(); // without the rows of vectors of bases that are zero
+  while (n_unknowns > largest_coarse) {
     const Epetra_CrsMatrix &matrix = coarsest();
     const Couplings couplings(matrix, nodes);
     const Aggregates aggregates(own_part(couplings.near), couplings.all);
     Aggregation aggregation = make_bases(aggregate_of_rows(matrix, nodes, aggregates),
                                          static_cast<int>(aggregates.root.size()), *modes);
-    if (size_of_basis(aggregation) > largest_growth * matrix.NumGlobalRows())
+    const int n_coarse = size_of_basis(aggregation);
+    if (n_coarse > largest_growth * n_unknowns)
       break;
+    n_unknowns = n_coarse;
     auto P = make_prolongation(matrix, nodes, couplings, aggregation, *modes);
     const MakeMatrix make_next = sum_coarse_matrix(matrix, *P, modes->NumVectors());
     add_level(make_smoother, std::move(P), make_next);

@@ -3,6 +3,7 @@
 
 #include <dovetail/domain/cell_operator.h>
 
+#include <dovetail/domain/edge_lengths.h>
 #include <dovetail/domain/sum_factorisation.h>
 
 #include <deal.II/fe/fe_q.h>
@@ -211,6 +212,8 @@ public:
   void add_tangent(double factor, const CellOperator<dim> &other) override;
   void add_product(const double *x, double *y, bool of_symmetric_part) const override;
   void add_diagonal(double *diagonal) const override;
+  void add_ones(double *numbers) const override;
+  std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held) const override;
   void for_each_cell(const typename CellOperator<dim>::Prolongation &P,
                      const std::function<void(const std::vector<int> &columns)> &visit) const override;
   void for_each_restriction(const typename CellOperator<dim>::Prolongation &P,
@@ -267,6 +270,7 @@ private:
   void refer_to_unit_cell(const Lanes *J, std::size_t stride, const Lanes *T, std::size_t stride_of_T,
                           Array &result) const;
   void refer_to_unit_cells();
+  std::vector<Lanes> mean_coefficients(unsigned int batch) const;
   void gather(const double *x, unsigned int batch, Array &local) const;
   void expand();
   void find_columns(const typename CellOperator<dim>::Prolongation &P, unsigned int slot,
@@ -668,6 +672,99 @@ void CellOperatorOf<dim, n_components>::add_diagonal(double *diagonal) const
       for (unsigned int lane = 0; lane < Lanes::size; ++lane)
         diagonal[*of_batch++] += sum[lane];
   }
+}
+
+template <int dim, int n_components>
+void CellOperatorOf<dim, n_components>::add_ones(double *const numbers) const
+{
+  for (unsigned int slot = 0; slot < cells->n_slots(); ++slot)
+    for (unsigned int i = 0; cells->is_filled(slot) && i < n_components * n_nodes; ++i)
+      ++numbers[(*index)[place(slot, i)]];
+}
+
+/// What is beyond the ends of the lines of a cell.
+template <int dim>
+std::vector<CellSolves::Line> lines_of(const typename dealii::Triangulation<dim>::cell_iterator &cell)
+{
+  const auto lengths = edge_lengths<dim>(cell);
+  std::vector<CellSolves::Line> lines(dim, {{{CellSolves::End::free, CellSolves::End::free}}, {{1., 1.}}});
+  for (unsigned int face = 0; face < 2 * dim; ++face)
+    if (const unsigned int k = face / 2, e = face % 2; !cell->at_boundary(face)) {
+      const unsigned int its_direction = cell->neighbor_face_no(face) / 2;
+      lines[k].ends[e] = CellSolves::End::cell;
+      lines[k].ratios[e] = edge_lengths<dim>(cell->neighbor(face))[its_direction] / lengths[k];
+    }
+  return lines;
+}
+
+/// [component]: by direction the integral of e . A e over the cells, where e is the gradient of a coordinate
+/// of the unit cell, then that of M.
+template <int dim, int n_components>
+std::vector<Lanes> CellOperatorOf<dim, n_components>::mean_coefficients(const unsigned int batch) const
+{
+  const bool is_affine = cells->kind(batch) != Cells<dim>::general;
+  std::vector<Lanes> sums(n_components * (dim + 1));
+  Array T(n_entries);
+  for (unsigned int q = 0; q < n_points; ++q) {
+    if (!is_uniform)
+      for (unsigned int e = 0; e < n_entries; ++e)
+        T[e] = tangents[(std::size_t(batch) * n_entries + e) * n_points + q];
+    else if (q == 0 || !is_affine)
+      refer_to_unit_cell(cells->geometry(batch) + q, is_affine ? 1 : n_points, tangents.data(), 1, T);
+    const double weight = is_uniform && is_affine ? cells->weights[q] : 1.;
+    for (unsigned int c = 0; c < n_components; ++c) {
+      for (unsigned int k = 0; k < dim; ++k)
+        sums[c * (dim + 1) + k] += T[at(c * dim + k, c * dim + k)] * weight;
+      if (has_values)
+        sums[c * (dim + 1) + dim] += T[at(n_slopes + c, n_slopes + c)] * weight;
+    }
+  }
+  return sums;
+}
+
+/// What a coefficient that is not positive becomes, and m where nothing holds a cell, is a matter of being
+/// definite only.
+template <int dim, int n_components>
+std::unique_ptr<CellSolves> CellOperatorOf<dim, n_components>::solves(const std::vector<bool> &is_held) const
+{
+  const double smallest = 1e-6;
+  const unsigned int n = domain.degree + 1;
+  const auto node_inside = [n](const unsigned int face) {
+    unsigned int stride = 1, node = 0;
+    for (unsigned int d = 0; d < dim; ++d, stride *= n)
+      node += stride * (d == face / 2 ? face % 2 * (n - 1) : 1);
+    return node;
+  };
+  auto result = std::make_unique<CellSolves>(dim, n_components, domain.degree, index);
+  std::vector<Lanes> sums;
+  for (unsigned int slot = 0; slot < cells->n_slots(); ++slot) {
+    if (slot % Lanes::size == 0)
+      sums = mean_coefficients(slot / Lanes::size);
+    if (!cells->is_filled(slot))
+      continue;
+    const auto coefficient = [&](const unsigned int i) { return sums[i][slot % Lanes::size]; };
+    double largest = 0;
+    for (unsigned int i = 0; i < sums.size(); ++i)
+      largest = std::max(largest, coefficient(i));
+    const std::vector<CellSolves::Line> lines = lines_of<dim>(cells->cell(slot));
+    for (unsigned int c = 0; c < n_components; ++c) {
+      std::vector<CellSolves::Line> of_component = lines;
+      std::vector<double> a;
+      bool is_free = true;
+      for (unsigned int face = 0; face < 2 * dim; ++face) {
+        CellSolves::End &end = of_component[face / 2].ends[face % 2];
+        if (is_held[(*index)[place(slot, c * n_nodes + node_inside(face))]])
+          end = CellSolves::End::held;
+        is_free = is_free && end == CellSolves::End::free;
+      }
+      for (unsigned int k = 0; k < dim; ++k)
+        a.push_back(std::max(coefficient(c * (dim + 1) + k), smallest * largest));
+      const double least = is_free ? *std::min_element(a.begin(), a.end()) : 0;
+      a.push_back(std::max(coefficient(c * (dim + 1) + dim), least));
+      result->set(slot, c, of_component, a);
+    }
+  }
+  return result;
 }
 
 template <int dim, int n_components>

@@ -106,6 +106,18 @@ std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_diagonal(const LevelP
   return result;
 }
 
+std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_approximation(const LevelProducts &A,
+                                                                         std::unique_ptr<Approximation> M,
+                                                                         const Range range)
+{
+  std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
+  result->M = std::move(M);
+  result->estimate_spectrum();
+  if (!(result->largest_eigenvalue > 0))
+    result->take_diagonal(0);
+  return result;
+}
+
 void ChebyshevSmoother::take_diagonal(const double known_eigenvalue)
 {
   M = std::make_unique<Diagonal>(A);

@@ -5,9 +5,9 @@
 
 #pragma once
 
-#include "approximation.h"
 #include "level_operator.h"
 #include "smoother.h"
+#include <dovetail/solve/approximation.h>
 
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Vector.h>
@@ -31,9 +31,10 @@ private:
 };
 
 /// Chebyshev iteration with M^-1 A on the upper part of its spectrum, [lambda / ratio, lambda]: symmetric,
-/// and positive definite as long as no eigenvalue exceeds lambda (1 + 1 / ratio). M is diag(A), or the
-/// incomplete factorisation with the smallest of some shifts with which it is definite. The factorisation
-/// solves along the strong couplings of stretched cells, which the diagonal hardly smooths.
+/// and positive definite as long as no eigenvalue exceeds lambda (1 + 1 / ratio). M is diag(A), solves
+/// in cells (LevelProducts::approximation), or the incomplete factorisation with the smallest of some shifts
+/// with which it is definite. The factorisation solves along the strong couplings of stretched cells, which
+/// the diagonal hardly smooths.
 class ChebyshevSmoother : public Smoother
 {
 public:
@@ -45,6 +46,9 @@ public:
   /// @param known_eigenvalue the largest one of diag(A)^-1 A, from below; 0: to be estimated
   static std::unique_ptr<ChebyshevSmoother> with_diagonal(const LevelProducts &A, Range range,
                                                           double known_eigenvalue = 0);
+  /// diag(A) instead, where M is not definite. Collective.
+  static std::unique_ptr<ChebyshevSmoother> with_approximation(const LevelProducts &A,
+                                                               std::unique_ptr<Approximation> M, Range range);
   static std::unique_ptr<ChebyshevSmoother> with_factorisation(const LevelEntries &A, Range range);
 
   /// From now on, M is the incomplete factorisation of @p matrix, which is A or what dominates it.

@@ -80,7 +80,10 @@ std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1,
 std::unique_ptr<ChebyshevSmoother> DegreeCoarsening::usual_smoother(const LevelOperator &A,
                                                                     const unsigned int degree)
 {
-  return ChebyshevSmoother::with_diagonal(A, {degree + 1, 12.5 * degree - 10});
+  const ChebyshevSmoother::Range range = {degree + 1, 12.5 * degree - 10};
+  if (auto M = A.approximation())
+    return ChebyshevSmoother::with_approximation(A, std::move(M), range);
+  return ChebyshevSmoother::with_diagonal(A, range);
 }
 
 namespace {

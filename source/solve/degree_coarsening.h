@@ -61,7 +61,7 @@ public:
                    const GroupFacts &facts, std::unique_ptr<Smoother> smoother,
                    const MakeCoarse &make_coarse = make_usual_coarse);
 
-  /// Around diag(A), for functions of this degree.
+  /// Around A.approximation() or diag(A), for functions of this degree.
   static std::unique_ptr<ChebyshevSmoother> usual_smoother(const LevelOperator &A, unsigned int degree);
 
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;

@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include "approximation.h"
+#include <dovetail/solve/approximation.h>
 #include "compact_matrix.h"
 
 #include <cstddef>

@@ -7,6 +7,7 @@
 
 #include "compact_matrix.h"
 
+#include <dovetail/solve/approximation.h>
 #include <dovetail/solve/prolongation.h>
 
 #include <Epetra_CrsMatrix.h>
@@ -26,6 +27,8 @@ public:
   virtual const Epetra_Map &rows() const = 0;
   virtual void vmult(Epetra_Vector &y, const Epetra_Vector &x) const = 0;
   virtual void diagonal(Epetra_Vector &values) const = 0;
+  /// Better than diag(A) where cells are stretched. Collective. nullptr: none.
+  virtual std::unique_ptr<Approximation> approximation() const { return nullptr; }
 };
 
 /// With what a coarser level is made of.

@@ -53,6 +53,12 @@ public:
     entries->ExtractDiagonalCopy(values);
     cells.add_diagonal(values);
   }
+  std::unique_ptr<Approximation> approximation() const override
+  {
+    Epetra_Vector values(rows());
+    diagonal(values);
+    return cells.cellwise_approximation(values);
+  }
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override
   {
     return cells.restricted(P, *restrict_few_rows(*entries, P));

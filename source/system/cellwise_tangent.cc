@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/edge_lengths.h>
 #include <dovetail/solve/free_memory.h>
 #include <dovetail/solve/prolongation.h>
 #include <dovetail/system/cellwise_tangent.h>
@@ -16,6 +17,7 @@
 #include <boost/serialization/utility.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <unordered_map>
 
@@ -294,6 +296,106 @@ void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
 {
   for (unsigned int i = 0; i < diagonal.size(); ++i)
     values[i] += diagonal[i];
+}
+
+namespace {
+
+/// W (sum of solves in cells) W, and a diagonal matrix where W = 0.
+class CellwiseApproximation : public Approximation
+{
+public:
+  /// @param solves by indices of the columns
+  CellwiseApproximation(std::shared_ptr<const Epetra_Map> own_rows, std::shared_ptr<const Epetra_Map> columns,
+                        std::shared_ptr<const Epetra_Import> import,
+                        std::vector<std::unique_ptr<CellSolves>> solves, std::vector<double> weights,
+                        std::vector<double> inverse)
+      : own_rows(std::move(own_rows)), columns(std::move(columns)), import(std::move(import)),
+        solves(std::move(solves)), weights(std::move(weights)), inverse(std::move(inverse))
+  {
+  }
+
+  void vmult(double *z, const double *r) const override;
+
+private:
+  std::shared_ptr<const Epetra_Map> own_rows, columns;
+  std::shared_ptr<const Epetra_Import> import;
+  std::vector<std::unique_ptr<CellSolves>> solves;
+  std::vector<double> weights, inverse; ///< by own row
+};
+
+void CellwiseApproximation::vmult(double *const z, const double *const r) const
+{
+  Epetra_Vector weighted(*own_rows, false), sum(*own_rows);
+  for (unsigned int i = 0; i < weights.size(); ++i)
+    weighted[i] = weights[i] * r[i];
+  if (own_rows->Comm().NumProc() == 1)
+    for (const auto &of_domain : solves)
+      of_domain->add_solutions(weighted.Values(), sum.Values());
+  else {
+    Epetra_Vector of_columns(*columns), solutions(*columns);
+    of_columns.Import(weighted, *import, Insert);
+    for (const auto &of_domain : solves)
+      of_domain->add_solutions(of_columns.Values(), solutions.Values());
+    sum.Export(solutions, *import, Add);
+  }
+  for (unsigned int i = 0; i < weights.size(); ++i)
+    z[i] = weights[i] * sum[i] + inverse[i] * r[i];
+}
+
+/// Whether functions of A_1 do not keep their degree along some long edges beside solves in cells.
+template <int dim>
+bool leaves_long_edges(const Domain<dim> &domain, const MPI_Comm communicator)
+{
+  bool here = false;
+  for (const auto &cell : domain.mesh().active_cell_iterators())
+    if (cell->is_locally_owned() && is_stretched<dim>(cell)) {
+      const auto lengths = edge_lengths<dim>(cell);
+      const double shortest = *std::min_element(lengths.begin(), lengths.end());
+      for (const double length : lengths)
+        here = here ||
+               (length > smallest_stretch * shortest && length <= smallest_stretch_beside_solves * shortest);
+    }
+  return dealii::Utilities::MPI::max(here ? 1 : 0, communicator) > 0;
+}
+
+} // namespace
+
+/// An unknown that n cells have gets weights whose squares are 1/n, times its share of the diagonal that is of
+/// cells: what ties, conditions and followers add to it would make eigenvalues large.
+template <int dim>
+std::unique_ptr<Approximation>
+CellwiseTangent<dim>::cellwise_approximation(const Epetra_Vector &all_diagonal) const
+{
+  Epetra_Vector ones(*columns), of_cells(*columns), n_cells(*own_rows), own(*own_rows), held(*own_rows),
+      all_held(*columns);
+  std::vector<const CellOperator<dim> *> stretched;
+  for (const auto &[d, cells] : operators)
+    if (leaves_long_edges(*model.domains[d], model.communicator)) {
+      stretched.push_back(cells.get());
+      cells->add_ones(ones.Values());
+      cells->add_diagonal(of_cells.Values());
+    }
+  if (stretched.empty())
+    return nullptr;
+  n_cells.Export(ones, *import, Add);
+  own.Export(of_cells, *import, Add);
+  std::vector<double> weights, inverse;
+  for (unsigned int i = 0; i < is_condensed.size(); ++i) {
+    const double share = all_diagonal[i] > 0 ? std::min(1., own[i] / all_diagonal[i]) : 0;
+    const bool is_solved = !is_condensed[i] && n_cells[i] > 0 && share > 0;
+    held[i] = is_solved ? 0 : 1;
+    weights.push_back(is_solved ? std::sqrt(share / n_cells[i]) : 0.);
+    inverse.push_back(!is_solved && all_diagonal[i] > 0 ? 1 / all_diagonal[i] : 0.);
+  }
+  all_held.Import(held, *import, Insert);
+  std::vector<bool> is_held;
+  for (int i = 0; i < all_held.MyLength(); ++i)
+    is_held.push_back(all_held[i] != 0);
+  std::vector<std::unique_ptr<CellSolves>> solves;
+  for (const CellOperator<dim> *const cells : stretched)
+    solves.push_back(cells->solves(is_held));
+  return std::make_unique<CellwiseApproximation>(own_rows, columns, import, std::move(solves),
+                                                 std::move(weights), std::move(inverse));
 }
 
 /// C P at the unknowns that follow others.

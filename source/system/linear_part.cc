@@ -21,20 +21,15 @@ using LongEdges = std::bitset<6>;
 /// [node]: nodes of the same cell and their weights
 using NodeSums = std::vector<std::vector<std::pair<unsigned int, double>>>;
 
-/// Edges of one direction are as long as they are on average.
 template <int dim>
-LongEdges long_directions(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell)
+LongEdges long_directions(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell,
+                          const double smallest_ratio)
 {
-  const double smallest_ratio = 2;
   LongEdges result;
-  std::array<double, dim> length{};
+  const auto lengths = edge_lengths<dim>(cell);
+  const double shortest = *std::min_element(lengths.begin(), lengths.end());
   for (unsigned int d = 0; d < dim; ++d)
-    for (const unsigned int v : cell->vertex_indices())
-      if ((v & (1u << d)) == 0)
-        length[d] += cell->vertex(v).distance(cell->vertex(v | (1u << d)));
-  const double shortest = *std::min_element(length.begin(), length.end());
-  for (unsigned int d = 0; d < dim; ++d)
-    result[d] = length[d] > smallest_ratio * shortest;
+    result[d] = lengths[d] > smallest_ratio * shortest;
   return result;
 }
 
@@ -55,9 +50,10 @@ LongEdges long_edges_of_simplex(const typename dealii::DoFHandler<dim>::active_c
 }
 
 template <int dim>
-LongEdges long_edges(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell)
+LongEdges long_edges(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell,
+                     const double smallest_stretch_of_hypercubes)
 {
-  return cell->reference_cell().is_hyper_cube() ? long_directions<dim>(cell)
+  return cell->reference_cell().is_hyper_cube() ? long_directions<dim>(cell, smallest_stretch_of_hypercubes)
                                                 : long_edges_of_simplex<dim>(cell);
 }
 
@@ -150,8 +146,9 @@ public:
     bool is_itself;
   };
 
-  KnownSums(const Domain<dim> &domain, const Block &block)
-      : domain(domain), block(block), field(domain.fields()[block.field_index])
+  KnownSums(const Domain<dim> &domain, const Block &block, const double smallest_stretch)
+      : domain(domain), block(block), field(domain.fields()[block.field_index]),
+        smallest_stretch(smallest_stretch)
   {
   }
 
@@ -167,6 +164,7 @@ private:
   const Domain<dim> &domain;
   const Block &block;
   const Field &field;
+  const double smallest_stretch;
   std::map<unsigned long, unsigned int> first; ///< that of the first node, by long edges
   std::vector<Sum> sums;
 };
@@ -175,7 +173,7 @@ template <int dim>
 unsigned int KnownSums<dim>::first_of(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell,
                                       RowSums &result)
 {
-  const LongEdges is_long = long_edges<dim>(cell);
+  const LongEdges is_long = long_edges<dim>(cell, smallest_stretch);
   const auto [place, is_new] = first.try_emplace(is_long.to_ulong(), sums.size());
   if (!is_new)
     return place->second;
@@ -217,11 +215,11 @@ void KnownSums<dim>::for_each_node(RowSums &result, const Visit &visit)
 /// One cell in which an edge is short is enough.
 template <int dim>
 RowSums linear_part(const Domain<dim> &domain, const Block &block,
-                    const dealii::AffineConstraints<double> &constraints)
+                    const dealii::AffineConstraints<double> &constraints, const double smallest_stretch)
 {
   const unsigned int none = dealii::numbers::invalid_unsigned_int;
   RowSums result;
-  KnownSums<dim> known(domain, block);
+  KnownSums<dim> known(domain, block, smallest_stretch);
   std::vector<unsigned int> chosen(block.owned.n_elements(), none); // of the known ones
   known.for_each_node(result, [&](const unsigned int i, const unsigned int number, const auto &) {
     if (chosen[i] == none || known[chosen[i]].is_itself)
@@ -254,7 +252,9 @@ RowSums linear_part(const Domain<dim> &domain, const Block &block,
   return result;
 }
 
-template RowSums linear_part(const Domain<2> &, const Block &, const dealii::AffineConstraints<double> &);
-template RowSums linear_part(const Domain<3> &, const Block &, const dealii::AffineConstraints<double> &);
+template RowSums linear_part(const Domain<2> &, const Block &, const dealii::AffineConstraints<double> &,
+                             double);
+template RowSums linear_part(const Domain<3> &, const Block &, const dealii::AffineConstraints<double> &,
+                             double);
 
 } // namespace dovetail

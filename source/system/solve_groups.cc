@@ -135,7 +135,10 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     };
     group.linear_part = [&model, system](const unsigned int number) {
       const Block &block = model.numbering->blocks()[number];
-      return linear_part(*model.domains[block.domain_index], block, system().all_constraints());
+      const BlockMatrix &K = system().tangent();
+      const bool is_smoothed_by_solves = K.part_operator(K.part_of(number)) != nullptr;
+      return linear_part(*model.domains[block.domain_index], block, system().all_constraints(),
+                         is_smoothed_by_solves ? smallest_stretch_beside_solves : smallest_stretch);
     };
     group.is_of_body = [&model](const unsigned int number) {
       return !model.numbering->blocks()[number].is_of_multipliers;

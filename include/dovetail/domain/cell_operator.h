@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <dovetail/domain/cell_solves.h>
 #include <dovetail/domain/domain.h>
 
 #include <deal.II/lac/full_matrix.h>
@@ -53,6 +54,10 @@ public:
   /// y += K x, or with the symmetric part of K.
   virtual void add_product(const double *x, double *y, bool of_symmetric_part) const = 0;
   virtual void add_diagonal(double *diagonal) const = 0;
+  /// += the number of cells of an unknown
+  virtual void add_ones(double *numbers) const = 0;
+  /// @p is_held: of unknowns that are not solved for
+  virtual std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held) const = 0;
 
   /// A row of P, by index of the unknown: columns and weights.
   struct Row

@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include <dovetail/solve/approximation.h>
+
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Vector.h>
 
@@ -28,6 +30,9 @@ public:
   virtual void add_product(double factor, const Epetra_Vector &x, Epetra_Vector &y,
                            bool of_symmetric_part) const = 0;
   virtual void add_diagonal(Epetra_Vector &values) const = 0;
+  /// An approximation of the symmetric part of K and the rest of a matrix with this @p diagonal, better than
+  /// the diagonal in stretched cells. Collective. nullptr: none.
+  virtual std::unique_ptr<Approximation> cellwise_approximation(const Epetra_Vector &diagonal) const = 0;
   /// P^T K P + @p summand, of the symmetric part of K. Collective.
   virtual std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P,
                                                        const Epetra_CrsMatrix &summand) const = 0;

@@ -59,6 +59,7 @@ public:
   void add_product(double factor, const Epetra_Vector &x, Epetra_Vector &y,
                    bool of_symmetric_part) const override;
   void add_diagonal(Epetra_Vector &values) const override;
+  std::unique_ptr<Approximation> cellwise_approximation(const Epetra_Vector &all_diagonal) const override;
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P,
                                                const Epetra_CrsMatrix &summand) const override;
   const std::vector<bool> &condensed() const override { return is_condensed; }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/domain/domain.h>
+#include <dovetail/domain/edge_lengths.h>
 #include <dovetail/domain/numbering.h>
 
 #include <dovetail/solve/row_sums.h>
@@ -18,14 +19,16 @@ namespace dovetail {
 /// function of degree one, those at the vertices of its cell. A constrained unknown is the sum of those it
 /// follows.
 ///
-/// Along the long edges of a quadrilateral or hexahedron the functions keep their degree, so that an unknown
-/// inside such an edge is the sum of itself. What varies along it between vertices costs so little energy
-/// that a smoother, which sees the short edges, would leave it. In an element of degree two that is three
-/// times as long in x as in y and z, a node at (1/2, 1/2, 0) is the mean of those at (1/2, 0, 0) and
-/// (1/2, 1, 0). A sum may name an unknown that is a sum itself, of another cell.
+/// Along edges of a quadrilateral or hexahedron that are longer than @p smallest_stretch times the shortest
+/// ones, the functions keep their degree, so that an unknown inside such an edge is the sum of itself. What
+/// varies along it between vertices costs so little energy that a smoother, which sees the short edges, would
+/// leave it. In an element of degree two that is three times as long in x as in y and z, a node at (1/2, 1/2,
+/// 0) is the mean of those at (1/2, 0, 0) and (1/2, 1, 0). A sum may name an unknown that is a sum itself, of
+/// another cell.
 template <int dim>
 RowSums
 linear_part(const Domain<dim> &domain, const Block &block,
-            const dealii::AffineConstraints<double> &constraints = dealii::AffineConstraints<double>());
+            const dealii::AffineConstraints<double> &constraints = dealii::AffineConstraints<double>(),
+            double smallest_stretch = dovetail::smallest_stretch);
 
 } // namespace dovetail

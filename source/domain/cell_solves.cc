@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include <dovetail/domain/cell_solves.h>
+
+#include <dovetail/widest_vectors.h>
+
+#include <deal.II/base/exceptions.h>
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/fe/fe_q.h>
+#include <deal.II/fe/fe_tools.h>
+#include <deal.II/lac/full_matrix.h>
+#include <deal.II/lac/lapack_full_matrix.h>
+#include <deal.II/lac/vector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace dovetail {
+
+CellSolves::CellSolves(const unsigned int dim, const unsigned int n_components, const unsigned int degree,
+                       std::shared_ptr<const std::vector<int>> given_index)
+    : dim(dim), n_components(n_components), n(degree + 1), n_nodes(dim == 2 ? n * n : n * n * n),
+      index(std::move(given_index)), stiffness(n * n), mass(n * n), size_of_component(dim * n * (n + 1) + 1)
+{
+  AssertThrow(n >= 3 && n <= 5, dealii::ExcMessage("The loops are compiled for degrees from 2 to 4."));
+  const dealii::QGauss<1> points(n);
+  const dealii::FE_Q<1> element(degree);
+  const auto node = dealii::FETools::lexicographic_to_hierarchic_numbering<1>(degree);
+  for (unsigned int q = 0; q < n; ++q)
+    for (unsigned int i = 0; i < n; ++i)
+      for (unsigned int j = 0; j < n; ++j) {
+        const double w = points.weight(q);
+        const dealii::Point<1> &x = points.point(q);
+        stiffness[i * n + j] += w * element.shape_grad(node[i], x)[0] * element.shape_grad(node[j], x)[0];
+        mass[i * n + j] += w * element.shape_value(node[i], x) * element.shape_value(node[j], x);
+      }
+  const std::size_t n_tables = index->size() / (n_nodes * Lanes::size);
+  all.resize(n_tables * size_of_component);
+  for (std::size_t i = 1; i <= n_tables; ++i)
+    all[i * size_of_component - 1] = Lanes(1.); // of a lane without a cell, which must not divide by zero
+}
+
+/// Ratios of lengths are rounded, so that many lines share their eigenpairs.
+const CellSolves::Pairs &CellSolves::pairs_of(const Line &line)
+{
+  const double steps_per_octave = 4, stiffness_of_held = 1e4;
+  const int no_cell = 1000000;
+  std::array<int, 2> beyond;
+  for (unsigned int e = 0; e < 2; ++e)
+    beyond[e] = line.ends[e] == End::cell ? std::lround(steps_per_octave * std::log2(line.ratios[e]))
+                                          : no_cell + static_cast<int>(line.ends[e]);
+  const auto [place, is_new] = known.try_emplace(beyond);
+  Pairs &result = place->second;
+  if (!is_new)
+    return result;
+  dealii::FullMatrix<double> K(n, n, stiffness.data()), M(n, n, mass.data());
+  for (unsigned int e = 0; e < 2; ++e) {
+    const unsigned int i = e == 0 ? 0 : n - 1;
+    const double ratio = beyond[e] < no_cell ? std::exp2(beyond[e] / steps_per_octave) : 0;
+    if (line.ends[e] == End::cell) {
+      K(i, i) += stiffness[0] / ratio;
+      M(i, i) += mass[0] * ratio;
+    } else if (line.ends[e] == End::held)
+      K(i, i) += stiffness_of_held * stiffness[0];
+  }
+  dealii::LAPACKFullMatrix<double> eigenvalues(n), weights(n);
+  eigenvalues = K;
+  weights = M;
+  std::vector<dealii::Vector<double>> vectors(n, dealii::Vector<double>(n));
+  eigenvalues.compute_generalized_eigenvalues_symmetric(weights, vectors);
+  for (unsigned int mode = 0; mode < n; ++mode) {
+    result.values.push_back(std::max(0., eigenvalues.eigenvalue(mode).real()));
+    const double norm = std::sqrt(M.matrix_norm_square(vectors[mode]));
+    for (unsigned int i = 0; i < n; ++i)
+      result.vectors.push_back(vectors[mode][i] / norm);
+  }
+  return result;
+}
+
+void CellSolves::set(const unsigned int slot, const unsigned int component, const std::vector<Line> &lines,
+                     const std::vector<double> &a)
+{
+  Lanes *const first = &all[((slot / Lanes::size) * n_components + component) * size_of_component];
+  const unsigned int lane = slot % Lanes::size;
+  for (unsigned int k = 0; k < dim; ++k) {
+    const Pairs &pairs = pairs_of(lines[k]);
+    Lanes *const of_line = first + k * n * (n + 1);
+    for (unsigned int i = 0; i < n * n; ++i)
+      of_line[i][lane] = pairs.vectors[i];
+    for (unsigned int mode = 0; mode < n; ++mode)
+      of_line[n * n + mode][lane] = pairs.values[mode] * a[k];
+  }
+  first[size_of_component - 1][lane] = a[dim];
+}
+
+namespace {
+
+constexpr std::size_t n_lanes = Lanes::size;
+typedef double HalfOfLanes __attribute__((vector_size(32), aligned(8), may_alias));
+constexpr std::size_t n_half = sizeof(HalfOfLanes) / sizeof(double);
+
+/// Along lines of n numbers that are @p stride apart: data = m data, or the transpose, each lane by its own
+/// m.
+template <std::size_t n, bool transposed>
+DOVETAIL_PART_OF_CALLER void sweep_lanes(const double *const m, const std::size_t stride,
+                                         const std::size_t n_outer, double *const data)
+{
+  for (std::size_t half = 0; half < n_lanes; half += n_half) {
+    HalfOfLanes table[n * n];
+    for (std::size_t i = 0; i < n * n; ++i)
+      table[i] = *reinterpret_cast<const HalfOfLanes *>(m + i * n_lanes + half);
+    for (std::size_t o = 0; o < n_outer; ++o)
+      for (std::size_t k = half; k < stride; k += n_lanes) {
+        double *const line = data + o * n * stride + k;
+        HalfOfLanes x[n];
+        for (std::size_t i = 0; i < n; ++i)
+          x[i] = *reinterpret_cast<const HalfOfLanes *>(line + i * stride);
+        for (std::size_t q = 0; q < n; ++q) {
+          HalfOfLanes s = (transposed ? table[q] : table[q * n]) * x[0];
+          for (std::size_t i = 1; i < n; ++i)
+            s += (transposed ? table[i * n + q] : table[q * n + i]) * x[i];
+          *reinterpret_cast<HalfOfLanes *>(line + q * stride) = s;
+        }
+      }
+  }
+}
+
+/// S (sum Lambda + m)^-1 S^T
+template <std::size_t n>
+DOVETAIL_PART_OF_CALLER void solve_in_cells(const unsigned int dim, const double *const tables,
+                                            double *const data)
+{
+  constexpr std::size_t L = n_lanes, of_line = n * (n + 1) * L;
+  const std::size_t face = dim == 2 ? n : n * n;
+  std::size_t stride = L;
+  for (unsigned int k = 0; k < dim; ++k, stride *= n)
+    sweep_lanes<n, false>(tables + k * of_line, stride, face * L / stride, data);
+  const double *const x = tables + n * n * L, *const y = x + of_line, *const z = y + of_line;
+  const double *const m = tables + dim * of_line;
+  for (std::size_t k = 0; k < (dim == 2 ? 1 : n); ++k)
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t l = 0; l < L; ++l)
+          data[((k * n + j) * n + i) * L + l] /=
+              (dim == 2 ? 0. : z[k * L + l]) + y[j * L + l] + x[i * L + l] + m[l];
+  for (unsigned int k = 0; k < dim; ++k) {
+    stride /= n;
+    sweep_lanes<n, true>(tables + (dim - 1 - k) * of_line, stride, face * L / stride, data);
+  }
+}
+
+DOVETAIL_WIDEST_VECTORS void solve_any(const unsigned int dim, const std::size_t n,
+                                       const double *const tables, double *const data)
+{
+  if (n == 3)
+    solve_in_cells<3>(dim, tables, data);
+  else if (n == 4)
+    solve_in_cells<4>(dim, tables, data);
+  else
+    solve_in_cells<5>(dim, tables, data);
+}
+
+} // namespace
+
+void CellSolves::add_solutions(const double *const r, double *const z) const
+{
+  std::vector<Lanes> data(n_nodes);
+  const int *numbers = index->data();
+  const std::size_t n_tables = all.size() / size_of_component;
+  for (std::size_t b = 0; b < n_tables; ++b) {
+    const int *const first = numbers;
+    for (Lanes &number : data)
+      for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+        number[lane] = r[*numbers++];
+    solve_any(dim, n, all[b * size_of_component].values.data(), data[0].values.data());
+    numbers = first;
+    for (const Lanes &number : data)
+      for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+        z[*numbers++] += number[lane];
+  }
+}
+
+} // namespace dovetail

@@ -213,7 +213,8 @@ public:
   void add_product(const double *x, double *y, bool of_symmetric_part) const override;
   void add_diagonal(double *diagonal) const override;
   void add_ones(double *numbers) const override;
-  std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held) const override;
+  std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held, const double *further,
+                                     double *taken) const override;
   void for_each_cell(const typename CellOperator<dim>::Prolongation &P,
                      const std::function<void(const std::vector<int> &columns)> &visit) const override;
   void for_each_restriction(const typename CellOperator<dim>::Prolongation &P,
@@ -271,6 +272,11 @@ private:
                           Array &result) const;
   void refer_to_unit_cells();
   std::vector<Lanes> mean_coefficients(unsigned int batch) const;
+  void for_each_node_of(
+      unsigned int face,
+      const std::function<void(unsigned int node, std::array<unsigned int, dim> of_line)> &visit) const;
+  double take_support(const CellSolves &solves, unsigned int face, const int *of_component,
+                      const double *further, double *taken) const;
   void gather(const double *x, unsigned int batch, Array &local) const;
   void expand();
   void find_columns(const typename CellOperator<dim>::Prolongation &P, unsigned int slot,
@@ -682,19 +688,63 @@ void CellOperatorOf<dim, n_components>::add_ones(double *const numbers) const
       ++numbers[(*index)[place(slot, i)]];
 }
 
-/// What is beyond the ends of the lines of a cell.
+/// The cells beyond the ends of the lines of a cell.
 template <int dim>
 std::vector<CellSolves::Line> lines_of(const typename dealii::Triangulation<dim>::cell_iterator &cell)
 {
   const auto lengths = edge_lengths<dim>(cell);
-  std::vector<CellSolves::Line> lines(dim, {{{CellSolves::End::free, CellSolves::End::free}}, {{1., 1.}}});
+  std::vector<CellSolves::Line> lines(dim);
   for (unsigned int face = 0; face < 2 * dim; ++face)
-    if (const unsigned int k = face / 2, e = face % 2; !cell->at_boundary(face)) {
+    if (!cell->at_boundary(face)) {
       const unsigned int its_direction = cell->neighbor_face_no(face) / 2;
-      lines[k].ends[e] = CellSolves::End::cell;
-      lines[k].ratios[e] = edge_lengths<dim>(cell->neighbor(face))[its_direction] / lengths[k];
+      lines[face / 2][face % 2].ratio =
+          edge_lengths<dim>(cell->neighbor(face))[its_direction] / lengths[face / 2];
     }
   return lines;
+}
+
+template <int dim, int n_components>
+void CellOperatorOf<dim, n_components>::for_each_node_of(
+    const unsigned int face,
+    const std::function<void(unsigned int node, std::array<unsigned int, dim> of_line)> &visit) const
+{
+  const unsigned int n = domain.degree + 1;
+  for (unsigned int node = 0; node < n_nodes; ++node) {
+    const std::array<unsigned int, 3> all = {{node % n, node / n % n, node / n / n}};
+    std::array<unsigned int, dim> of_line;
+    std::copy_n(all.begin(), dim, of_line.begin());
+    if (of_line[face / 2] == face % 2 * domain.degree)
+      visit(node, of_line);
+  }
+}
+
+/// The coefficient of the mass matrix of a face without neighbour that stands for what others add to it, from
+/// the nodes that no other cell has.
+template <int dim, int n_components>
+double CellOperatorOf<dim, n_components>::take_support(const CellSolves &solves, const unsigned int face,
+                                                       const int *const index_of_component,
+                                                       const double *const further, double *const taken) const
+{
+  double sum = 0, sum_of_masses = 0;
+  const auto visit_masses = [&](const auto &visit) {
+    for_each_node_of(face, [&](const unsigned int node, const auto &of_line) {
+      double product = 1;
+      bool is_inside = true;
+      for (unsigned int k = 0; k < dim; ++k)
+        if (k != face / 2) {
+          product *= solves.mass_of(of_line[k]);
+          is_inside = is_inside && of_line[k] > 0 && of_line[k] < domain.degree;
+        }
+      visit(index_of_component[node * Lanes::size], product, is_inside);
+    });
+  };
+  visit_masses([&](const int i, const double product, const bool is_inside) {
+    sum += is_inside ? further[i] : 0.;
+    sum_of_masses += is_inside ? product : 0.;
+  });
+  const double coefficient = std::max(0., sum / sum_of_masses);
+  visit_masses([&](const int i, const double product, bool) { taken[i] += coefficient * product; });
+  return coefficient;
 }
 
 /// [component]: by direction the integral of e . A e over the cells, where e is the gradient of a coordinate
@@ -725,7 +775,9 @@ std::vector<Lanes> CellOperatorOf<dim, n_components>::mean_coefficients(const un
 /// What a coefficient that is not positive becomes, and m where nothing holds a cell, is a matter of being
 /// definite only.
 template <int dim, int n_components>
-std::unique_ptr<CellSolves> CellOperatorOf<dim, n_components>::solves(const std::vector<bool> &is_held) const
+std::unique_ptr<CellSolves> CellOperatorOf<dim, n_components>::solves(const std::vector<bool> &is_held,
+                                                                      const double *const further,
+                                                                      double *const taken) const
 {
   const double smallest = 1e-6;
   const unsigned int n = domain.degree + 1;
@@ -748,20 +800,24 @@ std::unique_ptr<CellSolves> CellOperatorOf<dim, n_components>::solves(const std:
       largest = std::max(largest, coefficient(i));
     const std::vector<CellSolves::Line> lines = lines_of<dim>(cells->cell(slot));
     for (unsigned int c = 0; c < n_components; ++c) {
-      std::vector<CellSolves::Line> of_component = lines;
+      const int *const of_component = index->data() + place(slot, c * n_nodes);
+      std::vector<CellSolves::Line> supported = lines;
       std::vector<double> a;
-      bool is_free = true;
-      for (unsigned int face = 0; face < 2 * dim; ++face) {
-        CellSolves::End &end = of_component[face / 2].ends[face % 2];
-        if (is_held[(*index)[place(slot, c * n_nodes + node_inside(face))]])
-          end = CellSolves::End::held;
-        is_free = is_free && end == CellSolves::End::free;
-      }
       for (unsigned int k = 0; k < dim; ++k)
         a.push_back(std::max(coefficient(c * (dim + 1) + k), smallest * largest));
+      bool is_free = true;
+      for (unsigned int face = 0; face < 2 * dim; ++face) {
+        CellSolves::End &end = supported[face / 2][face % 2];
+        if (is_held[of_component[node_inside(face) * Lanes::size]])
+          end = {0., CellSolves::stiffness_of_held};
+        else if (end.ratio == 0)
+          end.stiffness = take_support(*result, face, of_component, further, taken) /
+                          (a[face / 2] * result->stiffness_of_end());
+        is_free = is_free && end.ratio == 0 && end.stiffness == 0;
+      }
       const double least = is_free ? *std::min_element(a.begin(), a.end()) : 0;
       a.push_back(std::max(coefficient(c * (dim + 1) + dim), least));
-      result->set(slot, c, of_component, a);
+      result->set(slot, c, supported, a);
     }
   }
   return result;

@@ -42,29 +42,27 @@ CellSolves::CellSolves(const unsigned int dim, const unsigned int n_components, 
     all[i * size_of_component - 1] = Lanes(1.); // of a lane without a cell, which must not divide by zero
 }
 
-/// Ratios of lengths are rounded, so that many lines share their eigenpairs.
+/// What is beyond ends is rounded, so that many lines share their eigenpairs.
 const CellSolves::Pairs &CellSolves::pairs_of(const Line &line)
 {
-  const double steps_per_octave = 4, stiffness_of_held = 1e4;
-  const int no_cell = 1000000;
-  std::array<int, 2> beyond;
-  for (unsigned int e = 0; e < 2; ++e)
-    beyond[e] = line.ends[e] == End::cell ? std::lround(steps_per_octave * std::log2(line.ratios[e]))
-                                          : no_cell + static_cast<int>(line.ends[e]);
+  const double steps_per_octave = 4, smallest = 1e-3;
+  const int none = -1000000;
+  std::array<int, 4> beyond;
+  for (unsigned int e = 0; e < 4; ++e) {
+    const double value = e < 2 ? line[e].ratio : std::min(line[e - 2].stiffness, stiffness_of_held);
+    beyond[e] = value > smallest ? std::lround(steps_per_octave * std::log2(value)) : none;
+  }
   const auto [place, is_new] = known.try_emplace(beyond);
   Pairs &result = place->second;
   if (!is_new)
     return result;
   dealii::FullMatrix<double> K(n, n, stiffness.data()), M(n, n, mass.data());
-  for (unsigned int e = 0; e < 2; ++e) {
-    const unsigned int i = e == 0 ? 0 : n - 1;
-    const double ratio = beyond[e] < no_cell ? std::exp2(beyond[e] / steps_per_octave) : 0;
-    if (line.ends[e] == End::cell) {
-      K(i, i) += stiffness[0] / ratio;
-      M(i, i) += mass[0] * ratio;
-    } else if (line.ends[e] == End::held)
-      K(i, i) += stiffness_of_held * stiffness[0];
-  }
+  for (unsigned int e = 0; e < 4; ++e)
+    if (const unsigned int i = e % 2 * (n - 1); beyond[e] != none) {
+      const double value = std::exp2(beyond[e] / steps_per_octave);
+      K(i, i) += stiffness[0] * (e < 2 ? 1 / value : value);
+      M(i, i) += e < 2 ? mass[0] * value : 0.;
+    }
   dealii::LAPACKFullMatrix<double> eigenvalues(n), weights(n);
   eigenvalues = K;
   weights = M;

@@ -360,14 +360,14 @@ bool leaves_long_edges(const Domain<dim> &domain, const MPI_Comm communicator)
 
 } // namespace
 
-/// An unknown that n cells have gets weights whose squares are 1/n, times its share of the diagonal that is of
-/// cells: what ties, conditions and followers add to it would make eigenvalues large.
+/// An unknown that n cells have gets weights whose squares are 1/n, times the share of the solves in the
+/// diagonal: what followers add to it would make eigenvalues large.
 template <int dim>
 std::unique_ptr<Approximation>
 CellwiseTangent<dim>::cellwise_approximation(const Epetra_Vector &all_diagonal) const
 {
-  Epetra_Vector ones(*columns), of_cells(*columns), n_cells(*own_rows), own(*own_rows), held(*own_rows),
-      all_held(*columns);
+  Epetra_Vector ones(*columns), of_cells(*columns), n_cells(*own_rows), own(*own_rows), further(all_diagonal),
+      of_solves(*own_rows), held(*own_rows), all_held(*columns), all_further(*columns), taken(*columns);
   std::vector<const CellOperator<dim> *> stretched;
   for (const auto &[d, cells] : operators)
     if (leaves_long_edges(*model.domains[d], model.communicator)) {
@@ -379,21 +379,25 @@ CellwiseTangent<dim>::cellwise_approximation(const Epetra_Vector &all_diagonal) 
     return nullptr;
   n_cells.Export(ones, *import, Add);
   own.Export(of_cells, *import, Add);
-  std::vector<double> weights, inverse;
-  for (unsigned int i = 0; i < is_condensed.size(); ++i) {
-    const double share = all_diagonal[i] > 0 ? std::min(1., own[i] / all_diagonal[i]) : 0;
-    const bool is_solved = !is_condensed[i] && n_cells[i] > 0 && share > 0;
-    held[i] = is_solved ? 0 : 1;
-    weights.push_back(is_solved ? std::sqrt(share / n_cells[i]) : 0.);
-    inverse.push_back(!is_solved && all_diagonal[i] > 0 ? 1 / all_diagonal[i] : 0.);
-  }
+  further.Update(-1., own, 1.);
+  for (unsigned int i = 0; i < is_condensed.size(); ++i)
+    held[i] = is_condensed[i] || n_cells[i] == 0 || !(own[i] > 0 && all_diagonal[i] > 0) ? 1 : 0;
   all_held.Import(held, *import, Insert);
+  all_further.Import(further, *import, Insert);
   std::vector<bool> is_held;
   for (int i = 0; i < all_held.MyLength(); ++i)
     is_held.push_back(all_held[i] != 0);
   std::vector<std::unique_ptr<CellSolves>> solves;
   for (const CellOperator<dim> *const cells : stretched)
-    solves.push_back(cells->solves(is_held));
+    solves.push_back(cells->solves(is_held, all_further.Values(), taken.Values()));
+  of_solves.Export(taken, *import, Add);
+  of_solves.Update(1., own, 1.);
+  std::vector<double> weights, inverse;
+  for (unsigned int i = 0; i < is_condensed.size(); ++i) {
+    const double share = std::min(1., of_solves[i] / all_diagonal[i]);
+    weights.push_back(held[i] == 0 ? std::sqrt(share / n_cells[i]) : 0.);
+    inverse.push_back(held[i] != 0 && all_diagonal[i] > 0 ? 1 / all_diagonal[i] : 0.);
+  }
   return std::make_unique<CellwiseApproximation>(own_rows, columns, import, std::move(solves),
                                                  std::move(weights), std::move(inverse));
 }

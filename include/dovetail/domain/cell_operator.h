@@ -56,8 +56,12 @@ public:
   virtual void add_diagonal(double *diagonal) const = 0;
   /// += the number of cells of an unknown
   virtual void add_ones(double *numbers) const = 0;
-  /// @p is_held: of unknowns that are not solved for
-  virtual std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held) const = 0;
+  /// @param is_held of unknowns that are not solved for
+  /// @param further what others add to the diagonal. On a face without neighbour it is taken for that of a
+  /// mass matrix.
+  /// @param taken += what the solves contain of it
+  virtual std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held, const double *further,
+                                             double *taken) const = 0;
 
   /// A row of P, by index of the unknown: columns and weights.
   struct Row

@@ -24,12 +24,13 @@ class CellSolves
 {
 public:
   /// What is beyond an end of a line.
-  enum class End { free, cell, held };
-  struct Line
+  struct End
   {
-    std::array<End, 2> ends;
-    std::array<double, 2> ratios; ///< of cells beyond: length by that of this one
+    double ratio = 0;     ///< of the length of a cell to that of this one; 0: there is none
+    double stiffness = 0; ///< of a support, by the end's entry of K_k
   };
+  typedef std::array<End, 2> Line;
+  static constexpr double stiffness_of_held = 1e4;
 
   /// @p index: [batch][component][lexicographic node][lane], by reference
   CellSolves(unsigned int dim, unsigned int n_components, unsigned int degree,
@@ -42,6 +43,10 @@ public:
   /// z += the sum of the cells' B^-1 r
   void add_solutions(const double *r, double *z) const;
 
+  /// Entries of the diagonals of K_k and M_k, without what the ends add.
+  double stiffness_of_end() const { return stiffness[0]; }
+  double mass_of(unsigned int node) const { return mass[node * (n + 1)]; }
+
 private:
   struct Pairs
   {
@@ -52,7 +57,7 @@ private:
   const unsigned int dim, n_components, n, n_nodes;
   std::shared_ptr<const std::vector<int>> index;
   std::vector<double> stiffness, mass; ///< of a line of length one
-  std::map<std::array<int, 2>, Pairs> known;
+  std::map<std::array<int, 4>, Pairs> known;
   // [batch][component][direction]: vectors [mode][node], values [mode] times a; then m
   std::size_t size_of_component;
   std::vector<Lanes> all;

@@ -146,9 +146,10 @@ public:
     bool is_itself;
   };
 
-  KnownSums(const Domain<dim> &domain, const Block &block, const double smallest_stretch)
+  KnownSums(const Domain<dim> &domain, const Block &block, const double smallest_stretch,
+            const std::set<dealii::types::boundary_id> &tied)
       : domain(domain), block(block), field(domain.fields()[block.field_index]),
-        smallest_stretch(smallest_stretch)
+        smallest_stretch(smallest_stretch), tied(tied)
   {
   }
 
@@ -165,6 +166,7 @@ private:
   const Block &block;
   const Field &field;
   const double smallest_stretch;
+  const std::set<dealii::types::boundary_id> &tied;
   std::map<unsigned long, unsigned int> first; ///< that of the first node, by long edges
   std::vector<Sum> sums;
 };
@@ -173,7 +175,10 @@ template <int dim>
 unsigned int KnownSums<dim>::first_of(const typename dealii::DoFHandler<dim>::active_cell_iterator &cell,
                                       RowSums &result)
 {
-  const LongEdges is_long = long_edges<dim>(cell, smallest_stretch);
+  bool is_tied = false;
+  for (const unsigned int f : cell->face_indices())
+    is_tied = is_tied || (cell->at_boundary(f) && tied.count(cell->face(f)->boundary_id()) > 0);
+  const LongEdges is_long = long_edges<dim>(cell, is_tied ? dovetail::smallest_stretch : smallest_stretch);
   const auto [place, is_new] = first.try_emplace(is_long.to_ulong(), sums.size());
   if (!is_new)
     return place->second;
@@ -215,11 +220,12 @@ void KnownSums<dim>::for_each_node(RowSums &result, const Visit &visit)
 /// One cell in which an edge is short is enough.
 template <int dim>
 RowSums linear_part(const Domain<dim> &domain, const Block &block,
-                    const dealii::AffineConstraints<double> &constraints, const double smallest_stretch)
+                    const dealii::AffineConstraints<double> &constraints, const double smallest_stretch,
+                    const std::set<dealii::types::boundary_id> &tied)
 {
   const unsigned int none = dealii::numbers::invalid_unsigned_int;
   RowSums result;
-  KnownSums<dim> known(domain, block, smallest_stretch);
+  KnownSums<dim> known(domain, block, smallest_stretch, tied);
   std::vector<unsigned int> chosen(block.owned.n_elements(), none); // of the known ones
   known.for_each_node(result, [&](const unsigned int i, const unsigned int number, const auto &) {
     if (chosen[i] == none || known[chosen[i]].is_itself)
@@ -253,8 +259,8 @@ RowSums linear_part(const Domain<dim> &domain, const Block &block,
 }
 
 template RowSums linear_part(const Domain<2> &, const Block &, const dealii::AffineConstraints<double> &,
-                             double);
+                             double, const std::set<dealii::types::boundary_id> &);
 template RowSums linear_part(const Domain<3> &, const Block &, const dealii::AffineConstraints<double> &,
-                             double);
+                             double, const std::set<dealii::types::boundary_id> &);
 
 } // namespace dovetail

@@ -137,8 +137,14 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
       const Block &block = model.numbering->blocks()[number];
       const BlockMatrix &K = system().tangent();
       const bool is_smoothed_by_solves = K.part_operator(K.part_of(number)) != nullptr;
-      return linear_part(*model.domains[block.domain_index], block, system().all_constraints(),
-                         is_smoothed_by_solves ? smallest_stretch_beside_solves : smallest_stretch);
+      const Domain<dim> &domain = *model.domains[block.domain_index];
+      std::set<dealii::types::boundary_id> tied;
+      for (const auto &interface : model.interfaces)
+        for (const auto &side : interface->sides)
+          if (side.domain == &domain)
+            tied.insert(side.boundary_ids.begin(), side.boundary_ids.end());
+      return linear_part(domain, block, system().all_constraints(),
+                         is_smoothed_by_solves ? smallest_stretch_beside_solves : smallest_stretch, tied);
     };
     group.is_of_body = [&model](const unsigned int number) {
       return !model.numbering->blocks()[number].is_of_multipliers;

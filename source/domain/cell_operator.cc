@@ -275,7 +275,7 @@ private:
   void for_each_node_of(
       unsigned int face,
       const std::function<void(unsigned int node, std::array<unsigned int, dim> of_line)> &visit) const;
-  double take_support(const CellSolves &solves, unsigned int face, const int *of_component,
+  double take_support(const CellSolves &solves, double a, unsigned int face, const int *of_component,
                       const double *further, double *taken) const;
   void gather(const double *x, unsigned int batch, Array &local) const;
   void expand();
@@ -718,10 +718,11 @@ void CellOperatorOf<dim, n_components>::for_each_node_of(
   }
 }
 
-/// The coefficient of the mass matrix of a face without neighbour that stands for what others add to it, from
-/// the nodes that no other cell has.
+/// The stiffness of the end of a line that has a mass matrix of the face without neighbour stand for what
+/// others add to it, from the nodes that no other cell has.
 template <int dim, int n_components>
-double CellOperatorOf<dim, n_components>::take_support(const CellSolves &solves, const unsigned int face,
+double CellOperatorOf<dim, n_components>::take_support(const CellSolves &solves, const double a,
+                                                       const unsigned int face,
                                                        const int *const index_of_component,
                                                        const double *const further, double *const taken) const
 {
@@ -742,9 +743,10 @@ double CellOperatorOf<dim, n_components>::take_support(const CellSolves &solves,
     sum += is_inside ? further[i] : 0.;
     sum_of_masses += is_inside ? product : 0.;
   });
-  const double coefficient = std::max(0., sum / sum_of_masses);
-  visit_masses([&](const int i, const double product, bool) { taken[i] += coefficient * product; });
-  return coefficient;
+  const double unit = a * solves.stiffness_of_end(),
+               stiffness = std::clamp(sum / sum_of_masses / unit, 0., CellSolves::stiffness_of_held);
+  visit_masses([&](const int i, const double product, bool) { taken[i] += stiffness * unit * product; });
+  return stiffness;
 }
 
 /// [component]: by direction the integral of e . A e over the cells, where e is the gradient of a coordinate
@@ -811,8 +813,7 @@ std::unique_ptr<CellSolves> CellOperatorOf<dim, n_components>::solves(const std:
         if (is_held[of_component[node_inside(face) * Lanes::size]])
           end = {0., CellSolves::stiffness_of_held};
         else if (end.ratio == 0)
-          end.stiffness = take_support(*result, face, of_component, further, taken) /
-                          (a[face / 2] * result->stiffness_of_end());
+          end.stiffness = take_support(*result, a[face / 2], face, of_component, further, taken);
         is_free = is_free && end.ratio == 0 && end.stiffness == 0;
       }
       const double least = is_free ? *std::min_element(a.begin(), a.end()) : 0;

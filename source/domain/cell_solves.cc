@@ -49,7 +49,7 @@ const CellSolves::Pairs &CellSolves::pairs_of(const Line &line)
   const int none = -1000000;
   std::array<int, 4> beyond;
   for (unsigned int e = 0; e < 4; ++e) {
-    const double value = e < 2 ? line[e].ratio : std::min(line[e - 2].stiffness, stiffness_of_held);
+    const double value = e < 2 ? line[e].ratio : line[e - 2].stiffness;
     beyond[e] = value > smallest ? std::lround(steps_per_octave * std::log2(value)) : none;
   }
   const auto [place, is_new] = known.try_emplace(beyond);

@@ -3,8 +3,8 @@
 //
 // Solves in cells as an approximation of the tangent. In a box of equal cells that conducts heat, r is zero
 // but inside of one cell. There, M^-1 r without its weights solves the rows of the closure of the cell
-// exactly, in the middle and beside insulated faces (1e-12), which the products of the tangent tell. With
-// other laws, ties and hanging nodes, M^-1 is symmetric (1e-13) and the same on any number of ranks: y . M^-1
+// exactly, in the middle and beside faces that are insulated or convect heat (1e-12), which the products of
+// the tangent tell. With other laws, ties and hanging nodes, M^-1 is symmetric (1e-13) and the same on any number of ranks: y . M^-1
 // y is printed for two y. Cells that are not stretched have no such approximation.
 //
 // ranks: 1, 2, 3
@@ -14,6 +14,9 @@
 #include <dovetail/solve/approximation.h>
 #include <dovetail/solve/part_operator.h>
 #include <dovetail/solve/row_numbering.h>
+
+#include <deal.II/base/quadrature_lib.h>
+#include <deal.II/fe/fe_q.h>
 
 #include <Epetra_Vector.h>
 
@@ -70,18 +73,35 @@ struct System
   std::unique_ptr<Approximation> M;
 };
 
+/// The first entry of the stiffness of a line of length one. Supports are rounded to quarters of an octave of
+/// it.
+double stiffness_of_end(const unsigned int degree)
+{
+  const dealii::QGauss<1> points(degree + 1);
+  const dealii::FE_Q<1> element(degree);
+  double sum = 0;
+  for (unsigned int q = 0; q < points.size(); ++q)
+    sum += points.weight(q) * std::pow(element.shape_grad(0, points.point(q))[0], 2);
+  return sum;
+}
+
+/// @p support: by the conductivity and the length of a cell along x
 template <int dim>
 void check_one_cell(const std::string &name, const unsigned int degree, const std::string &cells,
-                    const dealii::Point<dim> &centre)
+                    const dealii::Point<dim> &centre, const double support = 0)
 {
   System<dim> of(
       set("Materials", "one") + set("Domains", "body") +
       subsection("Material one", subsection("Heat", set("Type", "Fourier") + set("Conductivity", "3"))) +
       subsection("Domain body", set("Material", "one") + set("Degree", std::to_string(degree)) + box(cells) +
-                                    set("Boundary conditions", "bath") +
+                                    set("Boundary conditions", "bath, air") +
                                     subsection("Boundary condition bath",
                                                set("Type", "value") + set("Field", "temperature") +
-                                                   set("Boundary ids", "0") + set("Expression", "0"))));
+                                                   set("Boundary ids", "0") + set("Expression", "0")) +
+                                    subsection("Boundary condition air",
+                                               set("Type", "convection") + set("Field", "temperature") +
+                                                   set("Boundary ids", "1") + set("Ambient", "0") +
+                                                   set("Coefficient", number(support)))));
   const Domain<dim> &domain = *of.scene.model.domains[0];
   Vector r = of.system.owned_vector(), n_cells = r, is_in_cell = r, product = r;
   std::vector<dealii::types::global_dof_index> dofs;
@@ -168,6 +188,8 @@ int main(int argc, char **argv)
     check_one_cell<2>("middle", degree, "4, 3 : 0, 0 : 12, 3", {4.5, 1.5});
     check_one_cell<2>("beside free faces", degree, "4, 3 : 0, 0 : 12, 3", {10.5, 0.5});
     check_one_cell<3>("beside free faces in 3D", degree, "2, 3, 1 : 0, 0, 0 : 6, 3, 1", {4.5, 1.5, 0.5});
+    check_one_cell<3>("beside a convecting face in 3D", degree, "2, 3, 1 : 0, 0, 0 : 6, 3, 1",
+                      {4.5, 1.5, 0.5}, 8 * stiffness_of_end(degree));
   }
   const std::string linear = set("Type", "linear elastic"), rubber = set("Type", "neo-Hookean"),
                     nitsche = set("Type", "Nitsche"),

@@ -52,7 +52,8 @@ struct Inverse
 
 /// The largest eigenvalue of M^-1 A, from below, or 0 if it is not definite. By a few conjugate gradients
 /// from a vector that is rough and the same on any number of ranks.
-double estimate_largest_eigenvalue(const LevelProducts &A, const Approximation &M)
+/// @param power of the diagonal that the vector has; 1/2: bodies count alike, however stiff they are
+double estimate_largest_eigenvalue(const LevelProducts &A, const Approximation &M, const double power = 1)
 {
   const unsigned int n_iterations = 10;
   const int n_own = A.rows().NumMyElements();
@@ -63,7 +64,8 @@ double estimate_largest_eigenvalue(const LevelProducts &A, const Approximation &
   Epetra_Vector diagonal(A.rows());
   A.diagonal(diagonal);
   for (int row = 0; row < n_own; ++row)
-    b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + A.rows().GID(row) % 1009)) * diagonal[row];
+    b.trilinos_vector()[0][row] = std::sin(1e4 * (1 + A.rows().GID(row) % 1009)) *
+                                  (power == 1 ? diagonal[row] : std::pow(std::abs(diagonal[row]), power));
   dealii::IterationNumberControl control(n_iterations, 1e-30 * b.l2_norm());
   dealii::SolverCG<SingleVector> solver(control);
   double largest = 0;
@@ -112,7 +114,7 @@ std::unique_ptr<ChebyshevSmoother> ChebyshevSmoother::with_approximation(const L
 {
   std::unique_ptr<ChebyshevSmoother> result(new ChebyshevSmoother(A, range));
   result->M = std::move(M);
-  result->estimate_spectrum();
+  result->largest_eigenvalue = margin * estimate_largest_eigenvalue(A, *result->M, 0.5);
   if (!(result->largest_eigenvalue > 0))
     result->take_diagonal(0);
   return result;

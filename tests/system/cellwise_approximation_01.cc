@@ -4,8 +4,8 @@
 // Solves in cells as an approximation of the tangent. In a box of equal cells that conducts heat, r is zero
 // but inside of one cell. There, M^-1 r without its weights solves the rows of the closure of the cell
 // exactly, in the middle and beside faces that are insulated or convect heat (1e-12), which the products of
-// the tangent tell. With other laws, ties and hanging nodes, M^-1 is symmetric (1e-13) and the same on any number of ranks: y . M^-1
-// y is printed for two y. Cells that are not stretched have no such approximation.
+// the tangent tell. With other laws, ties and hanging nodes, M^-1 is symmetric (1e-13) and the same on any
+// number of ranks: y . M^-1 y is printed for two y. Cells that are not stretched have no such approximation.
 //
 // ranks: 1, 2, 3
 
@@ -20,7 +20,9 @@
 
 #include <Epetra_Vector.h>
 
+#include <iomanip>
 #include <memory>
+#include <sstream>
 
 using namespace test;
 
@@ -90,18 +92,20 @@ template <int dim>
 void check_one_cell(const std::string &name, const unsigned int degree, const std::string &cells,
                     const dealii::Point<dim> &centre, const double support = 0)
 {
+  std::ostringstream coefficient;
+  coefficient << std::setprecision(17) << support;
   System<dim> of(
       set("Materials", "one") + set("Domains", "body") +
       subsection("Material one", subsection("Heat", set("Type", "Fourier") + set("Conductivity", "3"))) +
-      subsection("Domain body", set("Material", "one") + set("Degree", std::to_string(degree)) + box(cells) +
-                                    set("Boundary conditions", "bath, air") +
-                                    subsection("Boundary condition bath",
-                                               set("Type", "value") + set("Field", "temperature") +
-                                                   set("Boundary ids", "0") + set("Expression", "0")) +
-                                    subsection("Boundary condition air",
-                                               set("Type", "convection") + set("Field", "temperature") +
-                                                   set("Boundary ids", "1") + set("Ambient", "0") +
-                                                   set("Coefficient", number(support)))));
+      subsection(
+          "Domain body",
+          set("Material", "one") + set("Degree", std::to_string(degree)) + box(cells) +
+              set("Boundary conditions", "bath, air") +
+              subsection("Boundary condition bath", set("Type", "value") + set("Field", "temperature") +
+                                                        set("Boundary ids", "0") + set("Expression", "0")) +
+              subsection("Boundary condition air", set("Type", "convection") + set("Field", "temperature") +
+                                                       set("Boundary ids", "1") + set("Ambient", "0") +
+                                                       set("Coefficient", coefficient.str()))));
   const Domain<dim> &domain = *of.scene.model.domains[0];
   Vector r = of.system.owned_vector(), n_cells = r, is_in_cell = r, product = r;
   std::vector<dealii::types::global_dof_index> dofs;

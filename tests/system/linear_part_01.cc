@@ -4,8 +4,8 @@
 // The part of degree one of a body of any degree, from which multigrid interpolates: sums of sums, followed
 // to the unknowns that remain, reproduce a function of degree one in each direction (1e-13), and where an
 // edge is long, one of the full degree along it. The number of unknowns that remain is that of degree one,
-// but in the long direction of the full degree. Where only edges that are more than four times as long keep the
-// degree, those that are three times as long do so in the cells beside a tied boundary.
+// but in the long direction of the full degree. Where only edges that are more than four times as long keep
+// the degree, those that are three times as long do so in the cells beside a tied boundary.
 //
 // ranks: 1
 

@@ -5,8 +5,9 @@
 
 #pragma once
 
-#include <dovetail/solve/approximation.h>
 #include "compact_matrix.h"
+
+#include <dovetail/solve/approximation.h>
 
 #include <cstddef>
 #include <memory>

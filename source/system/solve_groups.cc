@@ -103,6 +103,18 @@ BodyShape shape_of(const Model<dim> &model, const std::vector<unsigned int> &blo
   return {2 * n_nodes / nodes_of_area, std::sqrt(area / nodes_of_area) * area / (2 * volume)};
 }
 
+template <int dim>
+RowSums linear_part_of(const Model<dim> &model, const unsigned int number, const BlockMatrix &K,
+                       const dealii::AffineConstraints<double> &constraints)
+{
+  const bool is_smoothed_by_solves = K.part_operator(K.part_of(number)) != nullptr;
+  const Block &block = model.numbering->blocks()[number];
+  const Domain<dim> &domain = *model.domains[block.domain_index];
+  return linear_part(domain, block, constraints,
+                     is_smoothed_by_solves ? smallest_stretch_beside_solves : smallest_stretch,
+                     tied_ids(model, domain));
+}
+
 } // namespace
 
 template <int dim>
@@ -134,17 +146,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
       return positions;
     };
     group.linear_part = [&model, system](const unsigned int number) {
-      const Block &block = model.numbering->blocks()[number];
-      const BlockMatrix &K = system().tangent();
-      const bool is_smoothed_by_solves = K.part_operator(K.part_of(number)) != nullptr;
-      const Domain<dim> &domain = *model.domains[block.domain_index];
-      std::set<dealii::types::boundary_id> tied;
-      for (const auto &interface : model.interfaces)
-        for (const auto &side : interface->sides)
-          if (side.domain == &domain)
-            tied.insert(side.boundary_ids.begin(), side.boundary_ids.end());
-      return linear_part(domain, block, system().all_constraints(),
-                         is_smoothed_by_solves ? smallest_stretch_beside_solves : smallest_stretch, tied);
+      return linear_part_of(model, number, system().tangent(), system().all_constraints());
     };
     group.is_of_body = [&model](const unsigned int number) {
       return !model.numbering->blocks()[number].is_of_multipliers;

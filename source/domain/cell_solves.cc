@@ -50,7 +50,7 @@ const CellSolves::Pairs &CellSolves::pairs_of(const Line &line)
   std::array<int, 4> beyond;
   for (unsigned int e = 0; e < 4; ++e) {
     const double value = e < 2 ? line[e].ratio : line[e - 2].stiffness;
-    beyond[e] = value > smallest ? std::lround(steps_per_octave * std::log2(value)) : none;
+    beyond[e] = value > 0 ? std::lround(steps_per_octave * std::log2(std::max(value, smallest))) : none;
   }
   const auto [place, is_new] = known.try_emplace(beyond);
   Pairs &result = place->second;

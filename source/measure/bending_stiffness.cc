@@ -134,7 +134,7 @@ public:
       if (dim == 2 && !point.domain.measure.is_axisymmetric()) {
         for (unsigned int i = 0; i < dim; ++i)
           point.state.gradient[first + i] = at_points[q][i];
-        across[q] = point.domain.material.cauchy_stress(point.state)[2][2];
+        across[q] = point.cauchy_stress()[2][2];
       }
     }
     return at_points;
@@ -280,9 +280,11 @@ StiffnessShare stiffness_share(const Domain<dim> &domain, const Field &displacem
       for (const unsigned int q : values.quadrature_point_indices()) {
         const auto H = displacement_gradient(values, q, displacements);
         Strain<dim> E = strain(H, is_large), difference = E;
+        dealii::Tensor<1, dim> u;
         for (unsigned int a = 0; a < n_vertices; ++a) {
           const unsigned int vertex = cell->vertex_index(a);
           difference -= values.shape_value(a, q) / volume_at_vertex[vertex] * at_vertex[vertex];
+          u += values.shape_value(a, q) * displacements[a];
         }
         const double dV = domain.measure(values, q);
         share.jumping += energy(difference) * dV;
@@ -290,9 +292,6 @@ StiffnessShare stiffness_share(const Domain<dim> &domain, const Field &displacem
         share.with_stress += energy(E - without_stress[q]) * dV;
         share.across += energy.across(free_strain.stress_across()[q]) * dV;
         share.varying += energy(without_stress[q] - free_strain.mean()) * dV;
-        dealii::Tensor<1, dim> u;
-        for (unsigned int a = 0; a < n_vertices; ++a)
-          u += values.shape_value(a, q) * displacements[a];
         share.of_gradients += energy.of_gradient(H, u / cell->diameter()) * dV;
       }
     }

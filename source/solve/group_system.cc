@@ -145,8 +145,10 @@ std::vector<double> GroupSystem::stiffness_of_row() const
 
 bool GroupSystem::has_stiff_and_soft_bodies() const
 {
-  const std::vector<double> means = usual_diagonals();
   const std::vector<int> field = field_of_block();
+  if (std::set<int>(field.begin(), field.end()).size() == field.size())
+    return false; // one body in each field
+  const std::vector<double> means = usual_diagonals();
   for (unsigned int i = 0; i < means.size(); ++i)
     for (unsigned int j = 0; j < means.size(); ++j)
       if (field[i] == field[j] && means[j] > 0 && means[i] > GroupFacts::large_contrast * means[j])

@@ -9,6 +9,8 @@
 #include <deal.II/lac/vector_memory.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace dovetail {
 
@@ -100,7 +102,7 @@ private:
 unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
                                 GroupVector &x, const GroupVector &b, const double goal,
                                 const std::function<bool(unsigned int n, double r)> &gives_up,
-                                double *const reached)
+                                double *const decades)
 {
   Control control(goal, gives_up);
   const dealii::SolverGMRES<GroupVector>::AdditionalData data(102, true);
@@ -114,8 +116,8 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
   else
     dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, Bodies{P});
   dealii::GrowingVectorMemory<GroupVector>::release_unused_memory();
-  if (reached != nullptr)
-    *reached = control.last_value();
+  if (decades != nullptr)
+    *decades = std::log10(b.l2_norm() / std::max(control.last_value(), std::numeric_limits<double>::min()));
   return control.last_step();
 }
 

@@ -19,10 +19,8 @@
 #include <dovetail/solve/free_memory.h>
 #include <dovetail/solve/krylov.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <string>
 
@@ -162,11 +160,10 @@ unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const G
     Epetra_Vector z(View, solution.trilinos_vector(), 0);
     cycle->vmult(z, Epetra_Vector(View, right_hand_side.trilinos_vector(), 0));
   };
-  double reached = goal;
-  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &reached);
+  double decades = 0;
+  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &decades);
   give_back_freed_memory();
-  upkeep.solved(n_iterations,
-                std::log10(b.l2_norm() / std::max(reached, std::numeric_limits<double>::min())));
+  upkeep.solved(n_iterations, decades);
   return n_iterations;
 }
 

@@ -29,7 +29,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -253,10 +252,9 @@ unsigned int Multigrid::iterate(const GroupOperator &K, GroupVector &x, const Gr
     const Epetra_Vector r(View, right_hand_side.trilinos_vector(), 0);
     by_degree ? by_degree->vmult(z, r) : cycle->vmult(z, r);
   };
-  double reached = goal;
-  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &reached);
-  upkeep.solved(n_iterations,
-                std::log10(b.l2_norm() / std::max(reached, std::numeric_limits<double>::min())));
+  double decades = 0;
+  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &decades);
+  upkeep.solved(n_iterations, decades);
   return n_iterations;
 }
 

@@ -348,7 +348,7 @@ bool leaves_long_edges(const Domain<dim> &domain, const MPI_Comm communicator)
 {
   bool here = false;
   for (const auto &cell : domain.mesh().active_cell_iterators())
-    if (cell->is_locally_owned() && is_stretched<dim>(cell)) {
+    if (cell->is_locally_owned()) {
       const auto lengths = edge_lengths<dim>(cell);
       const double shortest = *std::min_element(lengths.begin(), lengths.end());
       for (const double length : lengths)

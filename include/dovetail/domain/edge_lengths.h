@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// How long and how stretched quadrilaterals and hexahedra are.
+// How long the edges of quadrilaterals and hexahedra are, and what counts as stretched.
 
 #pragma once
 
 #include <deal.II/base/geometry_info.h>
 
-#include <algorithm>
 #include <array>
 
 namespace dovetail {
@@ -27,14 +26,6 @@ std::array<double, dim> edge_lengths(const Cell &cell)
       if ((v & (1u << d)) == 0)
         lengths[d] += cell->vertex(v).distance(cell->vertex(v | (1u << d))) / (1u << (dim - 1));
   return lengths;
-}
-
-template <int dim, typename Cell>
-bool is_stretched(const Cell &cell)
-{
-  const auto lengths = edge_lengths<dim>(cell);
-  return *std::max_element(lengths.begin(), lengths.end()) >
-         smallest_stretch * *std::min_element(lengths.begin(), lengths.end());
 }
 
 } // namespace dovetail

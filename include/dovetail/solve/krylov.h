@@ -20,14 +20,14 @@ using Preconditioner = std::function<void(GroupVector &z, const GroupVector &r)>
 /// GMRES with the block triangular preconditioner [A 0; B -S]^-1, A^-1 by P and S = K.schur_complement()
 /// (doc/theory/linear_solvers.md). CG asks GroupFacts::next_goal how to go on, without a restart.
 /// @param gives_up whether to stop after n iterations with a residual of r; never if it is empty
-/// @param reached the norm of the residual at the end, which may be far below the goal
+/// @param decades by which the residual has fallen at the end, perhaps far below the goal
 /// @return the number of iterations
 /// @throw dealii::SolverControl::NoConvergence after 500 of them, or when it gives up, with what was reached
 /// in x
 unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
                                 GroupVector &x, const GroupVector &b, double goal,
                                 const std::function<bool(unsigned int n, double r)> &gives_up = {},
-                                double *reached = nullptr);
+                                double *decades = nullptr);
 
 /// x of K x = b from 0 by @p first. If that ends without convergence, @p second solves for what it leaves.
 /// @return the number of iterations of both

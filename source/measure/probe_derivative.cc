@@ -243,30 +243,26 @@ private:
 template <int dim>
 std::optional<ProbeDerivative>
 derivative_of_resultant(const typename Probes<dim>::Probe &probe, const Domain<dim> &domain,
-                        const Enrichment<dim> &enriched, const Reactions<dim> &reactions,
-                        const Vector &coarse_residual)
+                        const Enrichment<dim> &enriched, const Reactions<dim> &coarse,
+                        const Reactions<dim> &fine)
 {
-  const auto raised = [&enriched](const Vector &coarse) {
-    return enriched.system().ghosted(enriched.raised(coarse));
-  };
+  const auto &ids = probe.region.boundary_ids;
+  const Field &field = *domain.material.find_field(probe.field->name);
   std::vector<Vector> all_w;
   std::vector<std::array<Vector, 2>> all_g;
-  std::vector<double> of_coarse;
-  for (unsigned int c = 0; c < probe.field->n_components; ++c) {
-    const auto lift = reactions.lift(*probe.region.domain, probe.region.boundary_ids, *probe.field, c);
-    all_w.push_back(raised(lift.w));
-    of_coarse.push_back(coarse_residual * lift.w);
-    all_g.push_back({{raised(lift.g[0]), raised(lift.g[1])}});
+  for (unsigned int c = 0; c < field.n_components; ++c) {
+    const auto lift = fine.lift(domain, ids, field, c);
+    all_w.push_back(enriched.system().ghosted(lift.w));
+    all_g.push_back({{enriched.system().ghosted(lift.g[0]), enriched.system().ghosted(lift.g[1])}});
   }
   auto products = unconstrained_products(enriched.model(), enriched.t, enriched.ghosted_x(), all_w);
   if (!products)
     return {};
   ProbeDerivative derivative;
-  Vector owned_w = enriched.system().owned_vector();
-  for (unsigned int c = 0; c < all_w.size(); ++c) {
-    owned_w = all_w[c];
-    derivative.lacks.push_back(products->residual * owned_w - of_coarse[c]);
-  }
+  derivative.lacks = fine.resultant(domain, ids, field);
+  const auto reported = coarse.resultant(*probe.region.domain, ids, *probe.field);
+  for (unsigned int c = 0; c < reported.size(); ++c)
+    derivative.lacks[c] -= reported[c];
   std::vector<Vector> &result = derivative.loads = std::move(products->transposed);
   add_influx(probe, domain, enriched, result);
   bool is_defined = true;
@@ -284,14 +280,14 @@ derivative_of_resultant(const typename Probes<dim>::Probe &probe, const Domain<d
 } // namespace
 
 template <int dim>
-std::optional<ProbeDerivative>
-probe_derivative(const typename Probes<dim>::Probe &probe, const Enrichment<dim> &enriched,
-                 const Reactions<dim> &reactions, const Vector &coarse_residual)
+std::optional<ProbeDerivative> probe_derivative(const typename Probes<dim>::Probe &probe,
+                                                const Enrichment<dim> &enriched, const Reactions<dim> &coarse,
+                                                const Reactions<dim> *fine)
 {
   const Domain<dim> &domain = same_body(*probe.region.domain, enriched);
   ProbeDerivative result;
   if (is_resultant<dim>(probe)) {
-    auto of_resultant = derivative_of_resultant(probe, domain, enriched, reactions, coarse_residual);
+    auto of_resultant = derivative_of_resultant(probe, domain, enriched, coarse, *fine);
     if (!of_resultant)
       return {};
     result = std::move(*of_resultant);
@@ -316,8 +312,8 @@ probe_derivative(const typename Probes<dim>::Probe &probe, const Enrichment<dim>
 }
 
 template std::optional<ProbeDerivative> probe_derivative(const Probes<2>::Probe &, const Enrichment<2> &,
-                                                         const Reactions<2> &, const Vector &);
+                                                         const Reactions<2> &, const Reactions<2> *);
 template std::optional<ProbeDerivative> probe_derivative(const Probes<3>::Probe &, const Enrichment<3> &,
-                                                         const Reactions<3> &, const Vector &);
+                                                         const Reactions<3> &, const Reactions<3> *);
 
 } // namespace dovetail

@@ -62,8 +62,7 @@ class Estimator
 {
 public:
   Estimator(const Model<dim> &model, BlockSystem<dim> &system, const Vector &x, const double t)
-      : model(model), enriched(model, system, t, x), move(enriched.distance_to_constraints()),
-        coarse_x(system.ghosted(x))
+      : model(model), enriched(model, system, t, x), move(enriched.distance_to_constraints())
   {
   }
 
@@ -81,7 +80,6 @@ private:
   const Model<dim> &model;
   Enrichment<dim> enriched;
   const Vector move;
-  const Vector coarse_x; ///< ghosted
   std::vector<Goal> goals;
 };
 
@@ -89,16 +87,12 @@ template <int dim>
 std::string Estimator<dim>::find_loads(const Probes<dim> &probes, const Reactions<dim> &reactions,
                                        ProbeErrors &result)
 {
-  Vector residual; // of all unknowns of the coarse model
+  std::optional<Reactions<dim>> fine; // in the enriched model
   for (const auto &probe : probes.all())
     if (probe.tolerance > 0) {
-      if (is_resultant<dim>(probe) && residual.size() == 0) {
-        auto products = unconstrained_products(model, enriched.t, coarse_x, {});
-        if (!products)
-          return "a law is not defined at a point";
-        residual = std::move(products->residual);
-      }
-      auto derivative = probe_derivative<dim>(probe, enriched, reactions, residual);
+      if (is_resultant<dim>(probe) && !fine)
+        fine.emplace(enriched.model(), enriched.nodal_forces(), enriched.ghosted_x());
+      auto derivative = probe_derivative<dim>(probe, enriched, reactions, fine ? &*fine : nullptr);
       if (!derivative)
         return "the derivative of the probe " + probe.name + " is not defined";
       for (unsigned int i = 0; i < derivative->loads.size(); ++i)

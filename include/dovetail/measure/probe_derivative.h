@@ -34,15 +34,14 @@ struct ProbeDerivative
 /// J(B) = R(B)(w) + integrals of A.N g with the functions of Reactions::lift(), plus the influxes h(B) that
 /// conditions give, so that J' = K^T w + integrals of A'.N g and h'.
 ///
-/// The ties of both models differ by their penalties or types, and sources by their points. So R(B)(w) is not
-/// what has been reported, the same with the residual of the coarse model.
+/// The ties of both models differ by their penalties or types, sources by their points, and w, which is 1 at
+/// nodes of the boundary and zero at others, by its support. So J(B) is not what has been reported.
 ///
-/// @p reactions: those of the solution of the coarse model; @p coarse_residual: of all its unknowns, for
-/// resultants only. Collective. @return nothing, on all ranks alike,
-/// if a law is not defined somewhere.
+/// @p coarse, @p fine: the reactions of the solution in both models; for resultants only. Collective.
+/// @return nothing, on all ranks alike, if a law is not defined somewhere.
 template <int dim>
-std::optional<ProbeDerivative>
-probe_derivative(const typename Probes<dim>::Probe &probe, const Enrichment<dim> &enriched,
-                 const Reactions<dim> &reactions, const Vector &coarse_residual);
+std::optional<ProbeDerivative> probe_derivative(const typename Probes<dim>::Probe &probe,
+                                                const Enrichment<dim> &enriched, const Reactions<dim> &coarse,
+                                                const Reactions<dim> *fine);
 
 } // namespace dovetail

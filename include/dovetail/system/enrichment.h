@@ -35,6 +35,8 @@ public:
   const Vector &ghosted_x() const { return ghosted_state; }
   /// What must be added to x to satisfy them.
   Vector distance_to_constraints();
+  /// What holds constrained unknowns at x.
+  NodalForces<dim> nodal_forces() { return fine_system.nodal_forces(state); }
 
   /// A function of degree p, owned, as one of degree p + 1.
   Vector raised(const Vector &coarse) const;

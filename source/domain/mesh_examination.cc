@@ -108,7 +108,7 @@ public:
     check_different_nodes();
     turn_mirrored_cells();
     collect_further_nodes();
-    look_for_turned_curves();
+    look_for_turned_parts();
     check_doubled_cells();
     sort_faces();
     check_faces_between_cells();
@@ -426,20 +426,49 @@ private:
         std::swap(nodes[v], nodes[v + 2]);
   }
 
-  /// Of curved cells. No error: a quadrature rule may not see the part that is turned over.
-  void look_for_turned_curves()
+  /// Of a straight quadrilateral or hexahedron. Between its vertices its edges span det dX/dxi.
+  bool is_turned_over_at_a_vertex(const unsigned int *nodes) const
+  {
+    for (unsigned int v = 0; v < n_vertices; ++v) {
+      dealii::Tensor<2, dim> edges;
+      double product = 1;
+      for (unsigned int d = 0; d < dim; ++d) {
+        const auto edge = mesh.nodes[nodes[v | (1U << d)]] - mesh.nodes[nodes[v & ~(1U << d)]];
+        for (unsigned int i = 0; i < dim; ++i)
+          edges[d][i] = edge[i];
+        product *= edge.norm();
+      }
+      if (!(dealii::determinant(edges) > 1e-10 * product))
+        return true;
+    }
+    return false;
+  }
+
+  bool is_turned_over_in_a_part(const std::size_t c) const
+  {
+    const bool is_simplex = n_vertices == dim + 1;
+    if (!is_curved)
+      return !is_simplex && is_turned_over_at_a_vertex(mesh.cells.nodes_of(c));
+    return is_simplex ? CurvedSimplex(mesh, c, list_of_vertices(c)).is_turned_over()
+                      : CurvedCube<dim>(mesh, c, list_of_vertices(c)).is_turned_over();
+  }
+
+  /// No error: a quadrature rule may not see the part that is turned over.
+  void look_for_turned_parts()
   {
     std::vector<std::size_t> turned;
-    for (std::size_t c = 0; is_curved && c < mesh.cells.size(); ++c)
-      if (n_vertices == dim + 1 ? CurvedSimplex(mesh, c, list_of_vertices(c)).is_turned_over()
-                                : CurvedCube<dim>(mesh, c, list_of_vertices(c)).is_turned_over())
+    for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+      if (is_turned_over_in_a_part(c))
         turned.push_back(c);
     if (!turned.empty())
-      add_note(std::to_string(turned.size()) +
-               (turned.size() == 1 ? " curved cell is" : " curved cells are") +
+      add_note(std::to_string(turned.size()) + (is_curved ? " curved" : "") +
+               (turned.size() == 1 ? " cell is" : " cells are") +
                " turned over in a part (det dX/dxi is not positive there), first " + words_of(turned[0]) +
-               ": values near it are doubtful. Make the mesh finer where the boundary is curved, or let the "
-               "mesh generator mend its curved cells (Gmsh: Mesh.HighOrderOptimize = 2)");
+               ": values near it are doubtful. " +
+               (is_curved
+                    ? "Make the mesh finer where the boundary is curved, or let the mesh generator mend "
+                      "its curved cells (Gmsh: Mesh.HighOrderOptimize = 2)"
+                    : "Is one of its nodes out of place? Make the mesh anew there"));
   }
 
   void check_doubled_cells() const

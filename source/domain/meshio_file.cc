@@ -17,7 +17,8 @@ namespace dovetail {
 
 namespace {
 
-const char *const converter = R"(import sys
+const char *const converter = R"(import re
+import sys
 import numpy
 import meshio
 
@@ -47,7 +48,8 @@ def read_exodus(file):
             ids = [int(i) for i in values(id_name)] or [k + 1 for k in range(n)]
             rows = data.variables[kind][:] if kind in data.variables else []
             names_of = [text(row) for row in rows] + [""] * len(ids)
-            return [(i, names_of[k] or str(i)) for k, i in enumerate(ids)]
+            # 0 is no group in Gmsh's format
+            return [(i if i > 0 else max(0, *ids) + 1 + k, names_of[k] or str(i)) for k, i in enumerate(ids)]
         n_dims = len(data.dimensions["num_dim"])
         points = numpy.zeros((len(data.dimensions["num_nodes"]), 3))
         for d in range(n_dims):
@@ -146,12 +148,21 @@ else:
     if file.lower().endswith((".bdf", ".nas", ".fem")) and "BEGIN BULK" not in open(file, errors="replace").read():
         file = sys.argv[2] + ".bdf" # of Gmsh: bulk data alone
         open(file, "w").write("BEGIN BULK\n" + open(sys.argv[1], errors="replace").read())
+    if file.lower().endswith(".vtu"):
+        # Versions 2.0 and later differ from 1.0 in Lagrange cells only; meshio does not know them.
+        content = open(file, "rb").read()
+        older = re.sub(rb'(<VTKFile[^>]*\sversion=")2\.[0-9]+"', rb'\g<1>1.0"', content, count=1)
+        if older != content:
+            file = sys.argv[2] + ".vtu"
+            open(file, "wb").write(older)
     mesh = meshio.read(file)
+    if any("LAGRANGE" in block.type for block in mesh.cells):
+        sys.exit("it has Lagrange cells of VTK, which are not read: write linear or quadratic cells")
 dims = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "tetra": 3, "hexahedron": 3, "wedge": 3, "pyramid": 3}
 dim_of = lambda block: dims.get(block.type.rstrip("0123456789"), -1)
 groups = [numpy.zeros(len(block.data), dtype=int) for block in mesh.cells]
 names = set()
-for key in ("gmsh:physical", "cell_tags", "medit:ref", "nastran:ref", "su2:tag", "MaterialID", "MaterialIds",
+for key in ("gmsh:physical", "cell_tags", "medit:ref", "nastran:ref", "su2:tag", "MaterialID", "MaterialIDs", "MaterialIds",
             "CellEntityIds", "material", "id"):
     if key in mesh.cell_data and not any(group.any() for group in groups):
         groups = [abs(numpy.asarray(data).astype(int).ravel()) for data in mesh.cell_data[key]]

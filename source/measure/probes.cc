@@ -80,6 +80,8 @@ typename QuantityCatalogue<dim>::Creator read_quantity(const Section &section, c
       "Quantity", "Instead of a Field: one of those that Output/Fields lists, for instance von Mises [-]");
   if (domain == nullptr)
     return {};
+  section.check(domain->material.find_field(name) == nullptr, "Quantity",
+                "is '" + name + "', which is a field: set Field = " + name + " instead.");
   const auto &member = QuantityCatalogue<dim>::find(name, section, "Quantity");
   section.check(member.field.empty() || domain->material.find_field(member.field) != nullptr, "Quantity",
                 "asks for " + name + " in the domain " + domain->name + ", but its material " +

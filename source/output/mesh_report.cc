@@ -256,8 +256,22 @@ bool print_volume(const std::string &title, MeshFile mesh, std::ostream &out)
   return true;
 }
 
-/// Volumes with the same cells have one title; without volumes material ids are their names. @return the
-/// titles in their order, each with one of its names
+/// Cells that are in no volume become volumes by their material ids.
+void complete_volumes(MeshFile &mesh)
+{
+  std::vector<char> is_in_volume(mesh.cells.size(), 0);
+  for (const auto &[name, cells] : mesh.volumes)
+    for (const std::size_t cell : cells)
+      is_in_volume[cell] = 1;
+  std::map<std::string, std::vector<std::size_t>> others;
+  for (std::size_t c = 0; c < mesh.cells.size(); ++c)
+    if (is_in_volume[c] == 0)
+      others[std::to_string(mesh.cells.ids[c])].push_back(c);
+  if (!mesh.volumes.empty() || others.size() > 1)
+    mesh.volumes.merge(others);
+}
+
+/// Volumes with the same cells have one title. @return the titles in their order, each with one of its names
 std::map<std::string, std::string> titles_of_volumes(const MeshFile &mesh)
 {
   std::map<std::vector<std::size_t>, std::vector<std::string>> names_of;
@@ -266,16 +280,13 @@ std::map<std::string, std::string> titles_of_volumes(const MeshFile &mesh)
   std::map<std::string, std::string> titles;
   for (const auto &[cells, names] : names_of)
     titles["volume " + comma_separated(names)] = names[0];
-  const std::set<unsigned int> ids(mesh.cells.ids.begin(), mesh.cells.ids.end());
-  for (const unsigned int id : ids)
-    if (mesh.volumes.empty() && ids.size() > 1)
-      titles["volume " + std::to_string(id)] = std::to_string(id);
   return titles;
 }
 
 template <int dim>
-bool print_volumes(const MeshFile &mesh, std::ostream &out)
+bool print_volumes(MeshFile mesh, std::ostream &out)
 {
+  complete_volumes(mesh);
   const auto titles = titles_of_volumes(mesh);
   if (titles.size() < 2)
     return print_volume<dim>(titles.empty() ? "all cells" : titles.begin()->first, mesh, out);

@@ -179,10 +179,11 @@ std::vector<unsigned int> ids_of_boundary(const Section &section, const std::str
   }
   if (similar.size() == 1)
     return names.at(similar[0]);
-  section.check(!known.empty(), entry,
-                "has '" + text + "', but the boundaries of the mesh of domain " + domain +
-                    " have no names. Give their boundary ids, or name these by Boundary names in the "
-                    "subsection Mesh.");
+  section.check(
+      !known.empty(), entry,
+      "has '" + text + "', but the boundaries of the mesh of domain " + domain +
+          " have no names. Give their boundary ids, name these by Boundary names in the subsection Mesh, "
+          "or name boundaries in the file (Gmsh: physical groups, Abaqus: surfaces).");
   const auto unwritable = std::find_if(known.begin(), known.end(), [](const std::string &name) {
     return name.find_first_of(",#") != std::string::npos;
   });

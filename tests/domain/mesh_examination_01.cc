@@ -128,7 +128,8 @@ void show_odd_meshes()
   show<2>("straight, turned over at a corner", read_gmsh,
           gmsh({"0 0 0", "1 0 0", "0.45 0.45 0", "0 1 0"}, {"3 1 2 3 4"}));
   show<3>("straight, turned over at a corner in 3D", read_gmsh,
-          gmsh({"0 0 0", "1 0 0", "1 1 0", "0 1 0", "0 0 1", "1 0 1", "0.4 0.4 0.6", "0 1 1"}, {"5 1 2 3 4 5 6 7 8"}));
+          gmsh({"0 0 0", "1 0 0", "1 1 0", "0 1 0", "0 0 1", "1 0 1", "0.4 0.4 0.6", "0 1 1"},
+               {"5 1 2 3 4 5 6 7 8"}));
   show<2>("mirrored cells, an inner line, a node of nobody", read_gmsh,
           gmsh({"0 0 0", "1 0 0", "1 1 0", "0 1 0", "2 0 0", "2 1 0", "9 9 9"},
                {"3 4 3 2 1", "3 2 5 6 3", "1 2 3", "1 1 2"}));

@@ -148,13 +148,15 @@ else:
     if file.lower().endswith((".bdf", ".nas", ".fem")) and "BEGIN BULK" not in open(file, errors="replace").read():
         file = sys.argv[2] + ".bdf" # of Gmsh: bulk data alone
         open(file, "w").write("BEGIN BULK\n" + open(sys.argv[1], errors="replace").read())
-    if file.lower().endswith(".vtu"):
-        # Versions 2.0 and later differ from 1.0 in Lagrange cells only; meshio does not know them.
+    if file.lower().endswith((".vtu", ".vtk")):
         content = open(file, "rb").read()
-        older = re.sub(rb'(<VTKFile[^>]*\sversion=")2\.[0-9]+"', rb'\g<1>1.0"', content, count=1)
-        if older != content:
-            file = sys.argv[2] + ".vtu"
-            open(file, "wb").write(older)
+        # Versions 2.0 and later of .vtu differ from 1.0 in Lagrange cells only; meshio does not know them.
+        known = re.sub(rb'(<VTKFile[^>]*\sversion=")2\.[0-9]+"', rb'\g<1>1.0"', content, count=1)
+        if file.lower().endswith(".vtk"):
+            known = content + b"\n" # it must end a binary .vtk, which Gmsh leaves out
+        if known != content:
+            file = sys.argv[2] + file[-4:].lower()
+            open(file, "wb").write(known)
     mesh = meshio.read(file)
     if any("LAGRANGE" in block.type for block in mesh.cells):
         sys.exit("it has Lagrange cells of VTK, which are not read: write linear or quadratic cells")

@@ -281,7 +281,7 @@ template <typename Cell>
 bool is_in_sample(const Cell &cell, const std::uint64_t n_cells)
 {
   const std::uint64_t size = 200, factor = 0x9e3779b97f4a7c15; // of the golden section
-  const dealii::CellId id = cell->id(); // the indices of its children are part of it
+  const dealii::CellId id = cell->id();                        // the indices of its children are part of it
   std::uint64_t number = id.get_coarse_cell_id();
   for (const auto child : id.get_child_indices())
     number = number * factor + child + 1;

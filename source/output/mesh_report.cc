@@ -256,17 +256,20 @@ bool print_volume(const std::string &title, MeshFile mesh, std::ostream &out)
   return true;
 }
 
-/// Cells that are in no volume become volumes by their material ids.
+/// Cells that are in no volume become volumes by their material ids, unless others have these, too.
 void complete_volumes(MeshFile &mesh)
 {
   std::vector<char> is_in_volume(mesh.cells.size(), 0);
+  std::set<unsigned int> ids;
   for (const auto &[name, cells] : mesh.volumes)
-    for (const std::size_t cell : cells)
+    for (const std::size_t cell : cells) {
       is_in_volume[cell] = 1;
+      ids.insert(mesh.cells.ids[cell]);
+    }
   std::map<std::string, std::vector<std::size_t>> others;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    if (is_in_volume[c] == 0)
-      others[std::to_string(mesh.cells.ids[c])].push_back(c);
+    if (const unsigned int id = mesh.cells.ids[c]; is_in_volume[c] == 0)
+      others[ids.count(id) > 0 ? "of no name" : std::to_string(id)].push_back(c);
   if (!mesh.volumes.empty() || others.size() > 1)
     mesh.volumes.merge(others);
 }

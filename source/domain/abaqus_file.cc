@@ -509,6 +509,9 @@ private:
     const std::string type = boost::to_upper_copy(keyword["TYPE"]);
     if (!type.empty() && type != "ELEMENT" && type != "NODE")
       return; // of no mesh
+    text.check(keyword["COMBINE"].empty(),
+               "COMBINE is not understood. Leave this surface out, and name those that "
+               "it combines where the scene asks for boundaries");
     for (; is_data(); next_line()) {
       const auto words = words_of_line();
       text.check(!words.empty() && words.size() <= 2 && !words[0].empty(),

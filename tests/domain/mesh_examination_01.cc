@@ -79,6 +79,9 @@ void show_broken_files()
           "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, .5,0,0\n*ELEMENT, TYPE=C3D10\n1, 1,2,3,4,5\n");
   show<2>("abaqus, face", read_abaqus,
           "*NODE\n1, 0,0\n2, 1,0\n3, 0,1\n*ELEMENT, TYPE=CPS3\n1, 1,2,3\n*SURFACE, NAME=SS1\n1, S4\n");
+  show<2>("abaqus, combined surfaces", read_abaqus,
+          "*NODE\n1, 0, 0\n2, 1, 0\n3, 0, 1\n*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n*SURFACE, NAME=A\n1, S1\n"
+          "*SURFACE, NAME=B, COMBINE=UNION\nA, A\n");
   show<2>("abaqus, dimension", read_abaqus,
           "*NODE\n1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n*ELEMENT, TYPE=C3D4\n1, 1,2,3,4\n");
   show<2>("unv, end", read_unv, "    -1\n  2411\n  1 1 1 11\n 0.0D+00 0.0D+00 0.0D+00\n");

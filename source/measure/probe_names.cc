@@ -24,29 +24,16 @@ std::vector<std::string> names_of_components(const unsigned int n, const bool is
   return names;
 }
 
-/// In SI: of the field, and of the integral of its flux over a surface.
-std::array<std::string, 2> units_of(const std::string &field)
-{
-  if (field == "displacement")
-    return {{"m", "N"}};
-  if (field == "temperature")
-    return {{"K", "W"}};
-  return {};
-}
-
 /// In SI; empty if it is not known.
 template <int dim>
 std::string unit_of(const typename Probes<dim>::Probe &probe)
 {
   std::string unit;
   if (probe.field)
-    unit = units_of(probe.field->name)[probe.X || probe.reduce ? 0 : 1];
-  else {
-    const std::string &help =
-        QuantityCatalogue<dim>::find(probe.section->peek("Quantity"), *probe.section, "Quantity").help;
-    const auto bracket = help.rfind('[');
-    unit = bracket == std::string::npos ? "" : help.substr(bracket + 1, help.rfind(']') - bracket - 1);
-  }
+    unit = probe.X || probe.reduce ? units_of_field(probe.field->name).value
+                                   : units_of_field(probe.field->name).resultant;
+  else
+    unit = QuantityCatalogue<dim>::find(probe.section->peek("Quantity"), *probe.section, "Quantity").unit();
   if (unit.empty() || probe.reduce != Reduce::integral)
     return unit;
   return unit + (probe.region.boundary_ids.empty() ? " m^3" : " m^2");
@@ -78,9 +65,13 @@ std::string in_brackets(const Probes<dim> &probes, const std::string &unit)
   return in_units.empty() ? "" : " [" + in_units + "]";
 }
 
-std::string unit_of_flux(const std::string &field)
+UnitsOfField units_of_field(const std::string &field)
 {
-  return units_of(field)[1];
+  if (field == "displacement")
+    return {"m", "Pa", "N"};
+  if (field == "temperature")
+    return {"K", "W/m^2", "W"};
+  return {};
 }
 
 template <int dim>

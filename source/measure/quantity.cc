@@ -39,6 +39,13 @@ dealii::Tensor<1, dim> Quantity<dim>::velocity(DomainPoint<dim> &point) const
 }
 
 template <int dim>
+std::string QuantityCatalogue<dim>::Member::unit() const
+{
+  const auto bracket = help.rfind('[');
+  return bracket == std::string::npos ? "" : help.substr(bracket + 1, help.rfind(']') - bracket - 1);
+}
+
+template <int dim>
 std::map<std::string, typename QuantityCatalogue<dim>::Member> &QuantityCatalogue<dim>::members()
 {
   static std::map<std::string, Member> all;

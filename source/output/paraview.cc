@@ -6,6 +6,7 @@
 #include <dovetail/output/paraview.h>
 
 #include <dovetail/material/transient.h>
+#include <dovetail/measure/probe_names.h>
 #include <dovetail/output/report.h>
 #include <dovetail/output/uncovered_picture.h>
 
@@ -83,7 +84,15 @@ Paraview<dim>::Paraview(const Section &output, const Model<dim> &model, const st
     : model(model), directory(directory),
       writes(output.read<bool>("Paraview", true, "Write files for ParaView [-]"))
 {
+  if (const std::string words = output.top().peek("Units"); !words.empty())
+    given_units.emplace(words);
   read_fields(output);
+  add_unit("gap", "m");
+  for (const auto &interface : model.interfaces)
+    for (const TiedField &field : interface->fields) {
+      add_unit("jump " + field.name, units_of_field(field.name).value);
+      add_unit("flux " + field.name, units_of_field(field.name).flux);
+    }
 }
 
 template <int dim>
@@ -136,6 +145,8 @@ void Paraview<dim>::read_fields(const Section &output)
       if (member.field.empty() || domain->material.find_field(member.field) != nullptr) {
         quantities.push_back(member.create(*name, *domain));
         quantities_of[domain.get()].push_back(quantities.back().get());
+        for (const auto &array : quantities.back()->arrays())
+          add_unit(array.name, member.unit().empty() ? units_of_field(array.name).value : member.unit());
         has_domain = true;
       }
     output.check(!has_domain || !quantities.back()->is_stored() || is_transient(output), "Fields",
@@ -158,6 +169,14 @@ void Paraview<dim>::read_fields(const Section &output)
                      "shows two arrays with the name " + array.name + " for the domain " + domain->name +
                          ": a field and a quantity. Leave one of them out.");
   }
+}
+
+template <int dim>
+void Paraview<dim>::add_unit(const std::string &array, const std::string &in_si)
+{
+  const std::string unit = given_units ? given_units->of(in_si) : "";
+  if (!unit.empty())
+    units[array] = unit;
 }
 
 /// A block for the quantities of the boundary only if there are some.
@@ -281,6 +300,7 @@ void Paraview<dim>::write(const double time, const Vector &solution, const React
   const double time_of_series = numbers_steps ? times.size() + 1 : time;
   for (Block &block : blocks) {
     auto flags = flags_at(time_of_series);
+    flags.physical_units = units;
     flags.write_higher_order_cells = has_lagrange_cells(block);
     write_picture(directory + "/steps/" + file_of(block.stem, times.size(), ".vtu"), flags,
                   [&]() { return show(block, flags, time, solution); });

@@ -372,7 +372,7 @@ void Results<dim>::record_step(const Solution<dim> &solution, const double toler
   }
   step_table.add(solution.t, columns, flows, model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz",
                  {in_brackets(probes, "s"),
-                  [this](const std::string &field) { return in_brackets(probes, unit_of_flux(field)); }});
+                  [this](const std::string &field) { return in_brackets(probes, units_of_field(field).resultant); }});
   if (step_table.is_due())
     write_step_table();
 }

@@ -28,7 +28,11 @@ std::vector<NamesOfProbe> names_of_columns(const Probes<dim> &probes);
 template <int dim>
 std::string in_brackets(const Probes<dim> &probes, const std::string &unit);
 
-/// In SI, of the integral of the flux of a field over a surface; empty if it is not known.
-std::string unit_of_flux(const std::string &field);
+/// In SI; empty if they are not known. The resultant is the integral of the flux over a surface.
+struct UnitsOfField
+{
+  std::string value, flux, resultant;
+};
+UnitsOfField units_of_field(const std::string &field);
 
 } // namespace dovetail

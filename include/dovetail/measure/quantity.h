@@ -78,6 +78,8 @@ public:
     std::string field; ///< that a domain must have; empty: none
     std::string help;  ///< one sentence with formula and unit
     Creator create;
+
+    std::string unit() const; ///< in SI, as help ends with; empty if there is none
   };
 
   static bool add(const std::string &name, const Member &member);

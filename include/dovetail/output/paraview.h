@@ -6,11 +6,13 @@
 #pragma once
 
 #include <dovetail/output/interface_surface.h>
+#include <dovetail/scene/units.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,8 @@ namespace dovetail {
 /// interface what InterfaceSurface lists. Quantities that are known only on the boundary make one more block,
 /// "NAME boundary". Everything is shown on the undeformed bodies: "Warp By Vector" with displacement deforms
 /// them.
+///
+/// With the `Units` of the scene, arrays carry theirs (VTK's units_label).
 ///
 /// The points of an interface that face nothing, if there are any, stand in `<Directory>/uncovered_NAME.vtu`.
 ///
@@ -69,6 +73,7 @@ private:
   };
 
   void read_fields(const Section &output);
+  void add_unit(const std::string &array, const std::string &in_si);
   void add_block(const Domain<dim> &domain, bool is_of_boundary);
   PieceOfPicture show(Block &block, const dealii::DataOutBase::VtkFlags &flags, double time,
                       const Vector &solution) const;
@@ -87,6 +92,8 @@ private:
   bool writes = true, shows_interfaces = true, numbers_steps = false;
   std::vector<std::unique_ptr<Quantity<dim>>> quantities; ///< of all domains
   std::map<const Domain<dim> *, QuantityList<dim>> quantities_of;
+  std::optional<Units> given_units;         ///< of the scene
+  std::map<std::string, std::string> units; ///< in these, of arrays by their names
   std::vector<Block> blocks;
   std::vector<double> times;
   unsigned int n_written = 0;

@@ -71,6 +71,8 @@ UnitsOfField units_of_field(const std::string &field)
     return {"m", "Pa", "N"};
   if (field == "temperature")
     return {"K", "W/m^2", "W"};
+  if (field == "pressure")
+    return {"Pa", "", ""};
   return {};
 }
 

@@ -27,7 +27,7 @@ namespace dovetail {
 /// "NAME boundary". Everything is shown on the undeformed bodies: "Warp By Vector" with displacement deforms
 /// them.
 ///
-/// With the `Units` of the scene, arrays carry theirs (VTK's units_label).
+/// With the `Units` of the scene, arrays carry theirs.
 ///
 /// The points of an interface that face nothing, if there are any, stand in `<Directory>/uncovered_NAME.vtu`.
 ///

@@ -990,6 +990,8 @@ void CellTerms<dim>::add_influx(const Condition<dim> &condition, const typename 
   for (unsigned int c = 0; c < n_c; ++c)
     for (unsigned int a = 0; a < layout.n_nodes(first); ++a) {
       const double test = at.shape_values[layout.first_shape(first) + a] * at.JxW;
+      if (test == 0) // of a node that is not on the face
+        continue;
       const unsigned int i = layout.index(first + c, a);
       add(i, -test * influx.value[c], residual);
       if (tangent == nullptr)

@@ -227,19 +227,15 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
                 {"imbalance", value(imbalance.by_component)}};
       if (imbalance.throughput < least_throughput)
         continue;
-      const bool is_allowed = imbalance.largest <= allowed * imbalance.throughput,
-                 is_exact = imbalance.largest <= largest_imbalance * imbalance.throughput;
-      if (is_allowed)
+      if (imbalance.largest <= allowed * imbalance.throughput) {
         balance.worst =
             std::max(balance.worst, imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 0.);
-      if (is_exact)
         continue;
+      }
       const double rounding = reactions.forces().rounding(*domain, field, solution);
       result["rounding"] = rounding;
       if (imbalance.throughput > 0)
         balance.rounding = std::max(balance.rounding, rounding / imbalance.throughput);
-      if (is_allowed)
-        continue;
       if (imbalance.largest <= rounding &&
           (rounding <= largest_rounding * imbalance.throughput ||
            is_at_rest(model, *domain, field, solution, rounding, imbalance.throughput))) {

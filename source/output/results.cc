@@ -347,14 +347,15 @@ std::vector<Columns> Results<dim>::columns_of_probes(const Vector &ghosted, cons
 }
 
 template <int dim>
-void Results<dim>::record_step(const Solution<dim> &solution, const double tolerance)
+void Results<dim>::record_step(const Solution<dim> &solution)
 {
   const Phases::Scope scope(phases, "output");
   const Vector ghosted = solution.system.ghosted(solution.x);
   const Vector *const velocity_now = find_velocity(solution);
   const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
-  const Balance balance = // its notes, of the last step, are told by measure()
-      measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), nullptr);
+  const double exactly = 0; // a step tells what rounding explains of more than largest_imbalance
+  const Balance balance =   // its notes, of the last step, are told by measure()
+      measure_balance(model, reactions, ghosted, exactly, nullptr);
   report()["steps"].back()["imbalance"] = balance.worst;
   if (balance.rounding > 0)
     report()["steps"].back()["rounding of imbalance"] = balance.rounding;

@@ -374,8 +374,7 @@ void StepControl<dim>::accept_step(const double next, const Vector &x)
   results.forget_solution();
   if (step.has_rates() || ((steps.n_steps > 1 || steps.follows_path()) && results.has_probes()))
     results.record_step({step.system(), x, t, true, step.velocity(),
-                         results.has_energy() ? step.last_motion(x) : StepOfMotion()},
-                        step.tolerance());
+                         results.has_energy() ? step.last_motion(x) : StepOfMotion()});
   if (steps.n_steps > 1)
     results.record_ranges({step.system(), x, t, true});
   if (!steps.finds_modes() && (results.is_due(n_good) || t >= almost_end()))

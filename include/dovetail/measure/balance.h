@@ -19,15 +19,16 @@ struct Balance
 {
   nlohmann::ordered_json report;
   double worst = 0;    ///< imbalance of all fields, relative to what flows or is stored; 0 if it is rounding
-  double rounding = 0; ///< likewise, what it can hide where more than largest_imbalance is missing
+  double rounding = 0; ///< likewise, what it can hide where more is missing than allowed
 };
 
 /// For each domain and field "stored", "in", "out" and "imbalance" = in - out - stored, by component: the
 /// sums of what is put into the body and of what is taken out, by prescribed unknowns, by cells with sources
 /// or given influxes, and by the pairs of faces, followers and multipliers of the interfaces; and what the
 /// cells store more of than before, in transient scenes, all of them per time. "rounding" is
-/// what rounding alone makes of them; only where the imbalance is larger than largest_imbalance times the
-/// others. @p tolerance: that of Newton's method, or what a linear solve has left. Collective.
+/// what rounding alone makes of them; only where the imbalance is more than is allowed, since it costs as
+/// much as an assembly: largest_imbalance times the others, or @p tolerance, that of Newton's method or what
+/// a linear solve has left. Collective.
 /// @param notes gets a sentence for each field whose balance does not hold; nullptr: no sentences are asked
 /// for
 template <int dim>

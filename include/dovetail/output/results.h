@@ -83,7 +83,7 @@ public:
   /// The state before the first step, of which the energy is measured.
   void start(const Solution<dim> &solution);
   /// Probes and balance of a good step, for probes.csv, and its largest imbalance for the report.
-  void record_step(const Solution<dim> &solution, double tolerance);
+  void record_step(const Solution<dim> &solution);
   bool has_probes() const { return !probes.is_empty(); }
   /// Numbers about domains, interfaces, balance and probes. @p tolerance: of Newton's method.
   void measure(const Solution<dim> &solution, double tolerance);

@@ -206,7 +206,7 @@ bool CellTerms<dim>::add_lumped_storage(const unsigned int q, const double JxW,
   if (is_of_point || q == 0)
     node_weights.assign(n_nodes, 0.);
   for (unsigned int a = 0; a < n_nodes; ++a)
-    node_weights[a] += point.shape_values()[layout.first_shape(lumped[0]) + a] * JxW;
+    node_weights[a] += cell_values.shape_value(layout.shape_of_node(lumped[0], a), q) * JxW;
   point.state.rate_by_value = rates->by_value;
   point.state.second_rate_by_value = rates->second_by_value;
   for (unsigned int a = 0; a < n_nodes && (is_of_point || is_last); ++a) {
@@ -272,20 +272,45 @@ bool CellTerms<dim>::assemble(const typename Domain<dim>::cell_iterator &cell, c
   return std::isfinite(std::accumulate(residual.begin(), residual.end(), 0.));
 }
 
+namespace {
+
+/// sign S phi_a in the row of each node of a component, with S at all points of the cell times their weights.
+template <int dim>
+void add_sources(const CellLayout<dim> &layout, const unsigned int c,
+                 const dealii::FEValues<dim> &cell_values, const double *const S, const double sign,
+                 std::vector<double> &residual, std::vector<double> &sizes)
+{
+  for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
+    const double *const phi = &cell_values.shape_value(layout.shape_of_node(c, a), 0); // at all points
+    double sum = 0, size = 0;
+    for (unsigned int q = 0; q < cell_values.n_quadrature_points; ++q) {
+      sum += S[q] * phi[q];
+      size += std::abs(S[q] * phi[q]);
+    }
+    residual[layout.index(c, a)] += sign * sum;
+    sizes[layout.index(c, a)] += size;
+  }
+}
+
+} // namespace
+
+/// What laws remember belongs to the cell of cell_values.
 template <int dim>
 bool CellTerms<dim>::add_laws(const cell_iterator &cell, const std::vector<double> &unknowns,
                               std::vector<double> &residual, dealii::FullMatrix<double> *tangent)
 {
-  enter(cell);
+  if (domain.memory)
+    enter(cell);
+  else
+    enter_or_move_to(cell);
   has_uniform_responses = false;
-  const bool needs_shapes = !with_source.empty() || !lumped.empty();
-  if (!needs_shapes)
-    point.enter(cell_values, unknowns, is_needed);
+  const unsigned int n_points = cell_values.n_quadrature_points;
+  source_at_points.resize(with_source.size() * n_points);
+  point.enter(cell_values, unknowns, is_needed);
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
-    if (needs_shapes)
-      point.reinit(cell_values, q, unknowns);
-    else
-      point.go_to(q);
+    point.go_to(q);
+    if (move.is_done)
+      point.state.X = move.points[q];
     hide_lumped_rates();
     const double JxW = tables.JxW[q];
     // a point overwrites all that is not zero in every response
@@ -293,12 +318,17 @@ bool CellTerms<dim>::add_laws(const cell_iterator &cell, const std::vector<doubl
     if (!point.evaluate(tangent ? asked_with_tangent : asked_alone, response))
       return false;
     for (unsigned int c = 0; c < n; ++c)
-      fluxes[c * cell_values.n_quadrature_points + q] = JxW * response.flux[c];
-    add_source_of_laws(response, JxW, residual);
+      fluxes[c * n_points + q] = JxW * response.flux[c];
+    for (unsigned int k = 0; k < with_source.size(); ++k)
+      source_at_points[k * n_points + q] = JxW * response.source[with_source[k]];
     if (!add_lumped_storage(q, JxW, unknowns, residual, tangent ? &lumped_tangent : nullptr))
       return false;
   }
   add_fluxes(residual);
+  for (unsigned int k = 0; k < with_source.size(); ++k)
+    if (is_in_residual[with_source[k]])
+      add_sources(layout, with_source[k], cell_values, &source_at_points[k * n_points], 1., residual,
+                  force_sizes);
   return true;
 }
 
@@ -506,13 +536,28 @@ void CellTerms<dim>::add_storage_tangent(const double JxW, dealii::FullMatrix<do
                 slope * phi[layout.first_shape(c) + a] * phi[layout.first_shape(d) + b];
 }
 
+namespace {
+
+/// Without a branch, since most often they are.
+DOVETAIL_WIDEST_VECTORS bool are_equal(const std::size_t n, const double *const a, const double *const b)
+{
+  std::size_t n_different = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    n_different += a[i] != b[i];
+  return n_different == 0;
+}
+
+} // namespace
+
+/// Of the flux by gradients those of all pairs: rows that are not asked for are zero.
 template <int dim>
 bool CellTerms<dim>::has_equal_derivatives(const Response<dim> &a, const Response<dim> &b) const
 {
+  if (!are_equal(a.by_gradient.size() * dim * dim, &a.by_gradient[0][0][0], &b.by_gradient[0][0][0]))
+    return false;
   for (const Pair &pair : pairs)
     if (is_asked[pair.c] &&
-        ((pair.coupling.flux_by_gradient && a.by_gradient[pair.index] != b.by_gradient[pair.index]) ||
-         (pair.coupling.flux_by_value && a.by_value[pair.index] != b.by_value[pair.index]) ||
+        ((pair.coupling.flux_by_value && a.by_value[pair.index] != b.by_value[pair.index]) ||
          (pair.coupling.source_by_gradient &&
           a.source_by_gradient[pair.index] != b.source_by_gradient[pair.index]) ||
          (pair.coupling.source_by_value && a.source_by_value[pair.index] != b.source_by_value[pair.index])))
@@ -669,7 +714,7 @@ void CellTerms<dim>::give_away(const typename Domain<dim>::cell_iterator &cell,
     };
     dealii::Tensor<2, dim> by_position;
     if (has_force) {
-      by_position = force.derivative(cell_values.quadrature_point(q), point.state.t);
+      by_position = force.derivative(points_of_cell()[q], point.state.t);
       add_force(-1, by_position);
     }
     const double JxW = tables.JxW[q];
@@ -909,16 +954,7 @@ void CellTerms<dim>::add_source(const double t, std::vector<double> &residual)
         source_at_points[q] *= tables.JxW[q];
         given_of_cell[c] += source_at_points[q];
       }
-      for (unsigned int a = 0; a < layout.n_nodes(c); ++a) {
-        const double *const phi = &cell_values.shape_value(layout.shape_of_node(c, a), 0); // at all points
-        double sum = 0, size = 0;
-        for (unsigned int q = 0; q < source_at_points.size(); ++q) {
-          sum += source_at_points[q] * phi[q];
-          size += std::abs(source_at_points[q] * phi[q]);
-        }
-        residual[layout.index(c, a)] -= sum;
-        force_sizes[layout.index(c, a)] += size;
-      }
+      add_sources(layout, c, cell_values, source_at_points.data(), -1., residual, force_sizes);
     }
 }
 

@@ -41,12 +41,12 @@ bool IsochoricFlow::set_stress(const Tensor<2, 3> &deviator, const Tensor<2, 3> 
 void IsochoricFlow::set_derivatives(const Tensor<2, 3> &n, const double c, const double s,
                                     Response &response) const
 {
-  const double mu = moduli.shear;
+  const double mu = moduli.shear, along_flow = 2 * mu * (s - c);
   Tensor<4, 3> &D = response.dP_dF;
   for (unsigned int i = 0; i < 3; ++i)
     for (unsigned int j = 0; j < 3; ++j)
       for (unsigned int k = 0; k < 3; ++k)
-        D[i][j][k] = 2 * mu * (s - c) * n[i][j] * n[k];
+        D[i][j][k] = along_flow == 0 ? Tensor<1, 3>() : along_flow * n[i][j] * n[k];
   response.dP_de = 0;
   for (unsigned int i = 0; i < 3; ++i) {
     for (unsigned int j = 0; j < 3; ++j) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/point_products.h>
 #include <dovetail/interface/interface.h>
 #include <dovetail/interface/leading_unknowns.h>
 
@@ -150,9 +151,7 @@ std::vector<double> LeadingUnknowns::sizes_of_products(const dealii::FullMatrix<
   std::vector<double> largest(size(), 0.), sums(size(), 0.), result(leader.size());
   for (unsigned int i = 0; i < leader.size(); ++i)
     largest[leader[i]] += std::abs(factor[i] * x[i]);
-  for (unsigned int i = 0; i < size(); ++i)
-    for (unsigned int j = 0; j < size(); ++j)
-      sums[i] += std::abs(of_leaders(i, j)) * largest[j];
+  add_up_sizes(size(), &of_leaders(0, 0), largest.data(), sums.data());
   for (unsigned int i = 0; i < leader.size(); ++i)
     result[i] = std::abs(factor[i]) * sums[leader[i]];
   return result;

@@ -24,6 +24,7 @@
 #include <dovetail/domain/pressure_of_flux.h>
 #include <dovetail/interface/trace_eigenvalue.h>
 #include <dovetail/tie/nitsche.h>
+#include <dovetail/widest_vectors.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/symmetric_tensor.h>
@@ -589,8 +590,6 @@ bool Nitsche<dim>::assemble_leading(const Interface<dim> &interface,
 {
   leading = leading_unknowns(interface, group);
   has_flux_by_jump = false;
-  if (tangent != nullptr && theta == 1)
-    flux_by_jump.reinit(leading->size(), leading->size());
   ask_sides(interface, tangent != nullptr);
   for (unsigned int q = group.begin; q < group.end; ++q) {
     if (!toggle.is_on(q))
@@ -755,6 +754,18 @@ void Nitsche<dim>::find_jump_unknowns(const Interface<dim> &interface, const Tie
   }
 }
 
+namespace {
+
+/// y -= a x
+DOVETAIL_WIDEST_VECTORS void subtract(const std::size_t n, const double a, const double *const x,
+                                      double *const __restrict__ y)
+{
+  for (std::size_t i = 0; i < n; ++i)
+    y[i] -= a * x[i];
+}
+
+} // namespace
+
 /// - ds.delta[B] - theta delta{A}.de
 template <int dim>
 void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField &field, const AtPoint &p,
@@ -773,13 +784,14 @@ void Nitsche<dim>::add_tangent(const Interface<dim> &interface, const TiedField 
       }
   }
   const bool is_mirrored = series.is_rigid && varies_as_mean();
+  if (is_mirrored && !has_flux_by_jump)
+    flux_by_jump.reinit(n_local, n_local);
   has_flux_by_jump = has_flux_by_jump || is_mirrored;
   for (const InJump &row : in_jump) {
     const double test = w * row.test;
     const double *row_flux = &(series.is_rigid ? mean_flux_of : transmitted_of)[row.component * n_local];
     double *entries = &tangent(row.i, 0), *with_flux = is_mirrored ? &flux_by_jump(row.i, 0) : entries;
-    for (unsigned int j = 0; j < n_local; ++j)
-      with_flux[j] -= test * row_flux[j];
+    subtract(n_local, test, row_flux, with_flux);
     const double penalty = p.gamma * test;
     if (series.is_rigid) {
       for (const InJump &column : in_jump)
@@ -822,9 +834,7 @@ void Nitsche<dim>::add_variation_rows(const TiedField &field, const Series &seri
           jump_factor[c] += variation[d] * series.a[d][c];
           flux_factor += variation[d] * series.b[d][c];
         }
-        const double *mean = &mean_flux_of[c * n_local];
-        for (unsigned int j = 0; j < n_local; ++j)
-          entries[j] -= flux_factor * mean[j];
+        subtract(n_local, flux_factor, &mean_flux_of[c * n_local], entries);
       }
     for (const InJump *column = in_jump.data(), *end = column + in_jump.size(); column != end;) {
       const unsigned int c = column->component;

@@ -7,12 +7,6 @@
 
 namespace dovetail {
 
-const std::vector<double> &GroupOperator::schur_complement() const
-{
-  static const std::vector<double> none;
-  return none;
-}
-
 bool Agreement::succeeds(const std::string &place, const std::function<void()> &action) const
 {
   const auto is_agreed = [this](const auto &what) {

@@ -100,6 +100,18 @@ std::vector<double> GroupSystem::mean_diagonals() const
   return means;
 }
 
+/// Two blocks of bodies, by their entries or by a block of multipliers.
+bool GroupSystem::are_coupled(const unsigned int block, const unsigned int other) const
+{
+  const auto has_any = [this](const unsigned int i, const unsigned int j) {
+    return matrix->has_block(i, j) || matrix->has_block(j, i);
+  };
+  return has_any(block, other) || std::any_of(group.multiplier_blocks.begin(), group.multiplier_blocks.end(),
+                                              [&](const unsigned int between) {
+                                                return has_any(block, between) && has_any(other, between);
+                                              });
+}
+
 /// The largest ratio of the mean diagonal entries of two blocks that are coupled. In a long chain of bodies
 /// each of which is a little stiffer than the one before, only neighbours matter.
 double GroupSystem::contrast() const
@@ -110,7 +122,7 @@ double GroupSystem::contrast() const
   double largest = 1;
   for (unsigned int i = 0; i < means.size(); ++i)
     for (unsigned int j = 0; j < means.size(); ++j)
-      if (matrix->has_block(group.blocks[i], group.blocks[j]) && means[j] > 0)
+      if (are_coupled(group.blocks[i], group.blocks[j]) && means[j] > 0)
         largest = std::max(largest, means[i] / means[j]);
   return largest;
 }
@@ -219,7 +231,7 @@ std::vector<unsigned int> GroupSystem::color_blocks() const
   for (const unsigned int block : group.blocks) {
     std::set<unsigned int> taken;
     for (const auto &[neighbour, known] : color)
-      if (matrix->has_block(block, neighbour) || matrix->has_block(neighbour, block))
+      if (are_coupled(block, neighbour))
         taken.insert(known);
     unsigned int next = 0;
     while (taken.count(next) > 0)

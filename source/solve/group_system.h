@@ -51,6 +51,7 @@ private:
   std::vector<int> field_of_row() const;
   std::vector<GroupFacts::Place> places(const Selection *rows) const;
   unsigned int largest_number_of_modes() const;
+  bool are_coupled(unsigned int block, unsigned int other) const;
   std::vector<double> mean_diagonals() const;
   double contrast() const;
   std::vector<double> usual_diagonals() const;

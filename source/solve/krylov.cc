@@ -31,7 +31,6 @@ struct BlockTriangular
 
   void vmult(GroupVector &z, const GroupVector &r) const
   {
-    const std::vector<double> &schur = K.schur_complement();
     GroupVector body_part = K.bodies().vector(), solved(body_part), product(r);
     const unsigned int n_of_bodies = body_part.trilinos_vector().MyLength();
     const double *residual = r.trilinos_vector()[0];
@@ -42,9 +41,10 @@ struct BlockTriangular
     double *result = z.trilinos_vector()[0];
     std::copy(solved.trilinos_vector()[0], solved.trilinos_vector()[0] + n_of_bodies, result);
     K.vmult(product, z);
-    for (unsigned int i = 0; i < schur.size(); ++i)
-      result[n_of_bodies + i] =
-          -(residual[n_of_bodies + i] - product.trilinos_vector()[0][n_of_bodies + i]) / schur[i];
+    std::vector<double> rest(r.trilinos_vector().MyLength() - n_of_bodies);
+    for (unsigned int i = 0; i < rest.size(); ++i)
+      rest[i] = product.trilinos_vector()[0][n_of_bodies + i] - residual[n_of_bodies + i];
+    K.solve_schur_complement(result + n_of_bodies, rest.data());
   }
 
 private:

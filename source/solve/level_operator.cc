@@ -135,13 +135,16 @@ void AugmentedLevel::diagonal(Epetra_Vector &values) const
 
 std::unique_ptr<Epetra_CrsMatrix> AugmentedLevel::restricted(const Prolongation &P) const
 {
-  const auto of_A = MatrixLevel::restricted(P);
-  const Epetra_CrsMatrix RP = product(R, *P.matrix());
-  const auto of_R = transposed_product(RP, RP);
+  return with_added_rows(*MatrixLevel::restricted(P), product(R, *P.matrix()));
+}
+
+std::unique_ptr<Epetra_CrsMatrix> with_added_rows(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &R)
+{
+  const auto of_R = transposed_product(R, R);
   Epetra_CrsMatrix *sum = nullptr;
-  EpetraExt::MatrixMatrix::Add(*of_A, false, 1., *of_R, false, 1., sum);
+  EpetraExt::MatrixMatrix::Add(A, false, 1., *of_R, false, 1., sum);
   std::unique_ptr<Epetra_CrsMatrix> result(sum);
-  result->FillComplete(P.domain(), P.domain());
+  result->FillComplete(A.OperatorDomainMap(), A.OperatorRangeMap());
   return result;
 }
 

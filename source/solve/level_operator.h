@@ -99,6 +99,8 @@ std::unique_ptr<Epetra_CrsMatrix> restrict_matrix(const Epetra_CrsMatrix &A, con
 /// P^T S P, where S is symmetric and most of its rows are zero, which take no memory here.
 std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, const Prolongation &P);
 
+/// A + R^T R. Collective.
+std::unique_ptr<Epetra_CrsMatrix> with_added_rows(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &R);
 /// y += R^T R x
 void add_product(const Epetra_CrsMatrix &R, const Epetra_Vector &x, Epetra_Vector &y);
 /// += diag(R^T R)

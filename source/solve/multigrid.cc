@@ -151,9 +151,9 @@ void Multigrid::make_levels()
           return make_cycle_of_degree_one(std::move(A_1), std::move(level)...);
         });
   else
-    cycle = make_cycle_of_degree_one(*matrix, modes,
-                                     means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>()
-                                                                        : facts.known_places());
+    cycle = make_cycle_of_degree_one(
+        added_rows == nullptr ? Cycle::Finest(*matrix) : Cycle::Finest(with_added_rows(*matrix, *added_rows)),
+        modes, means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places());
   if (means == Means::factorisation && dynamic_cast<const Semicoarsening *>(cycle.get()) != nullptr)
     means = Means::semicoarsening;
 }

@@ -7,8 +7,10 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_Comm.h>
 #include <Epetra_Import.h>
+#include <Epetra_Map.h>
 #include <Epetra_Vector.h>
 
 #include <algorithm>
@@ -69,25 +71,23 @@ SaddlePoint::SaddlePoint(const BlockMatrix &matrix, const MergedMatrix &all,
                          const std::vector<unsigned int> &bodies,
                          const std::vector<unsigned int> &multipliers,
                          std::vector<MultiplierTraits> given_traits)
-    : matrix(matrix), all(all), body_operator(matrix, bodies), body_part(matrix.part_of(bodies[0])),
-      multiplier_part(matrix.part_of(multipliers[0])), traits(std::move(given_traits))
+    : matrix(matrix), all(all), body_operator(matrix, bodies), augmented(body_operator),
+      body_part(matrix.part_of(bodies[0])), multiplier_part(matrix.part_of(multipliers[0])),
+      traits(std::move(given_traits))
 {
-  const bool is_any_of_body = std::any_of(
-      traits.begin(), traits.end(), [](const MultiplierTraits &multiplier) { return multiplier.is_of_body; });
-  if (dealii::Utilities::MPI::max(static_cast<int>(is_any_of_body), matrix.get_mpi_communicator()) != 0)
-    augmented = std::make_unique<AugmentedBodies>(body_operator);
 }
 
 const GroupOperator &SaddlePoint::bodies() const
 {
-  return augmented ? static_cast<const GroupOperator &>(*augmented) : body_operator;
+  return is_augmented() ? static_cast<const GroupOperator &>(augmented) : body_operator;
 }
 
-/// d and, with W = w / d for pressures, about the Schur complement of the augmented system,
+/// d and, with W = w / d, about the Schur complement of the augmented system,
 /// @f[ S'^{-1} = S^{-1} + W - S^{-1} C W \approx (1 + w (1 - C / d)) / d. @f]
 void SaddlePoint::update()
 {
-  const double w = 2; // measured: 0.5 to 4 differ little, 0 doubles the iterations
+  const double w_of_pressure = 2; // measured: 0.5 to 4 differ little, 0 doubles the iterations
+  const double w_of_tie = 1;      // 2 makes oscillations of both sides together too soft beside the diagonal
   const Epetra_CrsMatrix &A = matrix.part(body_part, body_part).trilinos_matrix(),
                          &minus_C = matrix.part(multiplier_part, multiplier_part).trilinos_matrix();
   Epetra_Vector diagonal(A.RowMap()), C(minus_C.RowMap());
@@ -99,23 +99,86 @@ void SaddlePoint::update()
   minus_C.ExtractDiagonalCopy(C);
   C.Scale(-1.);
   Epetra_Vector d(C);
-  if (matrix.has_part(multiplier_part, body_part))
-    add_schur_complement(matrix.part(multiplier_part, body_part).trilinos_matrix(), diagonal, d);
+  const Epetra_CrsMatrix *const B = matrix.has_part(multiplier_part, body_part)
+                                        ? &matrix.part(multiplier_part, body_part).trilinos_matrix()
+                                        : nullptr;
+  if (B != nullptr)
+    add_schur_complement(*B, diagonal, d);
   scale.assign(traits.size(), 1.);
   schur.assign(traits.size(), -1.);
   weight.assign(traits.size(), 0.);
   for (unsigned int i = 0; i < traits.size(); ++i)
     if (!traits[i].is_dropped && d[i] > 0) {
-      const double share = traits[i].is_of_body ? w : 0;
+      const double w = traits[i].is_of_body ? w_of_pressure : w_of_tie;
       scale[i] = std::sqrt(mean / d[i]);
-      schur[i] = mean / (1 + share * (1 - C[i] / d[i]));
-      weight[i] = share / d[i];
+      schur[i] = mean / (1 + w * (1 - C[i] / d[i]));
+      weight[i] = w / d[i];
     }
-  if (!augmented)
+  if (B == nullptr)
     return;
-  augmented->update(matrix.part(multiplier_part, body_part).trilinos_matrix(), weight);
+  augmented.update(*B, weight);
   for (unsigned int i = 0; i < traits.size(); ++i)
     weight[i] /= scale[i] * scale[i];
+  factorise_ties(*B, diagonal);
+}
+
+/// About S = B A^-1 B^T of ties. The traces of oscillating multipliers are small, so that their eigenvalues
+/// of S are far below its diagonal. A thousandth of it is added, in case that multipliers depend on each
+/// other.
+void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A)
+{
+  const int most = 50000;               // they belong to surfaces, and are factorised on the first rank
+  const double shift = 1e-3, share = 2; // of the diagonal; A^-1 is larger than diag(A)^-1
+  factors.reset();
+  of_ties.clear();
+  for (unsigned int i = 0; i < traits.size(); ++i)
+    if (!traits[i].is_of_body && weight[i] > 0)
+      of_ties.push_back(i);
+  const Epetra_Map rows(-1, static_cast<int>(of_ties.size()), 0, B.Comm());
+  if (rows.NumGlobalElements() == 0 || rows.NumGlobalElements() > most)
+    return;
+  Epetra_Vector root(B.DomainMap());
+  for (int i = 0; i < root.MyLength(); ++i)
+    root[i] = diagonal_of_A[i] > 0 ? std::sqrt(1 / diagonal_of_A[i]) : 0;
+  Epetra_CrsMatrix R(Copy, rows, 0);
+  std::vector<int> global;
+  std::vector<double> scaled;
+  for (unsigned int k = 0; k < of_ties.size(); ++k) {
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    B.ExtractMyRowView(of_ties[k], n, values, columns);
+    global.resize(n);
+    scaled.assign(values, values + n);
+    for (int i = 0; i < n; ++i) {
+      global[i] = B.GCID(columns[i]);
+      scaled[i] *= scale[of_ties[k]];
+    }
+    R.InsertGlobalValues(rows.GID(k), n, scaled.data(), global.data());
+  }
+  R.FillComplete(B.DomainMap(), rows);
+  R.RightScale(root);
+  auto S = std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0);
+  EpetraExt::MatrixMatrix::Multiply(R, false, R, true, *S);
+  Epetra_Vector diagonal(rows);
+  S->ExtractDiagonalCopy(diagonal);
+  diagonal.Scale(1 + shift);
+  S->ReplaceDiagonalValues(diagonal);
+  S->Scale(share);
+  factors = std::make_unique<Factors>(std::move(S));
+}
+
+void SaddlePoint::solve_schur_complement(double *const z, const double *const r) const
+{
+  for (unsigned int i = 0; i < schur.size(); ++i)
+    z[i] = r[i] / schur[i];
+  if (!factors)
+    return;
+  std::vector<double> here(of_ties.size()), solved(of_ties.size());
+  for (unsigned int k = 0; k < of_ties.size(); ++k)
+    here[k] = r[of_ties[k]];
+  factors->solve(solved.data(), here.data());
+  for (unsigned int k = 0; k < of_ties.size(); ++k)
+    z[of_ties[k]] = solved[k] + weight[of_ties[k]] * here[k];
 }
 
 void SaddlePoint::scale_multipliers(GroupVector &x) const

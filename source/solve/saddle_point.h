@@ -5,14 +5,17 @@
 
 #pragma once
 
+#include "factors.h"
 #include "merged_matrix.h"
 
 #include <memory>
 #include <vector>
 
+class Epetra_Vector;
+
 namespace dovetail {
 
-/// Of a multiplier: it was dropped, and C may well have a diagonal; it is a pressure.
+/// Of a multiplier: it was dropped, and C may well have a diagonal; it is a pressure, not of a tie.
 struct MultiplierTraits
 {
   bool is_dropped, is_of_body;
@@ -41,9 +44,9 @@ private:
 /// becomes the mean diagonal entry of A. Then all unknowns, and all residuals, have one unit. With D the
 /// scale it is D K D, its unknowns D^-1 x, its right-hand side D b.
 ///
-/// Pressures augment A with W = w / d: where a pressure takes all of the resistance to a change of
-/// volume, A has none, which multigrid does not like (M. Benzi, M. A. Olshanskii: An augmented
-/// Lagrangian-based approach to the Oseen problem, 2006).
+/// A is augmented with W = w / d: where a pressure takes all of the resistance to a change of volume, or the
+/// multipliers of a tie all that holds a body, A has none, which multigrid does not like (M. Benzi, M. A.
+/// Olshanskii: An augmented Lagrangian-based approach to the Oseen problem, 2006).
 class SaddlePoint : public GroupOperator
 {
 public:
@@ -60,17 +63,22 @@ public:
   void vmult(GroupVector &destination, const GroupVector &source) const override;
   void diagonal(GroupVector &destination) const override;
   const GroupOperator &bodies() const override;
-  const std::vector<double> &schur_complement() const override { return schur; }
-  const std::vector<double> *augmentation() const override { return augmented ? &weight : nullptr; }
+  void solve_schur_complement(double *z, const double *r) const override;
+  const std::vector<double> *augmentation() const override { return is_augmented() ? &weight : nullptr; }
 
 private:
+  bool is_augmented() const { return augmented.added_rows() != nullptr; } ///< there is B
+  void factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A);
+
   const BlockMatrix &matrix;
   const MergedMatrix &all;
   MergedMatrix body_operator;
+  AugmentedBodies augmented;
   const unsigned int body_part, multiplier_part;
   const std::vector<MultiplierTraits> traits;
-  std::unique_ptr<AugmentedBodies> augmented;
   std::vector<double> scale, schur, weight; ///< of the own multipliers; the latter two scaled
+  std::vector<unsigned int> of_ties;        ///< own multipliers whose S = B diag(A)^-1 B^T is factorised
+  std::unique_ptr<Factors> factors;         ///< of S, scaled
 };
 
 } // namespace dovetail

@@ -48,9 +48,9 @@ public:
 
   /// A of [A B^T; B -C]: without the multipliers; or A + B^T W B. *this if there are none.
   virtual const GroupOperator &bodies() const { return *this; }
-  /// By own multiplier the diagonal of about C + B diag(A)^-1 B^T, or of the Schur complement with A + B^T W
-  /// B; -1 if it was dropped, so that x = b is its equation.
-  virtual const std::vector<double> &schur_complement() const;
+  /// By own multiplier: z is about S^-1 r, where S = C + B A^-1 B^T, or with A + B^T W B in place of A. If it
+  /// was dropped, x = b is its equation, and S = -1. Collective.
+  virtual void solve_schur_complement(double * /*z*/, const double * /*r*/) const {}
   /// The diagonal W by own multiplier; nullptr if W = 0 on all ranks. [A B^T; B -C] x = b is preconditioned
   /// as
   /// @f[ \begin{pmatrix} A + B^T W B & B^T (I - W C) \\ B & -C \end{pmatrix} x

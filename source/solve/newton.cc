@@ -276,10 +276,11 @@ void Newton::Iteration::iterate(double norm)
     if (first_update == 0)
       first_update = problem.norm(dx);
     norm = search_line(norm, !is_near);
-    const bool is_done =
-        norm <= settings.relative_tolerance && damping.factor == 1 && problem.is_small(dx, trial);
-    if (is_near && !is_done && std::isfinite(norm) && damping.factor == 1)
+    bool is_done = norm <= settings.relative_tolerance && damping.factor == 1 && problem.is_small(dx, trial);
+    if (is_near && !is_done && std::isfinite(norm) && damping.factor == 1) {
       norm = problem.residual_and_tangent(trial);
+      is_done = problem.has_linear_stage() && norm <= settings.relative_tolerance; // knows more of rounding
+    }
     if (is_done && norm > 0 && problem.is_remembered())
       reduce_rest(norm);
     iteration_ends(norm, damping.factor);

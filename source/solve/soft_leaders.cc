@@ -5,6 +5,7 @@
 
 #include "factors.h"
 
+#include <EpetraExt_MatrixMatrix.h>
 #include <EpetraExt_Transpose_RowMatrix.h>
 #include <Epetra_Import.h>
 #include <Epetra_Map.h>
@@ -90,6 +91,43 @@ std::unique_ptr<Epetra_CrsMatrix> make_reverse(const Epetra_CrsMatrix &P)
   }
   Q->FillComplete(P.RowMap(), P.RowMap());
   return Q;
+}
+
+/// Of rows that neither lead nor follow: their sums, in which a follower is P Q y, not y. It is not the same
+/// for a rotation, which the cells beside the face would resist. Rows without followers may be left out.
+std::unique_ptr<Epetra_CrsMatrix> sums_with_followers(const RowSums &sums, const Epetra_CrsMatrix &P,
+                                                      const Epetra_CrsMatrix &Q)
+{
+  const Epetra_Map &rows = P.RowMap();
+  Epetra_CrsMatrix PQ(Copy, rows, 0), values(Copy, rows, 0), near(Copy, rows, 0);
+  EpetraExt::MatrixMatrix::Multiply(P, false, Q, false, PQ);
+  std::vector<int> columns;
+  for (int row = 0; row < rows.NumMyElements(); ++row) {
+    const int itself = rows.GID(row);
+    if (P.NumMyEntries(row) == 0) {
+      const double one = 1;
+      values.InsertGlobalValues(itself, 1, &one, &itself);
+      const RowSums::Row sum = sums[row];
+      columns.assign(sum.columns, sum.columns + sum.n);
+      const auto may_follow = [&](const int column) {
+        return !rows.MyGID(column) || P.NumMyEntries(rows.LID(column)) > 0;
+      };
+      if (Q.NumMyEntries(row) == 0 && std::any_of(columns.begin(), columns.end(), may_follow))
+        near.InsertGlobalValues(itself, sum.n, sum.weights, columns.data());
+      continue;
+    }
+    int n = 0, *local = nullptr;
+    double *weights = nullptr;
+    PQ.ExtractMyRowView(row, n, weights, local);
+    columns.resize(n);
+    std::transform(local, local + n, columns.begin(), [&PQ](const int column) { return PQ.GCID(column); });
+    values.InsertGlobalValues(itself, n, weights, columns.data());
+  }
+  values.FillComplete(rows, rows);
+  near.FillComplete(rows, rows);
+  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0);
+  EpetraExt::MatrixMatrix::Multiply(near, false, values, false, *result);
+  return result;
 }
 
 class LeadersFirst : public Smoother
@@ -178,20 +216,25 @@ std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Ep
   result->Q = make_reverse(*result->P);
   std::array<int, 2> counts{}, sums_of_counts{}; // of leaders and followers
   GroupFacts::Sum sum;
-  for (int row = 0; row < rows.NumMyElements(); ++row) {
+  const auto others = sums_with_followers(sums, *result->P, *result->Q);
+  const auto append = [&sum](const Epetra_CrsMatrix &matrix, const int row) {
     int n = 0, *columns = nullptr;
     double *values = nullptr;
-    result->Q->ExtractMyRowView(row, n, values, columns);
-    sum.clear();
+    matrix.ExtractMyRowView(row, n, values, columns);
     for (int k = 0; k < n; ++k)
-      sum.emplace_back(result->Q->GCID(columns[k]), values[k]);
-    if (n > 0)
+      sum.emplace_back(matrix.GCID(columns[k]), values[k]);
+  };
+  for (int row = 0; row < rows.NumMyElements(); ++row) {
+    const bool leads = result->Q->NumMyEntries(row) > 0, follows = result->P->NumMyEntries(row) > 0;
+    sum.clear();
+    append(leads ? *result->Q : *others, row);
+    if (leads)
       result->leaders.push_back(row);
-    if (result->P->NumMyEntries(row) > 0) {
+    if (follows)
       ++counts[1];
-      if (n == 0)
-        sum.emplace_back(rows.GID(row), 1.);
-    } else if (n == 0)
+    if (follows && !leads)
+      sum.emplace_back(rows.GID(row), 1.);
+    if (!follows && sum.empty())
       for (unsigned int k = 0; k < sums[row].n; ++k)
         sum.emplace_back(sums[row].columns[k], sums[row].weights[k]);
     result->reversed.add_row(sum);

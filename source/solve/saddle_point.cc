@@ -119,18 +119,20 @@ void SaddlePoint::update()
   augmented.update(*B, weight);
   for (unsigned int i = 0; i < traits.size(); ++i)
     weight[i] /= scale[i] * scale[i];
-  factorise_ties(*B, diagonal);
+  factorise_ties(*B, diagonal, C);
 }
 
-/// About S = B A^-1 B^T of ties. The traces of oscillating multipliers are small, so that their eigenvalues
-/// of S are far below its diagonal. A thousandth of it is added, in case that multipliers depend on each
-/// other.
-void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A)
+/// About S = C + B A^-1 B^T of ties. The traces of oscillating multipliers are small, so that their
+/// eigenvalues of S are far below its diagonal. A thousandth of it is added, in case that multipliers depend
+/// on each other.
+void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A,
+                                 const Epetra_Vector &C)
 {
   const int most = 50000;               // they belong to surfaces, and are factorised on the first rank
   const double shift = 1e-3, share = 2; // of the diagonal; A^-1 is larger than diag(A)^-1
   factors.reset();
   of_ties.clear();
+  share_of_ties.clear();
   for (unsigned int i = 0; i < traits.size(); ++i)
     if (!traits[i].is_of_body && weight[i] > 0)
       of_ties.push_back(i);
@@ -160,10 +162,14 @@ void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector 
   auto S = std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0);
   EpetraExt::MatrixMatrix::Multiply(R, false, R, true, *S);
   Epetra_Vector diagonal(rows);
-  S->ExtractDiagonalCopy(diagonal);
-  diagonal.Scale(1 + shift);
-  S->ReplaceDiagonalValues(diagonal);
   S->Scale(share);
+  S->ExtractDiagonalCopy(diagonal);
+  for (unsigned int k = 0; k < of_ties.size(); ++k) {
+    const double scaled_C = C[of_ties[k]] * scale[of_ties[k]] * scale[of_ties[k]];
+    diagonal[k] = (1 + shift) * diagonal[k] + scaled_C;
+    share_of_ties.push_back(1 - scaled_C * weight[of_ties[k]]);
+  }
+  S->ReplaceDiagonalValues(diagonal);
   factors = std::make_unique<Factors>(std::move(S));
 }
 
@@ -175,10 +181,10 @@ void SaddlePoint::solve_schur_complement(double *const z, const double *const r)
     return;
   std::vector<double> here(of_ties.size()), solved(of_ties.size());
   for (unsigned int k = 0; k < of_ties.size(); ++k)
-    here[k] = r[of_ties[k]];
+    here[k] = share_of_ties[k] * r[of_ties[k]];
   factors->solve(solved.data(), here.data());
   for (unsigned int k = 0; k < of_ties.size(); ++k)
-    z[of_ties[k]] = solved[k] + weight[of_ties[k]] * here[k];
+    z[of_ties[k]] = solved[k] + weight[of_ties[k]] * r[of_ties[k]];
 }
 
 void SaddlePoint::scale_multipliers(GroupVector &x) const

@@ -68,7 +68,7 @@ public:
 
 private:
   bool is_augmented() const { return augmented.added_rows() != nullptr; } ///< there is B
-  void factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A);
+  void factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A, const Epetra_Vector &C);
 
   const BlockMatrix &matrix;
   const MergedMatrix &all;
@@ -77,7 +77,8 @@ private:
   const unsigned int body_part, multiplier_part;
   const std::vector<MultiplierTraits> traits;
   std::vector<double> scale, schur, weight; ///< of the own multipliers; the latter two scaled
-  std::vector<unsigned int> of_ties;        ///< own multipliers whose S = B diag(A)^-1 B^T is factorised
+  std::vector<unsigned int> of_ties;        ///< own multipliers whose S is factorised
+  std::vector<double> share_of_ties;        ///< of these: 1 - C W
   std::unique_ptr<Factors> factors;         ///< of S, scaled
 };
 

@@ -113,8 +113,7 @@ void Multigrid::make(const GroupOperator &K)
   forget_values();
   matrix = K.bodies().matrix();
   added_rows = K.bodies().added_rows();
-  if (!modes)
-    ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
+  ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
   if (!facts.is_symmetric) {
     ranks.run("symmetric part",
               [&]() { symmetric_part = make_symmetric_part(*matrix, facts.field_of_row()); });

@@ -137,6 +137,7 @@ public:
   std::vector<double> residuals() const;
   std::vector<double> forces() const { return sizes.forces(); }
   std::vector<double> rounding() const { return sizes.rounding(); }
+  const Vector &last_state() const { return ghosted_scratch; } ///< that was integrated; empty: none
   /// By block: the number of its field; multipliers have one of their own for each interface.
   const std::vector<unsigned int> &fields_of_blocks() const { return field_of_block; }
   /// For linear systems, by block ||K dx + R|| relative to the forces there. @p rest becomes -R - K dx.

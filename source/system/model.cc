@@ -600,11 +600,13 @@ unsigned int Model<dim>::degree() const
 
 template <int dim>
 std::vector<std::vector<double>> Model<dim>::near_null_space(const Block &block, const bool about_one_point,
-                                                             const std::vector<unsigned int> *unknowns) const
+                                                             const std::vector<unsigned int> *unknowns,
+                                                             const Vector *displacements) const
 {
   const Domain<dim> &domain = *domains[block.domain_index];
   const Domain<dim> &reference = about_one_point ? *domains[0] : domain;
-  return rigid_motions(domain, block, reference.centre(), reference.typical_length(), unknowns);
+  return rigid_motions(domain, block, reference.centre(), reference.typical_length(), unknowns,
+                       domain.material.has_large_strain() ? displacements : nullptr);
 }
 
 template <int dim>

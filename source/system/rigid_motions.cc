@@ -28,6 +28,28 @@ std::vector<double> constant(const Domain<dim> &domain, const Block &block, cons
   return mode;
 }
 
+/// X becomes X + u. The components of u at a node belong to the same cells.
+template <int dim>
+void displace(std::vector<Place<dim>> &places, const Domain<dim> &domain, const Block &block,
+              const Vector &displacements)
+{
+  const unsigned int first = domain.fields()[block.field_index].first_component;
+  const CellLayout<dim> &layout = domain.layout();
+  std::vector<dealii::types::global_dof_index> dofs;
+  std::vector<dealii::Tensor<1, dim>> u(places.size());
+  for (const auto &cell : domain.dof_handler().active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      domain.cell_dofs(cell, dofs);
+      for (unsigned int a = 0; a < layout.n_nodes(first); ++a)
+        for (unsigned int c = 0; c < dim; ++c)
+          if (const auto dof = dofs[layout.index(first + c, a)] - block.begin; block.owned.is_element(dof))
+            for (unsigned int d = 0; d < dim; ++d)
+              u[block.owned.index_within_set(dof)][d] = displacements(dofs[layout.index(first + d, a)]);
+    }
+  for (unsigned int i = 0; i < places.size(); ++i)
+    places[i].position += u[i];
+}
+
 template <typename Value>
 std::vector<Value> select(std::vector<Value> all, const std::vector<unsigned int> *numbers)
 {
@@ -76,18 +98,21 @@ std::vector<Place<dim>> places_of_unknowns(const Domain<dim> &domain, const Bloc
 }
 
 template <int dim>
-std::vector<std::vector<double>> rigid_motions(const Domain<dim> &domain, const Block &block,
-                                               const dealii::Point<dim> &centre, const double length,
-                                               const std::vector<unsigned int> *unknowns)
+std::vector<std::vector<double>>
+rigid_motions(const Domain<dim> &domain, const Block &block, const dealii::Point<dim> &centre,
+              const double length, const std::vector<unsigned int> *unknowns, const Vector *displacements)
 {
   const Field &field = domain.fields()[block.field_index];
   if (field.n_components == 1)
     return {select(constant(domain, block, field.first_component), unknowns)};
 
-  const std::vector<Place<dim>> places =
-      select(unknowns != nullptr && unknowns->empty() ? std::vector<Place<dim>>()
-                                                      : places_of_unknowns(domain, block),
-             unknowns);
+  std::vector<Place<dim>> places;
+  if (unknowns == nullptr || !unknowns->empty()) {
+    places = places_of_unknowns(domain, block);
+    if (displacements != nullptr)
+      displace(places, domain, block, *displacements);
+    places = select(std::move(places), unknowns);
+  }
   const unsigned int n_modes = dim == 2 ? 3 : 6;
   std::vector<std::vector<double>> modes(n_modes, std::vector<double>(places.size(), 0.));
   for (unsigned int i = 0; i < places.size(); ++i) {
@@ -110,9 +135,9 @@ template std::vector<Place<2>> places_of_unknowns(const Domain<2> &, const Block
 template std::vector<Place<3>> places_of_unknowns(const Domain<3> &, const Block &);
 template std::vector<std::vector<double>> rigid_motions(const Domain<2> &, const Block &,
                                                         const dealii::Point<2> &, double,
-                                                        const std::vector<unsigned int> *);
+                                                        const std::vector<unsigned int> *, const Vector *);
 template std::vector<std::vector<double>> rigid_motions(const Domain<3> &, const Block &,
                                                         const dealii::Point<3> &, double,
-                                                        const std::vector<unsigned int> *);
+                                                        const std::vector<unsigned int> *, const Vector *);
 
 } // namespace dovetail

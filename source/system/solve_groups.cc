@@ -37,64 +37,6 @@ std::string why_entries(const Model<dim> &model, const std::vector<std::string> 
   return "";
 }
 
-/// Of some own unknowns of a displacement: its components at their nodes, and which one they are.
-template <int dim>
-std::vector<Place<dim>> displacements(const Domain<dim> &domain, const Block &block, const Vector &state,
-                                      const Selection *unknowns)
-{
-  const Field &field = domain.fields()[block.field_index];
-  const CellLayout<dim> &layout = domain.layout();
-  std::vector<Place<dim>> all(block.owned.n_elements()), selected;
-  std::vector<dealii::types::global_dof_index> dofs;
-  for (const auto &cell : domain.dof_handler().active_cell_iterators())
-    if (cell->is_locally_owned()) {
-      domain.cell_dofs(cell, dofs);
-      for (unsigned int a = 0; a < layout.n_nodes(field.first_component); ++a) {
-        dealii::Point<dim> u;
-        for (unsigned int c = 0; c < dim; ++c)
-          u[c] = state(dofs[layout.index(field.first_component + c, a)]);
-        for (unsigned int c = 0; c < dim; ++c)
-          if (const auto dof = dofs[layout.index(field.first_component + c, a)] - block.begin;
-              block.owned.is_element(dof))
-            all[block.owned.index_within_set(dof)] = {u, c};
-      }
-    }
-  if (unknowns == nullptr)
-    return all;
-  for (const unsigned int i : *unknowns)
-    selected.push_back(all[i]);
-  return selected;
-}
-
-/// What a body hardly resists. One that has turned at large strain resists rotations of the place where it
-/// was.
-template <int dim>
-std::vector<std::vector<double>> present_near_null_space(const Model<dim> &model, const Block &block,
-                                                         const bool about_one_point,
-                                                         const Selection *unknowns, const Vector &state)
-{
-  auto modes = model.near_null_space(block, about_one_point, unknowns);
-  const Domain<dim> &domain = *model.domains[block.domain_index];
-  if (domain.fields()[block.field_index].n_components != dim || !domain.material.has_large_strain() ||
-      state.size() == 0 || (unknowns != nullptr && unknowns->empty()))
-    return modes;
-  const double scale = 2 / (about_one_point ? *model.domains[0] : domain).typical_length();
-  const auto places = displacements(domain, block, state, unknowns);
-  for (unsigned int i = 0; i < places.size(); ++i) {
-    const dealii::Tensor<1, dim> r = places[i].position * scale;
-    const unsigned int c = places[i].component;
-    if constexpr (dim == 2)
-      modes[2][i] += c == 0 ? -r[1] : r[0];
-    else
-      for (unsigned int axis = 0; axis < 3; ++axis) {
-        dealii::Tensor<1, dim> e;
-        e[axis] = 1;
-        modes[3 + axis][i] += dealii::cross_product_3d(e, r)[c];
-      }
-  }
-  return modes;
-}
-
 /// How many the fields of a group's bodies have.
 template <int dim>
 std::vector<unsigned int> components_of_fields(const Model<dim> &model, const SolveGroup &group)
@@ -191,8 +133,9 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
                                      [&model](const auto &field) { return model.allows_jumps(field); });
     group.near_null_space = [&model, system](const unsigned int number, const bool about_one_point,
                                              const Selection *unknowns) {
-      return present_near_null_space(model, model.numbering->blocks()[number], about_one_point, unknowns,
-                                     system().last_state());
+      const Vector &x = system().last_state();
+      return model.near_null_space(model.numbering->blocks()[number], about_one_point, unknowns,
+                                   x.size() > 0 ? &x : nullptr);
     };
     group.positions = [&model](const unsigned int number, const Selection *unknowns) {
       const Block &block = model.numbering->blocks()[number];

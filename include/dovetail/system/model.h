@@ -78,9 +78,12 @@ public:
 
   /// Near-null space of the block of a field of a domain at some of this rank's unknowns, by default all: the
   /// constant for scalars; for vectors translations and rotations scaled to order one, about the centre of
-  /// the domain or, if @p about_one_point, about one point for all of them.
+  /// the domain or, if @p about_one_point, about one point for all of them. A body that has turned at large
+  /// strain resists rotations of the place where it was, so these are of the one with @p displacements: all
+  /// unknowns, ghosted.
   std::vector<std::vector<double>> near_null_space(const Block &block, bool about_one_point,
-                                                   const std::vector<unsigned int> *unknowns = nullptr) const;
+                                                   const std::vector<unsigned int> *unknowns = nullptr,
+                                                   const Vector *displacements = nullptr) const;
 
   double pairing_seconds = 0; ///< search and shape functions, this rank
   double search_seconds = 0;  ///< the search alone, this rank

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/domain/numbering.h>
+#include <dovetail/system/vector.h>
 
 #include <vector>
 
@@ -24,10 +25,11 @@ template <int dim>
 std::vector<Place<dim>> places_of_unknowns(const Domain<dim> &domain, const Block &block);
 
 /// At some of this rank's unknowns of a block, by default all, in their order: the constant for scalars; for
-/// vectors translations and then rotations about @p centre, with positions in units of @p length / 2.
+/// vectors translations and then rotations about @p centre, with positions in units of @p length / 2. @p
+/// displacements: all unknowns, ghosted; the positions are those of the displaced body then.
 template <int dim>
-std::vector<std::vector<double>> rigid_motions(const Domain<dim> &domain, const Block &block,
-                                               const dealii::Point<dim> &centre, double length,
-                                               const std::vector<unsigned int> *unknowns = nullptr);
+std::vector<std::vector<double>>
+rigid_motions(const Domain<dim> &domain, const Block &block, const dealii::Point<dim> &centre, double length,
+              const std::vector<unsigned int> *unknowns = nullptr, const Vector *displacements = nullptr);
 
 } // namespace dovetail

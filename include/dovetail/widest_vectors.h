@@ -21,3 +21,22 @@
 
 /// What such a function calls becomes part of it, or it would keep the vectors of all processors.
 #define DOVETAIL_PART_OF_CALLER inline __attribute__((always_inline))
+
+namespace dovetail {
+
+/// Four or eight numbers, which fit in a register of most processors: loops over arrays, which the compiler
+/// unrolls and puts together again, it leaves apart at times.
+template <typename Number>
+struct WideRegister;
+template <>
+struct WideRegister<double>
+{
+  typedef double Part __attribute__((vector_size(32), aligned(8), may_alias));
+};
+template <>
+struct WideRegister<float>
+{
+  typedef float Part __attribute__((vector_size(32), aligned(4), may_alias));
+};
+
+} // namespace dovetail

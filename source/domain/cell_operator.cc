@@ -210,11 +210,20 @@ public:
                    const Response<dim> &response) override;
   void finish_tangent() override;
   void add_tangent(double factor, const CellOperator<dim> &other) override;
-  void add_product(const double *x, double *y, bool of_symmetric_part) const override;
+  void add_product(const double *x, double *y, const bool of_symmetric_part) const override
+  {
+    Work<double> work(*this);
+    add_product(work, of_symmetric_part, x, y);
+  }
+  void add_rough_product(const double *x, double *y) const override
+  {
+    Work<float> work(*this);
+    add_product(work, true, x, y);
+  }
   void add_diagonal(double *diagonal) const override;
   void add_ones(double *numbers) const override;
-  std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held, const double *further,
-                                     double *taken) const override;
+  std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held, const double *further, double *taken,
+                                     bool in_single_precision) const override;
   void for_each_cell(const typename CellOperator<dim>::Prolongation &P,
                      const std::function<void(const std::vector<int> &columns)> &visit) const override;
   void for_each_restriction(const typename CellOperator<dim>::Prolongation &P,
@@ -225,19 +234,26 @@ private:
   using Array = std::vector<Lanes>;
 
   /// What products need beside the operator.
+  template <typename Number>
   struct Work
   {
     explicit Work(const CellOperatorOf &K)
-        : coefficients(n_components * K.n_nodes), state((n_slopes + n_components) * K.n_points),
-          response(state), in_space(state), flux_in_space(state), ones(K.n_points, 1.)
+        : line(K.domain.degree), coefficients(n_components * K.n_nodes),
+          state((n_slopes + n_components) * K.n_points)
     {
     }
-    Array coefficients;                             ///< [component][lexicographic node]
-    Array state, response, in_space, flux_in_space; ///< [slope, then value][point]
-    Array T;                                        ///< of a batch of affine cells: [entry]
+    /// The same numbers without lanes.
+    CellNumbers<Number> numbers(const std::size_t n_points)
+    {
+      return {dim, n_components, coefficients.data()->values.data(), state[n_slopes * n_points].values.data(),
+              state.data()->values.data()};
+    }
+
+    const LineTable<Number> line;
+    std::vector<LanesOf<Number>> coefficients; ///< [component][lexicographic node]
+    std::vector<LanesOf<Number>> state;        ///< [slope, then value][point]
+    Array T;                                   ///< of a batch of affine cells: [entry]
     unsigned int batch_of_T = dealii::numbers::invalid_unsigned_int;
-    Array J;                  ///< of a batch of any cells: [entry][point], dV times it, then 1 and dV
-    std::vector<double> ones; ///< weights of points whose dV has them
   };
 
   // Derivatives at a point of the flux, then of the source, by the gradient, then by the value. Of A there is
@@ -266,8 +282,10 @@ private:
   template <typename Visit>
   void for_each_dof(const Visit &visit) const;
   void make_terms();
-  void multiply(Work &work, unsigned int batch, bool of_symmetric_part) const;
-  void refer_to_unit_cells(Work &work, unsigned int batch) const;
+  template <typename Number>
+  void multiply(Work<Number> &work, unsigned int batch, bool of_symmetric_part) const;
+  template <typename Number>
+  void add_product(Work<Number> &work, bool of_symmetric_part, const double *x, double *y) const;
   void refer_to_unit_cell(const Lanes *J, std::size_t stride, const Lanes *T, std::size_t stride_of_T,
                           Array &result) const;
   void refer_to_unit_cells();
@@ -277,11 +295,11 @@ private:
       const std::function<void(unsigned int node, std::array<unsigned int, dim> of_line)> &visit) const;
   double take_support(const CellSolves &solves, double a, unsigned int face, const int *of_component,
                       const double *further, double *taken) const;
-  void gather(const double *x, unsigned int batch, Array &local) const;
   void expand();
   void find_columns(const typename CellOperator<dim>::Prolongation &P, unsigned int slot,
                     LocalProlongation &local) const;
-  void restrict_batch(Work &work, unsigned int batch, const std::array<LocalProlongation, Lanes::size> &P,
+  void restrict_batch(Work<double> &work, unsigned int batch,
+                      const std::array<LocalProlongation, Lanes::size> &P,
                       std::array<dealii::FullMatrix<double>, Lanes::size> &products) const;
 
   const Domain<dim> &domain;
@@ -290,7 +308,6 @@ private:
   unsigned int n_of_A, n_state, n_entries, n_nodes, n_points;
   std::vector<unsigned int> entry_numbers;
   std::shared_ptr<const Cells<dim>> cells;
-  LineTable line;
   std::vector<unsigned int> hierarchic; ///< number in the domain's element of a lexicographic node
   /// [batch][component][lexicographic node][lane], where a lane without a cell repeats the first one; shared
   /// by copies
@@ -305,14 +322,13 @@ private:
     PointSums in_space, in_unit_cells;
   };
   std::array<Products, 2> products; ///< with K, with its symmetric part
-  PointSums to_space, from_space;
 };
 
 template <int dim, int n_components>
 CellOperatorOf<dim, n_components>::CellOperatorOf(const Domain<dim> &domain, const Field &field)
     : domain(domain), field(field), is_symmetric(true), has_values(false), has_sources(false),
       n_nodes(domain.layout().n_nodes(field.first_component)), n_points(domain.cell_quadrature().size()),
-      cells(std::make_shared<Cells<dim>>(domain)), line(domain.degree),
+      cells(std::make_shared<Cells<dim>>(domain)),
       hierarchic(dealii::FETools::lexicographic_to_hierarchic_numbering<dim>(domain.degree)),
       index(std::make_shared<std::vector<int>>())
 {
@@ -334,20 +350,6 @@ CellOperatorOf<dim, n_components>::CellOperatorOf(const Domain<dim> &domain, con
   number_entries();
   entries.resize(n_entries);
   tangents.resize(n_entries);
-  // with what refer_to_unit_cells puts into Work::J
-  for (unsigned int row = 0; row < n_state; ++row) {
-    const unsigned int c = row / dim, j = row % dim;
-    if (!is_slope(row)) {
-      to_space.terms.push_back({row, 2 * dim * dim + 1, 1.});
-      from_space.terms.push_back({row, 2 * dim * dim, 1.});
-    }
-    for (unsigned int l = 0; is_slope(row) && l < dim; ++l) {
-      to_space.terms.push_back({c * dim + l, dim * dim + j * dim + l, 1.});
-      from_space.terms.push_back({c * dim + l, l * dim + j, 1.});
-    }
-    to_space.add_row();
-    from_space.add_row();
-  }
 }
 
 template <int dim, int n_components>
@@ -464,18 +466,19 @@ void CellOperatorOf<dim, n_components>::make_terms()
   for (const bool of_symmetric_part : {false, true}) {
     Products &all = products[of_symmetric_part];
     all = {};
+    const bool has_transposed = !is_symmetric || has_values; // of their own
+    all.in_unit_cells.factor = all.in_space.factor = of_symmetric_part && has_transposed ? 0.5 : 1.;
     for (unsigned int row = 0; row < n_state; ++row) {
       for (unsigned int column = 0; column < n_state; ++column) {
         const unsigned int entry = at(row, column), transposed = at(column, row);
-        const auto add = [&](const unsigned int number, const double factor) {
-          all.in_unit_cells.terms.push_back({column, number, factor});
+        const auto add = [&](const unsigned int number) {
+          all.in_unit_cells.terms.push_back({column, number});
           if (!is_uniform || tangents[number][0] != 0)
-            all.in_space.terms.push_back({column, number, factor});
+            all.in_space.terms.push_back({column, number});
         };
-        const bool is_half = of_symmetric_part && entry != transposed;
-        add(entry, is_half ? 0.5 : 1.);
-        if (is_half)
-          add(transposed, 0.5);
+        add(entry);
+        if (of_symmetric_part && has_transposed)
+          add(transposed);
       }
       all.in_unit_cells.add_row();
       all.in_space.add_row();
@@ -551,81 +554,52 @@ void CellOperatorOf<dim, n_components>::refer_to_unit_cells()
   }
 }
 
-/// What multiply needs of derivatives that are the same everywhere.
-template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::refer_to_unit_cells(Work &work, const unsigned int batch) const
-{
-  const Lanes *const J = cells->geometry(batch);
-  if (cells->kind(batch) != Cells<dim>::general) {
-    if (work.batch_of_T == dealii::numbers::invalid_unsigned_int ||
-        !has_geometry(J, cells->geometry(work.batch_of_T)))
-      refer_to_unit_cell(J, 1, tangents.data(), 1, work.T);
-    work.batch_of_T = batch;
-    return;
-  }
-  constexpr unsigned int volume = Cells<dim>::volume;
-  work.J.resize(std::size_t(2) * (volume + 1) * n_points);
-  const Lanes *const dV = J + std::size_t(volume) * n_points;
-  for (unsigned int e = 0; e < volume; ++e)
-    for (unsigned int q = 0; q < n_points; ++q) {
-      work.J[e * n_points + q] = J[e * n_points + q];
-      work.J[(volume + e) * n_points + q] = J[e * n_points + q] * dV[q];
-    }
-  std::fill_n(&work.J[2 * volume * n_points], n_points, Lanes(1.));
-  std::copy_n(dV, n_points, &work.J[(2 * volume + 1) * n_points]);
-}
-
 /// From coefficients to the products with the functions, there as well.
 template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::multiply(Work &work, const unsigned int batch,
+template <typename Number>
+void CellOperatorOf<dim, n_components>::multiply(Work<Number> &work, const unsigned int batch,
                                                  const bool of_symmetric_part) const
 {
-  const auto data = [](auto &lanes) { return lanes.data()->values.data(); };
-  const std::size_t begin_of_values = std::size_t(n_slopes) * n_points * Lanes::size;
-  double *const state = data(work.state), *const response = data(work.response);
-  evaluate_in_cells(dim, n_components, line, data(work.coefficients), state + begin_of_values, state);
+  const Lanes *const geometry = cells->geometry(batch);
   const Products &sums = products[of_symmetric_part];
   const typename Cells<dim>::Kind kind = cells->kind(batch);
-  if (!is_uniform)
-    multiply_at_points(sums.in_unit_cells, n_points,
-                       tangents[std::size_t(batch) * n_entries * n_points].values.data(), state, response);
-  else if (kind != Cells<dim>::general)
-    multiply_at_points(kind == Cells<dim>::cartesian ? sums.in_space : sums.in_unit_cells, cells->weights,
-                       data(work.T), state, response);
-  else {
-    multiply_at_points(to_space, n_points, data(work.J), state, data(work.in_space));
-    multiply_at_points(sums.in_space, work.ones, data(tangents), data(work.in_space),
-                       data(work.flux_in_space));
-    multiply_at_points(from_space, n_points, data(work.J), data(work.flux_in_space), response);
+  const bool is_affine = is_uniform && kind != Cells<dim>::general;
+  if (is_affine && (work.batch_of_T == dealii::numbers::invalid_unsigned_int ||
+                    !has_geometry(geometry, cells->geometry(work.batch_of_T)))) {
+    refer_to_unit_cell(geometry, 1, tangents.data(), 1, work.T);
+    work.batch_of_T = batch;
   }
-  integrate_in_cells(dim, n_components, line, has_sources || (has_values && of_symmetric_part),
-                     response + begin_of_values, response, data(work.coefficients));
+  const CellNumbers<Number> numbers = work.numbers(n_points);
+  evaluate_in_cells(work.line, numbers);
+  if (!is_uniform)
+    multiply_at_points({sums.in_unit_cells, n_points, &tangents[std::size_t(batch) * n_entries * n_points],
+                        false, nullptr, nullptr},
+                       dim, n_slopes, numbers.gradients);
+  else if (is_affine)
+    multiply_at_points({kind == Cells<dim>::cartesian ? sums.in_space : sums.in_unit_cells, n_points,
+                        work.T.data(), true, cells->weights.data(), nullptr},
+                       dim, n_slopes, numbers.gradients);
+  else
+    multiply_at_points({sums.in_space, n_points, tangents.data(), true, nullptr, geometry}, dim, n_slopes,
+                       numbers.gradients);
+  integrate_in_cells(work.line, has_sources || (has_values && of_symmetric_part), numbers);
 }
 
 template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::gather(const double *const x, const unsigned int batch,
-                                               Array &local) const
+template <typename Number>
+void CellOperatorOf<dim, n_components>::add_product(Work<Number> &work, const bool of_symmetric_part,
+                                                    const double *const x, double *const y) const
 {
-  const int *of_batch = index->data() + place(batch * Lanes::size, 0);
-  for (Lanes &number : local)
-    for (unsigned int lane = 0; lane < Lanes::size; ++lane)
-      number[lane] = x[*of_batch++];
-}
-
-template <int dim, int n_components>
-void CellOperatorOf<dim, n_components>::add_product(const double *x, double *y,
-                                                    const bool of_symmetric_part) const
-{
-  Work work(*this);
   for (unsigned int batch = 0; batch < cells->n_batches(); ++batch) {
-    if (is_uniform)
-      refer_to_unit_cells(work, batch);
-    gather(x, batch, work.coefficients);
-    multiply(work, batch, of_symmetric_part);
-    const int *of_batch = index->data() + place(batch * Lanes::size, 0);
-    for (const Lanes &number : work.coefficients)
+    const int *const of_batch = index->data() + place(batch * Lanes::size, 0), *next = of_batch;
+    for (LanesOf<Number> &number : work.coefficients)
       for (unsigned int lane = 0; lane < Lanes::size; ++lane)
-        y[*of_batch++] += number[lane];
+        number[lane] = static_cast<Number>(x[*next++]);
+    multiply(work, batch, of_symmetric_part);
+    next = of_batch;
+    for (const LanesOf<Number> &number : work.coefficients)
+      for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+        y[*next++] += static_cast<double>(number[lane]);
   }
 }
 
@@ -777,9 +751,9 @@ std::vector<Lanes> CellOperatorOf<dim, n_components>::mean_coefficients(const un
 /// What a coefficient that is not positive becomes, and m where nothing holds a cell, is a matter of being
 /// definite only.
 template <int dim, int n_components>
-std::unique_ptr<CellSolves> CellOperatorOf<dim, n_components>::solves(const std::vector<bool> &is_held,
-                                                                      const double *const further,
-                                                                      double *const taken) const
+std::unique_ptr<CellSolves>
+CellOperatorOf<dim, n_components>::solves(const std::vector<bool> &is_held, const double *const further,
+                                          double *const taken, const bool in_single_precision) const
 {
   const double smallest = 1e-6;
   const unsigned int n = domain.degree + 1;
@@ -789,7 +763,10 @@ std::unique_ptr<CellSolves> CellOperatorOf<dim, n_components>::solves(const std:
       node += stride * (d == face / 2 ? face % 2 * (n - 1) : 1);
     return node;
   };
-  auto result = std::make_unique<CellSolves>(dim, n_components, domain.degree, index);
+  auto result =
+      in_single_precision
+          ? std::unique_ptr<CellSolves>(new CellSolvesIn<float>(dim, n_components, domain.degree, index))
+          : std::make_unique<CellSolvesIn<double>>(dim, n_components, domain.degree, index);
   std::vector<Lanes> sums;
   for (unsigned int slot = 0; slot < cells->n_slots(); ++slot) {
     if (slot % Lanes::size == 0)
@@ -859,7 +836,7 @@ void CellOperatorOf<dim, n_components>::for_each_restriction(
   };
   const unsigned int most_known = 8;
   std::vector<Known> all_known;
-  Work work(*this);
+  Work<double> work(*this);
   std::array<LocalProlongation, Lanes::size> local_P;
   std::array<dealii::FullMatrix<double>, Lanes::size> products;
   for (unsigned int batch = 0; batch < cells->n_batches(); ++batch) {
@@ -894,11 +871,9 @@ void CellOperatorOf<dim, n_components>::for_each_restriction(
 /// P^T K P of each cell.
 template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::restrict_batch(
-    Work &work, const unsigned int batch, const std::array<LocalProlongation, Lanes::size> &P,
+    Work<double> &work, const unsigned int batch, const std::array<LocalProlongation, Lanes::size> &P,
     std::array<dealii::FullMatrix<double>, Lanes::size> &products) const
 {
-  if (is_uniform)
-    refer_to_unit_cells(work, batch);
   unsigned int n_columns = 0;
   for (unsigned int lane = 0; lane < Lanes::size; ++lane) {
     n_columns = std::max<unsigned int>(n_columns, P[lane].columns.size());

@@ -19,10 +19,7 @@
 
 namespace dovetail {
 
-CellSolves::CellSolves(const unsigned int dim, const unsigned int n_components, const unsigned int degree,
-                       std::shared_ptr<const std::vector<int>> given_index)
-    : dim(dim), n_components(n_components), n(degree + 1), n_nodes(dim == 2 ? n * n : n * n * n),
-      index(std::move(given_index)), stiffness(n * n), mass(n * n), size_of_component(dim * n * (n + 1) + 1)
+CellSolves::CellSolves(const unsigned int degree) : n(degree + 1), stiffness(n * n), mass(n * n)
 {
   AssertThrow(n >= 3 && n <= 5, dealii::ExcMessage("The loops are compiled for degrees from 2 to 4."));
   const dealii::QGauss<1> points(n);
@@ -36,10 +33,6 @@ CellSolves::CellSolves(const unsigned int dim, const unsigned int n_components, 
         stiffness[i * n + j] += w * element.shape_grad(node[i], x)[0] * element.shape_grad(node[j], x)[0];
         mass[i * n + j] += w * element.shape_value(node[i], x) * element.shape_value(node[j], x);
       }
-  const std::size_t n_tables = index->size() / (n_nodes * Lanes::size);
-  all.resize(n_tables * size_of_component);
-  for (std::size_t i = 1; i <= n_tables; ++i)
-    all[i * size_of_component - 1] = Lanes(1.); // of a lane without a cell, which must not divide by zero
 }
 
 /// What is beyond ends is rounded, so that many lines share their eigenpairs.
@@ -77,80 +70,95 @@ const CellSolves::Pairs &CellSolves::pairs_of(const Line &line)
   return result;
 }
 
-void CellSolves::set(const unsigned int slot, const unsigned int component, const std::vector<Line> &lines,
-                     const std::vector<double> &a)
+template <typename Number>
+CellSolvesIn<Number>::CellSolvesIn(const unsigned int dim, const unsigned int n_components,
+                                   const unsigned int degree,
+                                   std::shared_ptr<const std::vector<int>> given_index)
+    : CellSolves(degree), dim(dim), n_components(n_components), n_nodes(dim == 2 ? n * n : n * n * n),
+      index(std::move(given_index)), size_of_component(dim * n * (n + 1) + 1)
 {
-  Lanes *const first = &all[((slot / Lanes::size) * n_components + component) * size_of_component];
+  const std::size_t n_tables = index->size() / (n_nodes * Lanes::size);
+  all.resize(n_tables * size_of_component);
+  for (std::size_t i = 1; i <= n_tables; ++i)
+    all[i * size_of_component - 1] = LanesOf<Number>(1); // of a lane without a cell, not to divide by zero
+}
+
+template <typename Number>
+void CellSolvesIn<Number>::set(const unsigned int slot, const unsigned int component,
+                               const std::vector<Line> &lines, const std::vector<double> &a)
+{
+  LanesOf<Number> *const first = &all[((slot / Lanes::size) * n_components + component) * size_of_component];
   const unsigned int lane = slot % Lanes::size;
   for (unsigned int k = 0; k < dim; ++k) {
     const Pairs &pairs = pairs_of(lines[k]);
-    Lanes *const of_line = first + k * n * (n + 1);
+    LanesOf<Number> *const of_line = first + k * n * (n + 1);
     for (unsigned int i = 0; i < n * n; ++i)
-      of_line[i][lane] = pairs.vectors[i];
+      of_line[i][lane] = static_cast<Number>(pairs.vectors[i]);
     for (unsigned int mode = 0; mode < n; ++mode)
-      of_line[n * n + mode][lane] = pairs.values[mode] * a[k];
+      of_line[n * n + mode][lane] = static_cast<Number>(pairs.values[mode] * a[k]);
   }
-  first[size_of_component - 1][lane] = a[dim];
+  first[size_of_component - 1][lane] = static_cast<Number>(a[dim]);
 }
 
 namespace {
 
 constexpr std::size_t n_lanes = Lanes::size;
-typedef double HalfOfLanes __attribute__((vector_size(32), aligned(8), may_alias));
-constexpr std::size_t n_half = sizeof(HalfOfLanes) / sizeof(double);
+template <typename Number>
+using Part = typename WideRegister<Number>::Part;
 
 /// Along lines of n numbers that are @p stride apart: data = m data, or the transpose, each lane by its own
 /// m.
-template <std::size_t n, bool transposed>
-DOVETAIL_PART_OF_CALLER void sweep_lanes(const double *const m, const std::size_t stride,
-                                         const std::size_t n_outer, double *const data)
+template <std::size_t n, bool transposed, typename Number>
+DOVETAIL_PART_OF_CALLER void sweep_lanes(const Number *const m, const std::size_t stride,
+                                         const std::size_t n_outer, Number *const data)
 {
-  for (std::size_t half = 0; half < n_lanes; half += n_half) {
-    HalfOfLanes table[n * n];
+  for (std::size_t part = 0; part < n_lanes; part += sizeof(Part<Number>) / sizeof(Number)) {
+    Part<Number> table[n * n];
     for (std::size_t i = 0; i < n * n; ++i)
-      table[i] = *reinterpret_cast<const HalfOfLanes *>(m + i * n_lanes + half);
+      table[i] = *reinterpret_cast<const Part<Number> *>(m + i * n_lanes + part);
     for (std::size_t o = 0; o < n_outer; ++o)
-      for (std::size_t k = half; k < stride; k += n_lanes) {
-        double *const line = data + o * n * stride + k;
-        HalfOfLanes x[n];
+      for (std::size_t k = part; k < stride; k += n_lanes) {
+        Number *const line = data + o * n * stride + k;
+        Part<Number> x[n];
         for (std::size_t i = 0; i < n; ++i)
-          x[i] = *reinterpret_cast<const HalfOfLanes *>(line + i * stride);
+          x[i] = *reinterpret_cast<const Part<Number> *>(line + i * stride);
         for (std::size_t q = 0; q < n; ++q) {
-          HalfOfLanes s = (transposed ? table[q] : table[q * n]) * x[0];
+          Part<Number> s = (transposed ? table[q] : table[q * n]) * x[0];
           for (std::size_t i = 1; i < n; ++i)
             s += (transposed ? table[i * n + q] : table[q * n + i]) * x[i];
-          *reinterpret_cast<HalfOfLanes *>(line + q * stride) = s;
+          *reinterpret_cast<Part<Number> *>(line + q * stride) = s;
         }
       }
   }
 }
 
 /// S (sum Lambda + m)^-1 S^T
-template <std::size_t n>
-DOVETAIL_PART_OF_CALLER void solve_in_cells(const unsigned int dim, const double *const tables,
-                                            double *const data)
+template <std::size_t n, typename Number>
+DOVETAIL_PART_OF_CALLER void solve_in_cells(const unsigned int dim, const Number *const tables,
+                                            Number *const data)
 {
   constexpr std::size_t L = n_lanes, of_line = n * (n + 1) * L;
   const std::size_t face = dim == 2 ? n : n * n;
   std::size_t stride = L;
   for (unsigned int k = 0; k < dim; ++k, stride *= n)
     sweep_lanes<n, false>(tables + k * of_line, stride, face * L / stride, data);
-  const double *const x = tables + n * n * L, *const y = x + of_line, *const z = y + of_line;
-  const double *const m = tables + dim * of_line;
+  const Number *const x = tables + n * n * L, *const y = x + of_line, *const z = y + of_line;
+  const Number *const m = tables + dim * of_line;
   for (std::size_t k = 0; k < (dim == 2 ? 1 : n); ++k)
     for (std::size_t j = 0; j < n; ++j)
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t l = 0; l < L; ++l)
           data[((k * n + j) * n + i) * L + l] /=
-              (dim == 2 ? 0. : z[k * L + l]) + y[j * L + l] + x[i * L + l] + m[l];
+              (dim == 2 ? Number() : z[k * L + l]) + y[j * L + l] + x[i * L + l] + m[l];
   for (unsigned int k = 0; k < dim; ++k) {
     stride /= n;
     sweep_lanes<n, true>(tables + (dim - 1 - k) * of_line, stride, face * L / stride, data);
   }
 }
 
-DOVETAIL_WIDEST_VECTORS void solve_any(const unsigned int dim, const std::size_t n,
-                                       const double *const tables, double *const data)
+template <typename Number>
+DOVETAIL_PART_OF_CALLER void solve_any(const unsigned int dim, const std::size_t n,
+                                       const Number *const tables, Number *const data)
 {
   if (n == 3)
     solve_in_cells<3>(dim, tables, data);
@@ -160,24 +168,41 @@ DOVETAIL_WIDEST_VECTORS void solve_any(const unsigned int dim, const std::size_t
     solve_in_cells<5>(dim, tables, data);
 }
 
+// not templates, of which clang makes no versions
+DOVETAIL_WIDEST_VECTORS void run_solve(const unsigned int dim, const std::size_t n,
+                                       const double *const tables, double *const data)
+{
+  solve_any(dim, n, tables, data);
+}
+
+DOVETAIL_WIDEST_VECTORS void run_solve(const unsigned int dim, const std::size_t n, const float *const tables,
+                                       float *const data)
+{
+  solve_any(dim, n, tables, data);
+}
+
 } // namespace
 
-void CellSolves::add_solutions(const double *const r, double *const z) const
+template <typename Number>
+void CellSolvesIn<Number>::add_solutions(const double *const r, double *const z) const
 {
-  std::vector<Lanes> data(n_nodes);
+  std::vector<LanesOf<Number>> data(n_nodes);
   const int *numbers = index->data();
   const std::size_t n_tables = all.size() / size_of_component;
   for (std::size_t b = 0; b < n_tables; ++b) {
     const int *const first = numbers;
-    for (Lanes &number : data)
+    for (LanesOf<Number> &number : data)
       for (unsigned int lane = 0; lane < Lanes::size; ++lane)
-        number[lane] = r[*numbers++];
-    solve_any(dim, n, all[b * size_of_component].values.data(), data[0].values.data());
+        number[lane] = static_cast<Number>(r[*numbers++]);
+    run_solve(dim, n, all[b * size_of_component].values.data(), data[0].values.data());
     numbers = first;
-    for (const Lanes &number : data)
+    for (const LanesOf<Number> &number : data)
       for (unsigned int lane = 0; lane < Lanes::size; ++lane)
-        z[*numbers++] += number[lane];
+        z[*numbers++] += static_cast<double>(number[lane]);
   }
 }
+
+template class CellSolvesIn<double>;
+template class CellSolvesIn<float>;
 
 } // namespace dovetail

@@ -56,6 +56,7 @@ public:
   void take_factorisation(const LevelEntries &matrix, Range range);
 
   void smooth(double *x, const double *b, bool starts_from_zero) const override;
+  double eigenvalue() const { return largest_eigenvalue; } ///< lambda
 
 private:
   ChebyshevSmoother(const LevelProducts &A, Range range) : A(A), range(range) {}

@@ -28,11 +28,12 @@ namespace dovetail {
 
 namespace {
 
-/// The symmetric part of entries and cells.
+/// The symmetric part of entries and cells; of cells in single precision for CG.
 class SumLevel : public LevelOperator
 {
 public:
-  SumLevel(const GroupOperator &K, const GroupFacts &facts) : cells(*K.cells()), entries(K.entries())
+  SumLevel(const GroupOperator &K, const GroupFacts &facts)
+      : cells(*K.cells()), entries(K.entries()), is_rough(facts.is_positive_definite())
   {
     if (!facts.is_symmetric) {
       symmetric_entries = make_symmetric_part(*entries, facts.field_of_row());
@@ -44,7 +45,10 @@ public:
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override
   {
     entries->Multiply(false, x, y);
-    cells.add_product(1., x, y, true);
+    if (is_rough)
+      cells.add_rough_product(x, y);
+    else
+      cells.add_product(1., x, y, true);
   }
   void diagonal(Epetra_Vector &values) const override
   {
@@ -55,7 +59,7 @@ public:
   {
     Epetra_Vector values(rows());
     diagonal(values);
-    return cells.cellwise_approximation(values);
+    return cells.cellwise_approximation(values, is_rough);
   }
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override
   {
@@ -67,6 +71,7 @@ private:
   const PartOperator &cells;
   const Epetra_CrsMatrix *entries;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_entries; ///< if they are not
+  const bool is_rough;                                 ///< for CG
 };
 
 } // namespace
@@ -156,9 +161,12 @@ Upkeep::GivesUp MatrixFree::patience(const double goal)
 unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                  const double goal, const Upkeep::GivesUp &gives_up)
 {
-  const auto apply = [this](GroupVector &solution, const GroupVector &right_hand_side) {
-    Epetra_Vector z(View, solution.trilinos_vector(), 0);
-    cycle->vmult(z, Epetra_Vector(View, right_hand_side.trilinos_vector(), 0));
+  const double norm = b.l2_norm(), unit = norm > 0 ? norm : 1.; // single precision may not hold r
+  const auto apply = [this, unit](GroupVector &z, const GroupVector &r) {
+    Epetra_Vector result(View, z.trilinos_vector(), 0), scaled(Copy, r.trilinos_vector(), 0);
+    scaled.Scale(1 / unit);
+    cycle->vmult(result, scaled);
+    result.Scale(unit);
   };
   double decades = 0;
   const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &decades);

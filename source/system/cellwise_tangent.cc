@@ -163,24 +163,30 @@ void CellwiseTangent<dim>::make_constraint_matrix(const dealii::AffineConstraint
   follow->FillComplete(*own_rows, map);
 }
 
-/// y += K x for all unknowns of the cells, as if there were no constraints.
+/// y += K x for all unknowns of the cells of this rank, as if there were no constraints.
 template <int dim>
-void CellwiseTangent<dim>::multiply_cells(const Epetra_Vector &all_values, Epetra_Vector &y,
-                                          const bool of_symmetric_part) const
+void CellwiseTangent<dim>::multiply_here(const Kind kind, const double *const x, double *const y) const
+{
+  for (const auto &[d, cells] : operators)
+    if (kind == rough)
+      cells->add_rough_product(x, y);
+    else
+      cells->add_product(x, y, kind == symmetric);
+  for (const auto &tie : ties)
+    tie->add_product(x, y, kind != exact);
+}
+
+template <int dim>
+void CellwiseTangent<dim>::multiply_cells(const Kind kind, const Epetra_Vector &all_values,
+                                          Epetra_Vector &y) const
 {
   if (own_rows->Comm().NumProc() == 1) {
-    for (const auto &[d, cells] : operators)
-      cells->add_product(all_values.Values(), y.Values(), of_symmetric_part);
-    for (const auto &tie : ties)
-      tie->add_product(all_values.Values(), y.Values(), of_symmetric_part);
+    multiply_here(kind, all_values.Values(), y.Values());
     return;
   }
   Epetra_Vector x_of_columns(*columns), y_of_columns(*columns), sum(*own_rows);
   x_of_columns.Import(all_values, *import, Insert);
-  for (const auto &[d, cells] : operators)
-    cells->add_product(x_of_columns.Values(), y_of_columns.Values(), of_symmetric_part);
-  for (const auto &tie : ties)
-    tie->add_product(x_of_columns.Values(), y_of_columns.Values(), of_symmetric_part);
+  multiply_here(kind, x_of_columns.Values(), y_of_columns.Values());
   sum.Export(y_of_columns, *import, Add);
   y.Update(1., sum, 1.);
 }
@@ -219,14 +225,21 @@ template <int dim>
 void CellwiseTangent<dim>::add_product(const double factor, const Epetra_Vector &x, Epetra_Vector &y,
                                        const bool of_symmetric_part) const
 {
-  if (factor != 1) {
-    Epetra_Vector product(*own_rows);
-    add_product(1., x, product, of_symmetric_part);
-    y.Update(factor, product, 1.);
+  const Kind kind = of_symmetric_part ? symmetric : exact;
+  if (factor == 1) {
+    add_product(kind, x, y);
     return;
   }
+  Epetra_Vector product(*own_rows);
+  add_product(kind, x, product);
+  y.Update(factor, product, 1.);
+}
+
+template <int dim>
+void CellwiseTangent<dim>::add_product(const Kind kind, const Epetra_Vector &x, Epetra_Vector &y) const
+{
   if (follow->NumGlobalRows() == 0) {
-    multiply_cells(x, y, of_symmetric_part);
+    multiply_cells(kind, x, y);
     return;
   }
   Epetra_Vector all(x), of_constrained(follow->RangeMap());
@@ -237,7 +250,7 @@ void CellwiseTangent<dim>::add_product(const double factor, const Epetra_Vector 
     before.push_back(y[constrained[k]]);
     y[constrained[k]] = 0;
   }
-  multiply_cells(all, y, of_symmetric_part);
+  multiply_cells(kind, all, y);
   condense(y, *follow, before);
 }
 
@@ -253,7 +266,7 @@ void CellwiseTangent<dim>::subtract_moves(const dealii::AffineConstraints<double
         values[own_rows->LID(row(block.begin + i))] = constraints.get_inhomogeneity(block.begin + i);
   }
   Epetra_Vector product(*own_rows);
-  multiply_cells(values, product, false);
+  multiply_cells(exact, values, product);
   condense(product, *follow, {});
   rows.gather(b, own.Values());
   own.Update(-1., product, 1.);
@@ -364,7 +377,8 @@ bool leaves_long_edges(const Domain<dim> &domain, const MPI_Comm communicator)
 /// diagonal: what followers add to it would make eigenvalues large.
 template <int dim>
 std::unique_ptr<Approximation>
-CellwiseTangent<dim>::cellwise_approximation(const Epetra_Vector &all_diagonal) const
+CellwiseTangent<dim>::cellwise_approximation(const Epetra_Vector &all_diagonal,
+                                             const bool in_single_precision) const
 {
   Epetra_Vector ones(*columns), of_cells(*columns), n_cells(*own_rows), own(*own_rows), further(all_diagonal),
       of_solves(*own_rows), held(*own_rows), all_held(*columns), all_further(*columns), taken(*columns);
@@ -389,7 +403,7 @@ CellwiseTangent<dim>::cellwise_approximation(const Epetra_Vector &all_diagonal) 
     is_held.push_back(all_held[i] != 0);
   std::vector<std::unique_ptr<CellSolves>> solves;
   for (const CellOperator<dim> *const cells : stretched)
-    solves.push_back(cells->solves(is_held, all_further.Values(), taken.Values()));
+    solves.push_back(cells->solves(is_held, all_further.Values(), taken.Values(), in_single_precision));
   of_solves.Export(taken, *import, Add);
   of_solves.Update(1., own, 1.);
   std::vector<double> weights, inverse;

@@ -53,6 +53,8 @@ public:
 
   /// y += K x, or with the symmetric part of K.
   virtual void add_product(const double *x, double *y, bool of_symmetric_part) const = 0;
+  /// With the symmetric part of K, in single precision cell by cell.
+  virtual void add_rough_product(const double *x, double *y) const = 0;
   virtual void add_diagonal(double *diagonal) const = 0;
   /// += the number of cells of an unknown
   virtual void add_ones(double *numbers) const = 0;
@@ -61,7 +63,7 @@ public:
   /// mass matrix.
   /// @param taken += what the solves contain of it
   virtual std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held, const double *further,
-                                             double *taken) const = 0;
+                                             double *taken, bool in_single_precision) const = 0;
 
   /// A row of P, by index of the unknown: columns and weights.
   struct Row

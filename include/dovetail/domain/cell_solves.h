@@ -32,35 +32,54 @@ public:
   typedef std::array<End, 2> Line;
   static constexpr double stiffness_of_held = 1e4;
 
-  /// @p index: [batch][component][lexicographic node][lane], by reference
-  CellSolves(unsigned int dim, unsigned int n_components, unsigned int degree,
-             std::shared_ptr<const std::vector<int>> index);
+  virtual ~CellSolves() = default;
 
   /// @p a: by direction, then m.
-  void set(unsigned int slot, unsigned int component, const std::vector<Line> &lines,
-           const std::vector<double> &a);
+  virtual void set(unsigned int slot, unsigned int component, const std::vector<Line> &lines,
+                   const std::vector<double> &a) = 0;
 
   /// z += the sum of the cells' B^-1 r
-  void add_solutions(const double *r, double *z) const;
+  virtual void add_solutions(const double *r, double *z) const = 0;
 
   /// Entries of the diagonals of K_k and M_k, without what the ends add.
   double stiffness_of_end() const { return stiffness[0]; }
   double mass_of(unsigned int node) const { return mass[node * (n + 1)]; }
 
-private:
+protected:
   struct Pairs
   {
     std::vector<double> vectors, values; ///< [mode][node], with mass one
   };
+
+  explicit CellSolves(unsigned int degree);
   const Pairs &pairs_of(const Line &line);
 
-  const unsigned int dim, n_components, n, n_nodes;
-  std::shared_ptr<const std::vector<int>> index;
+  const unsigned int n;
+
+private:
   std::vector<double> stiffness, mass; ///< of a line of length one
   std::map<std::array<int, 4>, Pairs> known;
+};
+
+/// In double or in single precision.
+template <typename Number>
+class CellSolvesIn : public CellSolves
+{
+public:
+  /// @p index: [batch][component][lexicographic node][lane], by reference
+  CellSolvesIn(unsigned int dim, unsigned int n_components, unsigned int degree,
+               std::shared_ptr<const std::vector<int>> index);
+
+  void set(unsigned int slot, unsigned int component, const std::vector<Line> &lines,
+           const std::vector<double> &a) override;
+  void add_solutions(const double *r, double *z) const override;
+
+private:
+  const unsigned int dim, n_components, n_nodes;
+  std::shared_ptr<const std::vector<int>> index;
   // [batch][component][direction]: vectors [mode][node], values [mode] times a; then m
   std::size_t size_of_component;
-  std::vector<Lanes> all;
+  std::vector<LanesOf<Number>> all;
 };
 
 } // namespace dovetail

@@ -32,7 +32,8 @@ public:
   virtual void add_diagonal(Epetra_Vector &values) const = 0;
   /// An approximation of the symmetric part of K and the rest of a matrix with this @p diagonal, better than
   /// the diagonal in stretched cells. Collective. nullptr: none.
-  virtual std::unique_ptr<Approximation> cellwise_approximation(const Epetra_Vector &diagonal) const = 0;
+  virtual std::unique_ptr<Approximation> cellwise_approximation(const Epetra_Vector &diagonal,
+                                                                bool in_single_precision) const = 0;
   /// P^T K P + @p summand, of the symmetric part of K. Collective.
   virtual std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P,
                                                        const Epetra_CrsMatrix &summand) const = 0;
@@ -45,6 +46,10 @@ public:
 
   virtual std::shared_ptr<PartOperator> copy() const = 0;
   virtual void add(double factor, const PartOperator &other) = 0; ///< @p other: a copy of this one
+
+  /// y += K x, with the symmetric part of K, cell by cell in single precision. CG bears that in its
+  /// preconditioner; GMRES does not get further than its preconditioner is linear. Collective.
+  virtual void add_rough_product(const Epetra_Vector &x, Epetra_Vector &y) const = 0;
 };
 
 } // namespace dovetail

@@ -58,8 +58,13 @@ public:
 
   void add_product(double factor, const Epetra_Vector &x, Epetra_Vector &y,
                    bool of_symmetric_part) const override;
+  void add_rough_product(const Epetra_Vector &x, Epetra_Vector &y) const override
+  {
+    add_product(rough, x, y);
+  }
   void add_diagonal(Epetra_Vector &values) const override;
-  std::unique_ptr<Approximation> cellwise_approximation(const Epetra_Vector &all_diagonal) const override;
+  std::unique_ptr<Approximation> cellwise_approximation(const Epetra_Vector &all_diagonal,
+                                                        bool in_single_precision) const override;
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P,
                                                const Epetra_CrsMatrix &summand) const override;
   const std::vector<bool> &condensed() const override { return is_condensed; }
@@ -72,12 +77,16 @@ public:
   void add(double factor, const PartOperator &other) override;
 
 private:
+  enum Kind { exact, symmetric, rough }; ///< of a product
+
   CellwiseTangent(const CellwiseTangent &other);
   int row(dealii::types::global_dof_index dof) const; ///< global
   void collect_columns();
   void make_constraint_matrix(const dealii::AffineConstraints<double> &constraints);
   void find_diagonal();
-  void multiply_cells(const Epetra_Vector &all_values, Epetra_Vector &y, bool of_symmetric_part) const;
+  void add_product(Kind kind, const Epetra_Vector &x, Epetra_Vector &y) const;
+  void multiply_cells(Kind kind, const Epetra_Vector &all_values, Epetra_Vector &y) const;
+  void multiply_here(Kind kind, const double *x, double *y) const;
   void condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights,
                 const std::vector<double> &replacement) const;
   Epetra_CrsMatrix of_constrained(const Epetra_CrsMatrix &P) const;

@@ -40,7 +40,7 @@ function(add_unit_tests folder files)
 
   add_executable(${target} ${CMAKE_CURRENT_BINARY_DIR}/${target}.cc)
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${folder})
-  target_link_libraries(${target} dovetail_core)
+  load_early(${target} dovetail_core)
   set_up(${target})
   take_precompiled_headers(${target})
   add_custom_command(TARGET ${target} POST_BUILD ${links} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})

@@ -15,7 +15,6 @@
 #include <dovetail/compatibility.h>
 
 #include <deal.II/distributed/cell_data_transfer.templates.h>
-#include <deal.II/dofs/dof_renumbering.h>
 #include <deal.II/dofs/dof_tools.h>
 #include <deal.II/fe/fe_values.h>
 #include <deal.II/fe/mapping_q.h>
@@ -297,17 +296,51 @@ void Domain<dim>::check_conditions() const
     }
 }
 
+/// All unknowns of the first field come first, over all ranks; otherwise their order remains.
 template <int dim>
 void Domain<dim>::distribute_dofs()
 {
   dofs.distribute_dofs(cell_layout->system_element());
-  if (fields().size() > 1) {
-    std::vector<unsigned int> field_of_component(n_components());
-    for (unsigned int f = 0; f < fields().size(); ++f)
-      for (unsigned int c = 0; c < fields()[f].n_components; ++c)
-        field_of_component[fields()[f].first_component + c] = f;
-    dealii::DoFRenumbering::component_wise(dofs, field_of_component);
-  }
+  sizes_of_fields = {dofs.n_dofs()};
+  if (fields().size() == 1)
+    return;
+  const auto &element = dofs.get_fe();
+  std::vector<unsigned int> field_of_shape;
+  for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i)
+    for (unsigned int f = 0, c = element.system_to_component_index(i).first; f < fields().size(); ++f)
+      if (fields()[f].has_component(c))
+        field_of_shape.push_back(f);
+  const dealii::IndexSet &owned = dofs.locally_owned_dofs(); // contiguous
+  const auto first = owned.n_elements() > 0 ? owned.nth_index_in_set(0) : 0;
+  std::vector<unsigned int> field_of_dof(owned.n_elements());
+  std::vector<dealii::types::global_dof_index> indices(field_of_shape.size());
+  for (const auto &cell : dofs.active_cell_iterators())
+    if (cell->is_locally_owned()) {
+      cell->get_dof_indices(indices);
+      for (unsigned int i = 0; i < indices.size(); ++i)
+        if (indices[i] - first < field_of_dof.size()) // also false below `first`
+          field_of_dof[indices[i] - first] = field_of_shape[i];
+    }
+
+  std::vector<dealii::types::global_dof_index> own_sizes(fields().size(), 0), next(fields().size(), 0);
+  for (const unsigned int f : field_of_dof)
+    ++own_sizes[f];
+  sizes_of_fields.assign(fields().size(), 0);
+  const MPI_Comm communicator = triangulation->get_communicator();
+  const unsigned int own_rank = dealii::Utilities::MPI::this_mpi_process(communicator);
+  const auto sizes_of_ranks = dealii::Utilities::MPI::all_gather(communicator, own_sizes);
+  for (unsigned int rank = 0; rank < sizes_of_ranks.size(); ++rank)
+    for (unsigned int f = 0; f < fields().size(); ++f) {
+      sizes_of_fields[f] += sizes_of_ranks[rank][f];
+      next[f] += rank < own_rank ? sizes_of_ranks[rank][f] : 0;
+    }
+  for (unsigned int f = 1, begin = 0; f < fields().size(); ++f)
+    next[f] += begin += sizes_of_fields[f - 1];
+  std::vector<dealii::types::global_dof_index> numbers;
+  numbers.reserve(field_of_dof.size());
+  for (const unsigned int f : field_of_dof)
+    numbers.push_back(next[f]++);
+  dofs.renumber_dofs(numbers);
 }
 
 template <int dim>

@@ -11,6 +11,8 @@
 #include <dovetail/domain/mesh_size.h>
 #include <dovetail/domain/simplices.h>
 
+#include "mesh_on_one_rank.h"
+
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/utilities.h>
@@ -153,6 +155,28 @@ FurtherNodes<dim> further_nodes_of_cells(const MeshFile &content,
   return result;
 }
 
+/// Whether all cells run along the edges that they share in the same direction, as deal.II wants them.
+template <int dim>
+bool are_consistent(const std::vector<dealii::CellData<dim>> &cells)
+{
+  constexpr unsigned int n_edges = dealii::GeometryInfo<dim>::lines_per_cell;
+  std::array<std::array<unsigned int, 2>, n_edges> ends;
+  for (unsigned int e = 0; e < n_edges; ++e)
+    for (const unsigned int i : {0, 1})
+      ends[e][i] = dealii::GeometryInfo<dim>::line_to_cell_vertices(e, i);
+  std::vector<std::uint64_t> edges; // lower vertex, upper vertex, direction
+  edges.reserve(n_edges * cells.size());
+  for (const auto &cell : cells)
+    for (const auto &[from, to] : ends) {
+      const std::uint64_t a = cell.vertices[from], b = cell.vertices[to];
+      edges.push_back(std::min(a, b) << 32 | std::max(a, b) << 1 | (a < b ? 1 : 0));
+    }
+  std::sort(edges.begin(), edges.end());
+  return std::adjacent_find(edges.begin(), edges.end(), [](const auto one, const auto next) {
+           return one != next && one >> 1 == next >> 1;
+         }) == edges.end();
+}
+
 template <int dim>
 void read_file(const Section &section, const std::string &file_name, const std::vector<std::string> &volumes,
                const MPI_Comm &communicator, dealii::Triangulation<dim> &mesh,
@@ -186,7 +210,7 @@ void read_file(const Section &section, const std::string &file_name, const std::
     faces.boundary_quads = std::move(boundary);
 
   try {
-    if (cells[0].vertices.size() == dealii::GeometryInfo<dim>::vertices_per_cell)
+    if (cells[0].vertices.size() == dealii::GeometryInfo<dim>::vertices_per_cell && !are_consistent(cells))
       dealii::GridTools::consistently_order_cells(cells);
     further_nodes = further_nodes_of_cells<dim>(content, cells);
     dealii::GridTools::delete_unused_vertices(vertices, cells, faces);
@@ -234,24 +258,25 @@ void make_coarse_mesh(const Section &section, const MPI_Comm &communicator, deal
     read_file(section, file_name, volumes, communicator, mesh, further_nodes, note);
 }
 
-/// A distributed mesh together with the coarse mesh it came from: some of deal.II's manifolds refer to it.
-template <int dim>
-class MeshWithOrigin : public dealii::parallel::distributed::Triangulation<dim>,
-                       public WithCurvedCells<dim>,
-                       public WithNote
+/// A mesh together with the coarse mesh it came from: some of deal.II's manifolds refer to it.
+template <int dim, typename Base>
+class MeshWithOrigin : public Base, public WithCurvedCells<dim>, public WithNote
 {
 public:
-  using dealii::parallel::distributed::Triangulation<dim>::Triangulation;
-  dealii::Triangulation<dim> origin;
+  using Base::Base;
+  std::unique_ptr<dealii::Triangulation<dim>> origin; ///< nullptr if the mesh is straight
 };
 
 template <int dim>
-void transform(const double scale, const dealii::Tensor<1, dim> &shift, dealii::Triangulation<dim> &mesh)
+void transform(const double scale, const dealii::Tensor<1, dim> &shift, const bool is_flat,
+               dealii::Triangulation<dim> &mesh)
 {
   if (scale == 1. && shift.norm() == 0.)
     return;
   dealii::GridTools::transform(
       [&](const dealii::Point<dim> &X) { return dealii::Point<dim>(scale * X + shift); }, mesh);
+  if (is_flat)
+    return;
   for (const auto id : mesh.get_manifold_ids())
     if (id != dealii::numbers::flat_manifold_id) {
       const TransformedManifold<dim> image(mesh.get_manifold(id), scale, shift);
@@ -384,14 +409,44 @@ FurtherNodes<dim> all_nodes(const dealii::Triangulation<dim> &coarse_mesh,
   return nodes;
 }
 
+/// Whether a scene asks for meshes that follow the estimated error.
+bool has_adaptive_meshes(const Section &scene)
+{
+  const std::string cycles = scene.peek("Adaptive cycles");
+  if (!cycles.empty() && cycles != "0")
+    return true;
+  const auto probes = dealii::Utilities::split_string_list(scene.peek("Probes"));
+  return std::any_of(probes.begin(), probes.end(), [&](const std::string &probe) {
+    return !scene.peek("Probe " + probe, "Tolerance").empty();
+  });
+}
+
+/// @p coarse_mesh, in the final position, in a mesh that is refined as the scene asks.
+template <int dim, typename Base>
+std::unique_ptr<Mesh<dim>> refined(std::unique_ptr<dealii::Triangulation<dim>> origin,
+                                   const dealii::Triangulation<dim> &coarse_mesh,
+                                   const FurtherNodes<dim> &further_nodes, const std::string &note,
+                                   const unsigned int n_refinements, const MPI_Comm &communicator)
+{
+  auto mesh = std::make_unique<MeshWithOrigin<dim, Base>>(communicator);
+  mesh->note = note;
+  mesh->copy_triangulation(coarse_mesh);
+  if (!further_nodes.empty())
+    mesh->curve(all_nodes(coarse_mesh, further_nodes), *mesh);
+  mesh->origin = std::move(origin);
+  mesh->refine_global(n_refinements);
+  return mesh;
+}
+
 } // namespace
 
 template <int dim>
 std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &communicator)
 {
-  auto mesh = std::make_unique<MeshWithOrigin<dim>>(communicator);
+  auto origin = std::make_unique<dealii::Triangulation<dim>>();
   FurtherNodes<dim> further_nodes;
-  make_coarse_mesh(section, communicator, mesh->origin, further_nodes, mesh->note);
+  std::string note;
+  make_coarse_mesh(section, communicator, *origin, further_nodes, note);
   section.name_boundaries(read_names_of_boundaries(section));
   const bool converts = section.choose("Cells", {"as they are", "simplices"}, 0,
                                        "simplices: divide quadrilaterals into triangles and hexahedra into "
@@ -406,12 +461,15 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
       "Shift", dealii::Point<3>(), "Vector that is added to all points of the mesh, after Scale [m]");
 
   if (section.documenting())
-    return mesh;
+    return std::make_unique<MeshOnOneRank<dim>>(communicator);
 
   const dealii::Tensor<1, dim> shift_in_dim = in_dim<dim>(shift);
   dealii::Triangulation<dim> coarse_mesh;
-  coarse_mesh.copy_triangulation(mesh->origin);
-  transform(scale, shift_in_dim, coarse_mesh);
+  coarse_mesh.copy_triangulation(*origin);
+  const bool is_flat = !section.peek("File").empty() || is_straight(*origin); // files name no manifolds
+  transform(scale, shift_in_dim, is_flat, coarse_mesh);
+  if (is_flat)
+    origin.reset();
   for (auto &cell_nodes : further_nodes)
     for (dealii::Point<dim> &node : cell_nodes)
       node = dealii::Point<dim>(scale * node + shift_in_dim);
@@ -432,14 +490,13 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
                    becomes_simplices ? n_ranks : 1., communicator);
   if (becomes_simplices) {
     make_simplices(n_refinements, coarse_mesh, further_nodes);
-    return distribute(coarse_mesh, further_nodes, mesh->note, communicator);
+    return distribute(coarse_mesh, further_nodes, note, communicator);
   }
-  mesh->copy_triangulation(coarse_mesh);
-  if (!further_nodes.empty())
-    mesh->curve(all_nodes(coarse_mesh, further_nodes), *mesh);
-  if (is_straight(mesh->origin))
-    mesh->origin.clear();
-  mesh->refine_global(n_refinements);
+  const bool divides_single_cells = local_refinement.is_asked_for() || has_adaptive_meshes(section.top());
+  const auto refined_by = n_ranks == 1 && !divides_single_cells
+                              ? refined<dim, MeshOnOneRank<dim>>
+                              : refined<dim, dealii::parallel::distributed::Triangulation<dim>>;
+  auto mesh = refined_by(std::move(origin), coarse_mesh, further_nodes, note, n_refinements, communicator);
   if (local_refinement.is_asked_for())
     local_refinement.refine(*mesh, communicator);
   return mesh;

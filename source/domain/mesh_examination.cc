@@ -16,6 +16,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 #include <sstream>
 
@@ -367,8 +368,9 @@ private:
     const auto gradients = gradients_at_gauss_points();
     for (std::size_t c = 0; c < mesh.cells.size(); ++c) {
       bool is_positive = false, is_negative = false;
+      const Corners corners = corners_of(c);
       for (const auto &gradient : gradients) {
-        const double sign = sign_of_jacobian(mesh.cells.nodes_of(c), gradient);
+        const double sign = sign_of_jacobian(corners, gradient);
         is_positive = is_positive || sign > 0;
         is_negative = is_negative || sign < 0;
       }
@@ -384,25 +386,49 @@ private:
     }
   }
 
+  /// Of a cell.
+  struct Corners
+  {
+    std::array<dealii::Tensor<1, dim>, 8> from_first;
+    double largest = 0; ///< coordinate
+    double size = 0;    ///< the largest distance from the first one
+  };
+
+  Corners corners_of(const std::size_t cell) const
+  {
+    const unsigned int *nodes = mesh.cells.nodes_of(cell);
+    Corners corners;
+    for (unsigned int v = 0; v < n_vertices; ++v) {
+      for (unsigned int i = 0; i < dim; ++i) {
+        corners.from_first[v][i] = mesh.nodes[nodes[v]][i] - mesh.nodes[nodes[0]][i];
+        corners.largest = std::max(corners.largest, std::abs(mesh.nodes[nodes[v]][i]));
+      }
+      corners.size = std::max(corners.size, corners.from_first[v].norm_square());
+    }
+    corners.size = std::sqrt(corners.size);
+    return corners;
+  }
+
   /// Of det dX/dxi; 0 where that is no more than rounding of the coordinates.
-  double sign_of_jacobian(const unsigned int *nodes,
-                          const std::vector<dealii::Tensor<1, dim>> &gradients) const
+  double sign_of_jacobian(const Corners &corners, const std::vector<dealii::Tensor<1, dim>> &gradients) const
   {
     std::array<dealii::Tensor<1, dim>, dim> column;
-    double largest = 0;
     for (unsigned int v = 0; v < n_vertices; ++v)
-      for (unsigned int i = 0; i < dim; ++i) {
-        const double X = mesh.nodes[nodes[v]][i] - mesh.nodes[nodes[0]][i];
-        largest = std::max(largest, std::abs(mesh.nodes[nodes[v]][i]));
+      for (unsigned int i = 0; i < dim; ++i)
         for (unsigned int j = 0; j < dim; ++j)
-          column[j][i] += X * gradients[v][j];
-      }
-    // the change of the determinant if the coordinates, and its terms, change by their last digit
-    double determinant, product = 1, cofactors = 0;
+          column[j][i] += corners.from_first[v][i] * gradients[v][j];
+    double determinant;
     if constexpr (dim == 2)
       determinant = column[0][0] * column[1][1] - column[0][1] * column[1][0];
     else
       determinant = dealii::cross_product_3d(column[0], column[1]) * column[2];
+    // the change of the determinant if the coordinates, and its terms, change by their last digit; at most
+    // that of columns which are as long as they can be, since the gradients of all vertices sum up to 2
+    constexpr double last_digit = 4 * std::numeric_limits<double>::epsilon();
+    const double length = 2 * corners.size, area = dim == 2 ? length : length * length;
+    if (std::abs(determinant) > last_digit * (area * length + corners.largest * dim * area))
+      return determinant;
+    double product = 1, cofactors = 0;
     for (unsigned int j = 0; j < dim; ++j) {
       product *= column[j].norm();
       if constexpr (dim == 2)
@@ -410,8 +436,7 @@ private:
       else
         cofactors += dealii::cross_product_3d(column[j], column[(j + 1) % 3]).norm();
     }
-    constexpr double last_digit = 4 * std::numeric_limits<double>::epsilon();
-    return std::abs(determinant) > last_digit * (product + largest * cofactors) ? determinant : 0.;
+    return std::abs(determinant) > last_digit * (product + corners.largest * cofactors) ? determinant : 0.;
   }
 
   /// Two vertices change places, or two opposite faces.
@@ -487,13 +512,24 @@ private:
                       "is in.)");
   }
 
+  /// First by the smallest vertex, which few faces share.
   void sort_faces()
   {
-    all_faces.reserve(mesh.cells.size() * faces->size());
+    std::vector<Face> in_order_of_cells;
+    in_order_of_cells.reserve(mesh.cells.size() * faces->size());
+    std::vector<std::size_t> begin(mesh.nodes.size() + 1, 0);
     for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-      for (unsigned int f = 0; f < faces->size(); ++f)
-        all_faces.push_back({sort_vertices(vertices_of_face(c, f)), c, f});
-    std::sort(all_faces.begin(), all_faces.end());
+      for (unsigned int f = 0; f < faces->size(); ++f) {
+        in_order_of_cells.push_back({sort_vertices(vertices_of_face(c, f)), c, f});
+        ++begin[in_order_of_cells.back().sorted[0] + 1];
+      }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    all_faces.resize(in_order_of_cells.size());
+    auto end = begin;
+    for (const Face &face : in_order_of_cells)
+      all_faces[end[face.sorted[0]]++] = face;
+    for (std::size_t v = 0; v < mesh.nodes.size(); ++v)
+      std::sort(all_faces.begin() + begin[v], all_faces.begin() + end[v]);
   }
 
   void check_faces_between_cells() const

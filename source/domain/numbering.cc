@@ -19,16 +19,7 @@ Numbering::Numbering(const std::vector<std::unique_ptr<Domain<dim>>> &domains, c
     Domain<dim> &domain = *domains[d];
     check_total(double(n_dofs) + domain.dof_handler().n_dofs());
     domain.number_from(n_dofs);
-    std::vector<dealii::types::global_dof_index> sizes;
-    if (domain.fields().size() == 1)
-      sizes = {domain.dof_handler().n_dofs()};
-    else {
-      std::vector<unsigned int> field_of_component(domain.n_components());
-      for (unsigned int f = 0; f < domain.fields().size(); ++f)
-        for (unsigned int c = 0; c < domain.fields()[f].n_components; ++c)
-          field_of_component[domain.fields()[f].first_component + c] = f;
-      sizes = dealii::DoFTools::count_dofs_per_fe_block(domain.dof_handler(), field_of_component);
-    }
+    const auto &sizes = domain.n_dofs_of_fields();
     const auto &owned_by_domain = domain.dof_handler().locally_owned_dofs();
     dealii::types::global_dof_index begin = 0;
     for (unsigned int f = 0; f < domain.fields().size(); ++f) {

@@ -29,11 +29,17 @@ template <int dim>
 Bulges<dim>::Bulges(const Domain<dim> &domain, const dealii::types::boundary_id id,
                     const SideFaces<dim> &side)
 {
+  for (const auto &face : side.faces) {
+    const auto shape = face.cell->face(face.face_no);
+    for (const unsigned int v : shape->vertex_indices())
+      normals[shape->vertex_index(v)];
+  }
   for (const auto &face : domain.boundary_faces())
     if (face.id == id) {
       const auto shape = face.cell->face(face.number);
       for (const unsigned int v : shape->vertex_indices())
-        normals[shape->vertex_index(v)].push_back(weighted_normal(*face.cell, face.number, v));
+        if (const auto found = normals.find(shape->vertex_index(v)); found != normals.end())
+          found->second.push_back(weighted_normal(*face.cell, face.number, v));
     }
   for (unsigned int i = 0; i < side.faces.size(); ++i) {
     const auto &face = side.faces[i];

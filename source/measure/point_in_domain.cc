@@ -117,7 +117,7 @@ std::vector<PointInCell<dim>> find_cells(const Domain<dim> &domain, const dealii
   for (const auto &candidate : candidates)
     least = std::min(least, candidate.distance);
   least = dealii::Utilities::MPI::min(least, communicator);
-  if (least > (is_straight(domain.mesh()) ? tolerance_of_straight : tolerance_of_curved))
+  if (least > tolerance_of_straight && (least > tolerance_of_curved || is_straight(domain.mesh())))
     fail_outside(domain, X, asking, communicator);
 
   std::vector<PointInCell<dim>> result;

@@ -116,25 +116,40 @@ bool has_condition(const Domain<dim> &body, const dealii::types::boundary_id id,
   });
 }
 
+template <typename T>
+std::vector<T> gathered(const T &own, const MPI_Comm &communicator)
+{
+  if (dealii::Utilities::MPI::n_mpi_processes(communicator) == 1)
+    return {own}; // else it would be packed and unpacked
+  return dealii::Utilities::MPI::all_gather(communicator, own);
+}
+
+template <int dim>
+using Cell = typename dealii::Triangulation<dim>::active_cell_iterator;
+
+template <int dim>
+bool is_near(const Extent<dim> &other, const Cell<dim> &cell, const double reach)
+{
+  for (unsigned int d = 0; d < dim; ++d) {
+    double low = cell->vertex(0)[d], high = low;
+    for (const unsigned int v : cell->vertex_indices()) {
+      low = std::min(low, cell->vertex(v)[d]);
+      high = std::max(high, cell->vertex(v)[d]);
+    }
+    if (!(low < other.high[d] + reach && high > other.low[d] - reach))
+      return false;
+  }
+  return true;
+}
+
 /// The faces of a boundary in whose reach the box of another one is.
 template <int dim>
 SideFaces<dim> faces_near(const Extent<dim> &other, const Domain<dim> &body,
                           const dealii::types::boundary_id own_id, const double reach)
 {
-  const auto is_near = [&](const auto &cell) {
-    for (unsigned int d = 0; d < dim; ++d) {
-      double low = cell->vertex(0)[d], high = low;
-      for (const unsigned int v : cell->vertex_indices()) {
-        low = std::min(low, cell->vertex(v)[d]);
-        high = std::max(high, cell->vertex(v)[d]);
-      }
-      if (!(low < other.high[d] + reach && high > other.low[d] - reach))
-        return false;
-    }
-    return true;
-  };
-  return SideFaces<dim>(body.mesh(), body.mapping(), body.mapping_degree(),
-                        [&](const auto &cell, const auto id) { return id == own_id && is_near(cell); });
+  return SideFaces<dim>(
+      body.mesh(), body.mapping(), body.mapping_degree(),
+      [&](const auto &cell, const auto id) { return id == own_id && is_near<dim>(other, cell, reach); });
 }
 
 /// A face with what is near enough for a search to find it: the low and the high corner of the box and the
@@ -143,19 +158,19 @@ template <int dim>
 using FaceBox = std::array<double, 3 * dim>;
 
 template <int dim>
-FaceBox<dim> box_of(const SideFaces<dim> &side, const unsigned int i)
+FaceBox<dim> box_of(const Cell<dim> &cell, const unsigned int face_no,
+                    const std::vector<dealii::Point<dim>> &nodes, const double size)
 {
-  const auto &face = side.faces[i];
-  const auto shape = face.cell->face(face.face_no);
+  const auto shape = cell->face(face_no);
   FaceBox<dim> box;
   for (unsigned int d = 0; d < dim; ++d) {
-    double low = side.nodes(i)[0][d], high = low;
-    for (unsigned int n = 0; n < side.shape.n_nodes(); ++n) {
-      low = std::min(low, side.nodes(i)[n][d]);
-      high = std::max(high, side.nodes(i)[n][d]);
+    double low = nodes[0][d], high = low;
+    for (const auto &node : nodes) {
+      low = std::min(low, node[d]);
+      high = std::max(high, node[d]);
     }
-    box[d] = low - search_radius_of_touch * face.size;
-    box[dim + d] = high + search_radius_of_touch * face.size;
+    box[d] = low - search_radius_of_touch * size;
+    box[dim + d] = high + search_radius_of_touch * size;
   }
   dealii::Tensor<1, dim> normal;
   if constexpr (dim == 2)
@@ -165,10 +180,51 @@ FaceBox<dim> box_of(const SideFaces<dim> &side, const unsigned int i)
     normal = dealii::cross_product_3d(shape->vertex(is_triangle ? 1 : 3) - shape->vertex(0),
                                       shape->vertex(2) - shape->vertex(is_triangle ? 0 : 1));
   }
-  const double sign = normal * (shape->center() - face.cell->center()) < 0 ? -1 : 1;
+  const double sign = normal * (shape->center() - cell->center()) < 0 ? -1 : 1;
   for (unsigned int d = 0; d < dim; ++d)
     box[2 * dim + d] = sign * normal[d];
   return box;
+}
+
+/// Those of faces_near() and their cells, by the active index.
+template <int dim>
+struct BoxesOfSide
+{
+  std::vector<FaceBox<dim>> boxes;
+  std::vector<unsigned int> cells;
+};
+
+template <int dim>
+BoxesOfSide<dim> boxes_near(const Extent<dim> &other, const Domain<dim> &body,
+                            const dealii::types::boundary_id own_id, const double reach)
+{
+  BoxesOfSide<dim> result;
+  std::vector<dealii::Point<dim>> nodes;
+  const auto add = [&](const Cell<dim> &cell, const unsigned int face_no, const double size) {
+    result.boxes.push_back(box_of<dim>(cell, face_no, nodes, size));
+    result.cells.push_back(cell->active_cell_index());
+  };
+  if (body.mapping_degree() > 1) {
+    const SideFaces<dim> side = faces_near(other, body, own_id, reach);
+    for (unsigned int i = 0; i < side.faces.size(); ++i) {
+      nodes.assign(side.nodes(i), side.nodes(i) + side.shape.n_nodes());
+      add(side.faces[i].cell, side.faces[i].face_no, side.faces[i].size);
+    }
+    return result;
+  }
+  for (const auto &face : body.boundary_faces())
+    if (face.id == own_id && face.cell->is_locally_owned() && is_near<dim>(other, face.cell, reach)) {
+      const auto shape = face.cell->face(face.number);
+      nodes.clear();
+      double size = 0;
+      for (const unsigned int v : shape->vertex_indices()) {
+        for (const auto &node : nodes)
+          size = std::max(size, node.distance(shape->vertex(v)));
+        nodes.push_back(shape->vertex(v));
+      }
+      add(face.cell, face.number, size);
+    }
+  return result;
 }
 
 /// What touches turns by less than a right angle, also where two straight faces are chords of one circle.
@@ -189,28 +245,21 @@ bool may_touch(const FaceBox<dim> &one, const FaceBox<dim> &other, const bool ar
 /// The own cells, by their active index, with a face that may touch one of the other side. On small sides
 /// this is cheaper than a search, which mostly finds nothing; of large ones all cells are given. Collective.
 template <int dim>
-std::set<unsigned int> cells_that_may_touch(const SideFaces<dim> &own, const SideFaces<dim> &other,
+std::set<unsigned int> cells_that_may_touch(const BoxesOfSide<dim> &own, const BoxesOfSide<dim> &other,
                                             const bool are_straight, const MPI_Comm &communicator)
 {
+  if (dealii::Utilities::MPI::sum(1. * own.boxes.size(), communicator) *
+          dealii::Utilities::MPI::sum(1. * other.boxes.size(), communicator) >
+      1e6)
+    return {own.cells.begin(), own.cells.end()};
   std::set<unsigned int> cells;
-  if (dealii::Utilities::MPI::sum(1. * own.faces.size(), communicator) *
-          dealii::Utilities::MPI::sum(1. * other.faces.size(), communicator) >
-      1e6) {
-    for (const auto &face : own.faces)
-      cells.insert(face.cell->active_cell_index());
-    return cells;
-  }
-  std::vector<FaceBox<dim>> others;
-  for (unsigned int i = 0; i < other.faces.size(); ++i)
-    others.push_back(box_of(other, i));
-  const auto of_ranks = dealii::Utilities::MPI::all_gather(communicator, others);
-  for (unsigned int i = 0; i < own.faces.size(); ++i) {
-    const FaceBox<dim> box = box_of(own, i);
+  const auto of_ranks = gathered(other.boxes, communicator);
+  for (unsigned int i = 0; i < own.boxes.size(); ++i)
     for (const auto &boxes : of_ranks)
-      if (std::any_of(boxes.begin(), boxes.end(),
-                      [&](const FaceBox<dim> &one) { return may_touch<dim>(box, one, are_straight); }))
-        cells.insert(own.faces[i].cell->active_cell_index());
-  }
+      if (std::any_of(boxes.begin(), boxes.end(), [&](const FaceBox<dim> &one) {
+            return may_touch<dim>(own.boxes[i], one, are_straight);
+          }))
+        cells.insert(own.cells[i]);
   return cells;
 }
 
@@ -230,7 +279,7 @@ public:
     std::map<unsigned int, typename Bulges<dim>::OfFace> others;
     if (bodies[1]->mapping_degree() == 1)
       others = Bulges<dim>(*bodies[1], ids[1], other).of_face;
-    other_bulges = dealii::Utilities::MPI::all_gather(communicator, others);
+    other_bulges = gathered(others, communicator);
     const FaceLocator<dim> locator(std::move(other), search_radius_of_touch, 0., communicator);
     points = segments(own, locator, 1, 1);
     for (unsigned int q = 0; q < points.size(); ++q)
@@ -318,17 +367,17 @@ double touching_area(const std::array<const Domain<dim> *, 2> &bodies,
   const double thinnest_cell = std::min(extents[0]->thinnest_cell, extents[1]->thinnest_cell);
   const double reach = search_radius_of_touch * std::max(extents[0]->largest_face, extents[1]->largest_face);
   const Domain<dim> &body = *bodies[0];
-  auto other = faces_near(*extents[0], *bodies[1], ids[1], reach);
-  const auto cells =
-      cells_that_may_touch(faces_near(*extents[1], body, ids[0], reach), other,
-                           body.mapping_degree() == 1 && bodies[1]->mapping_degree() == 1, communicator);
+  const auto cells = cells_that_may_touch(
+      boxes_near(*extents[1], body, ids[0], reach), boxes_near(*extents[0], *bodies[1], ids[1], reach),
+      body.mapping_degree() == 1 && bodies[1]->mapping_degree() == 1, communicator);
   if (dealii::Utilities::MPI::max(static_cast<unsigned int>(cells.size()), communicator) == 0)
     return 0;
   const SideFaces<dim> own(body.mesh(), body.mapping(), body.mapping_degree(),
                            [&](const auto &cell, const auto id) {
                              return id == ids[0] && cells.count(cell->active_cell_index()) > 0;
                            });
-  const TouchingFaces<dim> faces(bodies, ids, own, std::move(other), thinnest_cell, communicator);
+  const TouchingFaces<dim> faces(bodies, ids, own, faces_near(*extents[0], *bodies[1], ids[1], reach),
+                                 thinnest_cell, communicator);
   return dealii::Utilities::MPI::sum(faces.area(), communicator);
 }
 

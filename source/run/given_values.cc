@@ -7,6 +7,7 @@
 #include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -105,13 +106,17 @@ GivenValues<dim>::GivenValues(const Model<dim> &model) : model(model)
       const auto &element = domain->layout().nodal_element(condition->field.first_component);
       dealii::FEValues<dim> at_nodes(domain->mapping(), element, element.get_unit_support_points(),
                                      dealii::update_quadrature_points);
+      std::array<std::vector<unsigned int>, dealii::GeometryInfo<dim>::faces_per_cell> on_face;
+      for (unsigned int f = 0; f < element.reference_cell().n_faces(); ++f)
+        for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
+          if (element.has_support_on_face(a, f))
+            on_face[f].push_back(a);
       std::set<dealii::Point<dim>, decltype(less)> nodes(less); // cells share them
       for (const auto &[cell, number, id] : domain->boundary_faces())
         if (cell->is_locally_owned() && condition->boundary_ids.count(id) > 0) {
           at_nodes.reinit(cell);
-          for (unsigned int a = 0; a < element.n_dofs_per_cell(); ++a)
-            if (element.has_support_on_face(a, number))
-              nodes.insert(at_nodes.quadrature_point(a));
+          for (const unsigned int a : on_face[number])
+            nodes.insert(at_nodes.quadrature_point(a));
         }
       for (const auto &X : nodes)
         places.push_back({domain.get(), condition.get(), X});

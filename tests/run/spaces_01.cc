@@ -275,6 +275,7 @@ void check_refinement(const std::string &name, const std::string &type, const st
   of.salt = "2 - x + y";
   of.formula = "T + 2*salt - phase";
   of.initial = set("temperature", of.temperature) + set("salt", of.salt) + set("phase", "5 - x + y");
+  of.more = set("Adaptive cycles", "1");
   SceneModel<2> scene_model(scene(of));
   Model<2> &model = scene_model.model;
   auto system = std::make_unique<BlockSystem<2>>(model);

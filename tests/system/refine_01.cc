@@ -54,6 +54,7 @@ void run(const std::string &type, const unsigned int degree)
                     e = dim == 2 ? "" : ", 1", sides = dim == 2 ? ", 2, 3" : ", 2, 3, 4";
   SceneModel<dim> scene_model(
       set("Materials", "both") + set("Domains", "left, right") + set("Interfaces", "seam") +
+      set("Adaptive cycles", "1") +
       subsection("Material both",
                  subsection("Solid", set("Type", "linear elastic") + set("Young modulus", "1") +
                                          set("Poisson ratio", "0.3")) +

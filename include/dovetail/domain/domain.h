@@ -157,6 +157,8 @@ public:
     return begin_of_unknowns;
   }
   void number_from(const dealii::types::global_dof_index index) { begin_of_unknowns = index; }
+  /// How many unknowns each field has over all ranks; those of one field follow those of the one before.
+  const std::vector<dealii::types::global_dof_index> &n_dofs_of_fields() const { return sizes_of_fields; }
 
   std::vector<Cover<dim>> covers; ///< of its boundary, by interfaces
   WeakPenalties weak_penalties;   ///< of values that are prescribed weakly, set at the beginning of a step
@@ -190,6 +192,7 @@ private:
   std::unique_ptr<CellLayout<dim>> cell_layout;
   dealii::DoFHandler<dim> dofs;
   dealii::types::global_dof_index begin_of_unknowns = dealii::numbers::invalid_dof_index;
+  std::vector<dealii::types::global_dof_index> sizes_of_fields;
   std::vector<std::unique_ptr<Condition<dim>>> all_conditions;
   std::vector<BoundaryFace> faces;
   PlaneNormals<dim> normals;

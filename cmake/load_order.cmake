@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Copyright (C) 2026 by the Dovetail authors
 
-# load_early(TARGET [dovetail_core]): a program names, before all others, those libraries in which the loader finds most of what deal.II
-# and its companions ask for. The loader walks through the libraries in the order in which the program names them, and
-# then through what these name; without this, some 50 000 symbols are looked for in 40 to 130 libraries each
-# (doc/user_guide/check.md). The BLAS stands first, so that what it needs itself comes soon after.
+# load_early(TARGET [dovetail_core]): a program names, before all others, those libraries in which the loader finds most
+# of what deal.II and its companions ask for. The loader walks through the libraries in the order in which the program
+# names them, and then through what these name; without this, some 50 000 symbols are looked for in 40 to 130 libraries
+# each (doc/user_guide/check.md). The BLAS stands first, so that what it needs itself comes soon after.
 function(load_early target)
   if(NOT CMAKE_SYSTEM_NAME STREQUAL Linux)
     target_link_libraries(${target} ${ARGN})

@@ -15,6 +15,10 @@
 
 namespace dovetail {
 
+// Without `override`, since versions of deal.II differ in what the base class declares.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wsuggest-override"
+
 /// Cells are divided all at once, or not at all: p4est, which divides some of them and moves cells between
 /// ranks, needs three times as long to take a coarse mesh as deal.II needs to make it. Cells have the CellId
 /// that they have on several ranks: checkpoints know them by it.
@@ -26,8 +30,6 @@ public:
       : dealii::parallel::DistributedTriangulationBase<dim>(communicator)
   {
   }
-
-  // No `override`: versions of deal.II differ in what the base class declares.
 
   void copy_triangulation(const dealii::Triangulation<dim> &other)
   {
@@ -66,5 +68,7 @@ public:
 private:
   std::vector<dealii::types::global_dof_index> id_of_coarse_cell, coarse_cell_of_id;
 };
+
+#pragma GCC diagnostic pop
 
 } // namespace dovetail

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
 # Copyright (C) 2026 by the Dovetail authors
 
-# link_stand_ins(TARGET): programs of this build tree load empty libraries in place of those that the deal.II of Debian
-# brings in and Dovetail never calls. To connect these takes more than half of the time in which a program starts
-# (doc/user_guide/check.md). What is installed loads the true ones.
-option(DOVETAIL_STAND_INS "Programs of the build tree do not load OpenCASCADE, Gmsh, Assimp and VTK" ON)
+# link_stand_ins(TARGET): programs of this build tree load empty libraries in place of those that the deal.II of
+# Debian and its companions bring in and Dovetail never calls. To connect these takes more than half of the time in
+# which a program starts (doc/user_guide/check.md). What is installed loads the true ones.
+option(DOVETAIL_STAND_INS
+       "Programs of the build tree do not load OpenCASCADE, Gmsh, Assimp, VTK, libcurl, libcrypto and X11" ON)
 
 set(stand_ins_folder ${CMAKE_BINARY_DIR}/stand_ins)
 

@@ -234,6 +234,11 @@ private:
   static constexpr unsigned int n_slopes = n_components * dim; ///< of the gradient
   using Array = std::vector<Lanes>;
 
+  /// The product leaves out what gradients of constants are: zero, but those of their roundings are not, and
+  /// stiff bodies make them large.
+  template <typename Number>
+  static constexpr bool is_rough = std::is_same<Number, float>::value;
+
   /// What products need beside the operator.
   template <typename Number>
   struct Work
@@ -251,9 +256,10 @@ private:
     }
 
     const LineTable<Number> line;
-    std::vector<LanesOf<Number>> coefficients; ///< [component][lexicographic node]
-    std::vector<LanesOf<Number>> state;        ///< [slope, then value][point]
-    Array T;                                   ///< of a batch of affine cells: [entry]
+    std::vector<LanesOf<Number>> coefficients;             ///< [component][lexicographic node]
+    std::vector<LanesOf<Number>> state;                    ///< [slope, then value][point]
+    std::array<LanesOf<Number>, n_components> constants{}; ///< that the coefficients lack
+    Array T;                                               ///< of a batch of affine cells: [entry]
     unsigned int batch_of_T = dealii::numbers::invalid_unsigned_int;
   };
 
@@ -572,6 +578,9 @@ void CellOperatorOf<dim, n_components>::multiply(Work<Number> &work, const unsig
   }
   const CellNumbers<Number> numbers = work.numbers(n_points);
   evaluate_in_cells(work.line, numbers);
+  for (unsigned int c = 0; has_values && is_rough<Number> && c < n_components; ++c)
+    for (unsigned int q = 0; q < n_points; ++q)
+      work.state[(n_slopes + c) * n_points + q] += work.constants[c];
   if (!is_uniform)
     multiply_at_points({sums.in_unit_cells, n_points, &tangents[std::size_t(batch) * n_entries * n_points],
                         false, nullptr, nullptr},
@@ -591,14 +600,12 @@ template <typename Number>
 void CellOperatorOf<dim, n_components>::add_product(Work<Number> &work, const bool of_symmetric_part,
                                                     const double *const x, double *const y) const
 {
-  // their products are zero, but not those of their roundings, which stiff bodies make large
-  const bool has_no_constants = std::is_same<Number, float>::value && !has_values;
   for (unsigned int batch = 0; batch < cells->n_batches(); ++batch) {
     const int *const of_batch = index->data() + place(batch * Lanes::size, 0), *next = of_batch;
     std::array<double, Lanes::size> constants{};
     for (unsigned int i = 0; i < work.coefficients.size(); ++i) {
-      for (unsigned int lane = 0; has_no_constants && i % n_nodes == 0 && lane < Lanes::size; ++lane)
-        constants[lane] = x[next[lane]];
+      for (unsigned int lane = 0; is_rough<Number> && i % n_nodes == 0 && lane < Lanes::size; ++lane)
+        work.constants[i / n_nodes][lane] = static_cast<Number>(constants[lane] = x[next[lane]]);
       for (unsigned int lane = 0; lane < Lanes::size; ++lane)
         work.coefficients[i][lane] = static_cast<Number>(x[*next++] - constants[lane]);
     }

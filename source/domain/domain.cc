@@ -334,8 +334,9 @@ void Domain<dim>::distribute_dofs()
       sizes_of_fields[f] += sizes_of_ranks[rank][f];
       next[f] += rank < own_rank ? sizes_of_ranks[rank][f] : 0;
     }
-  for (unsigned int f = 1, begin = 0; f < fields().size(); ++f)
-    next[f] += begin += sizes_of_fields[f - 1];
+  dealii::types::global_dof_index begin = 0;
+  for (unsigned int f = 0; f < fields().size(); begin += sizes_of_fields[f++])
+    next[f] += begin;
   std::vector<dealii::types::global_dof_index> numbers;
   numbers.reserve(field_of_dof.size());
   for (const unsigned int f : field_of_dof)

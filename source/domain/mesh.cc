@@ -409,7 +409,7 @@ FurtherNodes<dim> all_nodes(const dealii::Triangulation<dim> &coarse_mesh,
   return nodes;
 }
 
-/// Whether a scene asks for meshes that follow the estimated error.
+/// Whether a scene asks for meshes that follow the estimated error, as AdaptiveCycles and Probes read them.
 bool has_adaptive_meshes(const Section &scene)
 {
   const std::string cycles = scene.peek("Adaptive cycles");

@@ -209,9 +209,10 @@ const double least_throughput = std::sqrt(std::numeric_limits<double>::min());
 
 template <int dim>
 Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
-                        const double tolerance, NoteList *notes)
+                        double expected, double allowed, NoteList *notes)
 {
-  const double allowed = std::max(largest_imbalance, tolerance);
+  expected = std::max(largest_imbalance, expected);
+  allowed = std::max(expected, allowed);
   Balance balance = {ordered_json::object()};
   for (const auto &domain : model.domains) {
     const std::vector<FlowsOfField> flows = find_flows(model, *domain, reactions, solution);
@@ -227,15 +228,18 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
                 {"imbalance", value(imbalance.by_component)}};
       if (imbalance.throughput < least_throughput)
         continue;
-      if (imbalance.largest <= allowed * imbalance.throughput) {
+      const bool is_allowed = imbalance.largest <= allowed * imbalance.throughput;
+      if (is_allowed)
         balance.worst =
             std::max(balance.worst, imbalance.throughput > 0 ? imbalance.largest / imbalance.throughput : 0.);
+      if (imbalance.largest <= expected * imbalance.throughput)
         continue;
-      }
       const double rounding = reactions.forces().rounding(*domain, field, solution);
       result["rounding"] = rounding;
       if (imbalance.throughput > 0)
         balance.rounding = std::max(balance.rounding, rounding / imbalance.throughput);
+      if (is_allowed)
+        continue;
       if (imbalance.largest <= rounding &&
           (rounding <= largest_rounding * imbalance.throughput ||
            is_at_rest(model, *domain, field, solution, rounding, imbalance.throughput))) {
@@ -255,7 +259,9 @@ Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions
   return balance;
 }
 
-template Balance measure_balance(const Model<2> &, const Reactions<2> &, const Vector &, double, NoteList *);
-template Balance measure_balance(const Model<3> &, const Reactions<3> &, const Vector &, double, NoteList *);
+template Balance measure_balance(const Model<2> &, const Reactions<2> &, const Vector &, double, double,
+                                 NoteList *);
+template Balance measure_balance(const Model<3> &, const Reactions<3> &, const Vector &, double, double,
+                                 NoteList *);
 
 } // namespace dovetail

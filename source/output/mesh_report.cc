@@ -256,7 +256,8 @@ bool print_volume(const std::string &title, MeshFile mesh, std::ostream &out)
   return true;
 }
 
-/// Cells that are in no volume become volumes by their material ids, unless others have these, too.
+/// Cells that are in no volume become volumes by their material ids, unless others have these, or are called
+/// so, too.
 void complete_volumes(MeshFile &mesh)
 {
   std::vector<char> is_in_volume(mesh.cells.size(), 0);
@@ -266,10 +267,15 @@ void complete_volumes(MeshFile &mesh)
       is_in_volume[cell] = 1;
       ids.insert(mesh.cells.ids[cell]);
     }
+  std::string without_name = "of no name";
+  while (mesh.volumes.count(without_name) > 0)
+    without_name += " at all";
   std::map<std::string, std::vector<std::size_t>> others;
   for (std::size_t c = 0; c < mesh.cells.size(); ++c)
-    if (const unsigned int id = mesh.cells.ids[c]; is_in_volume[c] == 0)
-      others[ids.count(id) > 0 ? "of no name" : std::to_string(id)].push_back(c);
+    if (const unsigned int id = mesh.cells.ids[c]; is_in_volume[c] == 0) {
+      const bool is_taken = ids.count(id) > 0 || mesh.volumes.count(std::to_string(id)) > 0;
+      others[is_taken ? without_name : std::to_string(id)].push_back(c);
+    }
   if (!mesh.volumes.empty() || others.size() > 1)
     mesh.volumes.merge(others);
 }

@@ -323,13 +323,6 @@ void Results<dim>::start(const Solution<dim> &solution)
   energy_balance->start(solution.x, solution.system.ghosted(solution.x), find_velocity(solution), solution.t);
 }
 
-/// Of a nonlinear scene that of Newton's method; a linear one is solved as exactly as it can be.
-template <int dim>
-double Results<dim>::tolerance_of_balance(const double tolerance) const
-{
-  return model.is_linear() ? 10 * last_residual() : tolerance;
-}
-
 /// The place of a minimum or maximum stands beside it.
 template <int dim>
 std::vector<Columns> Results<dim>::columns_of_probes(const Vector &ghosted, const Reactions<dim> &reactions)
@@ -355,7 +348,7 @@ void Results<dim>::record_step(const Solution<dim> &solution)
   const Reactions<dim> reactions(model, nodal_forces(solution), ghosted);
   const double exactly = 0; // a step tells what rounding explains of more than largest_imbalance
   const Balance balance =   // its notes, of the last step, are told by measure()
-      measure_balance(model, reactions, ghosted, exactly, nullptr);
+      measure_balance(model, reactions, ghosted, exactly, exactly, nullptr);
   report()["steps"].back()["imbalance"] = balance.worst;
   if (balance.rounding > 0)
     report()["steps"].back()["rounding of imbalance"] = balance.rounding;
@@ -372,8 +365,9 @@ void Results<dim>::record_step(const Solution<dim> &solution)
       columns.push_back({{"energy " + name + in_brackets(probes, "J")}, value});
   }
   step_table.add(solution.t, columns, flows, model.domains[0]->measure.is_axisymmetric() ? "rzt" : "xyz",
-                 {in_brackets(probes, "s"),
-                  [this](const std::string &field) { return in_brackets(probes, units_of_field(field).resultant); }});
+                 {in_brackets(probes, "s"), [this](const std::string &field) {
+                    return in_brackets(probes, units_of_field(field).resultant);
+                  }});
   if (step_table.is_due())
     write_step_table();
 }
@@ -399,8 +393,10 @@ void Results<dim>::measure(const Solution<dim> &solution, const double tolerance
   report()["dofs"] = model.numbering->n_dofs();
   report()["domains"] = measure_domains(model, ghosted, solution.t);
   report()["interfaces"] = measure_interfaces(model, ghosted, reactions);
-  report()["balance"] =
-      measure_balance(model, reactions, ghosted, tolerance_of_balance(tolerance), &sentences).report;
+  const double left = 10 * last_residual(); // in a linear scene that is what rounding leaves
+  report()["balance"] = measure_balance(model, reactions, ghosted, model.is_linear() ? 0 : left,
+                                        model.is_linear() ? left : tolerance, &sentences)
+                            .report;
   find_velocity(solution);
   auto [numbers, places] = probes.evaluate(ghosted, reactions);
   report()["probes"] = numbers;

@@ -32,7 +32,7 @@ void Factors::factorise()
   problem->SetOperator(const_cast<Epetra_CrsMatrix *>(&A));
   solver = std::make_unique<Amesos_Klu>(*problem);
   AssertThrow(solver->SymbolicFactorization() == 0 && solver->NumericFactorization() == 0,
-              dealii::ExcMessage("The coarsest matrix cannot be factorised."));
+              dealii::ExcMessage("A small matrix cannot be factorised."));
 }
 
 void Factors::solve(double *x, const double *b) const

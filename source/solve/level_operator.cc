@@ -17,6 +17,7 @@ namespace dovetail {
 
 namespace {
 
+/// P^T AP
 std::unique_ptr<Epetra_CrsMatrix> transposed_product(const Epetra_CrsMatrix &P, const Epetra_CrsMatrix &AP)
 {
   EpetraExt::RowMatrix_Transpose transposer;
@@ -136,6 +137,13 @@ void AugmentedLevel::diagonal(Epetra_Vector &values) const
 std::unique_ptr<Epetra_CrsMatrix> AugmentedLevel::restricted(const Prolongation &P) const
 {
   return with_added_rows(*MatrixLevel::restricted(P), product(R, *P.matrix()));
+}
+
+std::unique_ptr<Epetra_CrsMatrix> product_with_transposed(const Epetra_CrsMatrix &R)
+{
+  EpetraExt::RowMatrix_Transpose transposer; // mult_A_Btrans compares all rows with all others
+  const auto &transposed = dynamic_cast<Epetra_CrsMatrix &>(transposer(const_cast<Epetra_CrsMatrix &>(R)));
+  return std::make_unique<Epetra_CrsMatrix>(product(R, transposed));
 }
 
 std::unique_ptr<Epetra_CrsMatrix> with_added_rows(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &R)

@@ -99,6 +99,8 @@ std::unique_ptr<Epetra_CrsMatrix> restrict_matrix(const Epetra_CrsMatrix &A, con
 /// P^T S P, where S is symmetric and most of its rows are zero, which take no memory here.
 std::unique_ptr<Epetra_CrsMatrix> restrict_few_rows(const Epetra_CrsMatrix &S, const Prolongation &P);
 
+/// R R^T. Collective.
+std::unique_ptr<Epetra_CrsMatrix> product_with_transposed(const Epetra_CrsMatrix &R);
 /// A + R^T R. Collective.
 std::unique_ptr<Epetra_CrsMatrix> with_added_rows(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &R);
 /// y += R^T R x

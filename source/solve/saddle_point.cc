@@ -7,7 +7,6 @@
 
 #include <deal.II/base/mpi.h>
 
-#include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_Comm.h>
 #include <Epetra_Import.h>
 #include <Epetra_Map.h>
@@ -159,8 +158,7 @@ void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector 
   }
   R.FillComplete(B.DomainMap(), rows);
   R.RightScale(root);
-  auto S = std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0);
-  EpetraExt::MatrixMatrix::Multiply(R, false, R, true, *S);
+  auto S = product_with_transposed(R);
   Epetra_Vector diagonal(rows);
   S->Scale(share);
   S->ExtractDiagonalCopy(diagonal);

@@ -17,8 +17,7 @@
 
 namespace dovetail {
 
-/// GroupFacts::near_null_space, which stays the same while the values of the matrix change, at some own rows,
-/// to which @p map belongs. Collective.
+/// GroupFacts::near_null_space at some own rows, to which @p map belongs. Collective.
 std::unique_ptr<Epetra_MultiVector> make_modes(const GroupFacts &facts, const Epetra_Map &map,
                                                const Selection *rows = nullptr);
 

@@ -133,9 +133,8 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
                                      [&model](const auto &field) { return model.allows_jumps(field); });
     group.near_null_space = [&model, system](const unsigned int number, const bool about_one_point,
                                              const Selection *unknowns) {
-      const Vector &x = system().last_state();
       return model.near_null_space(model.numbering->blocks()[number], about_one_point, unknowns,
-                                   x.size() > 0 ? &x : nullptr);
+                                   system().last_state());
     };
     group.positions = [&model](const unsigned int number, const Selection *unknowns) {
       const Block &block = model.numbering->blocks()[number];

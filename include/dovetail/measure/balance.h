@@ -25,15 +25,16 @@ struct Balance
 /// For each domain and field "stored", "in", "out" and "imbalance" = in - out - stored, by component: the
 /// sums of what is put into the body and of what is taken out, by prescribed unknowns, by cells with sources
 /// or given influxes, and by the pairs of faces, followers and multipliers of the interfaces; and what the
-/// cells store more of than before, in transient scenes, all of them per time. "rounding" is
-/// what rounding alone makes of them; only where the imbalance is more than is allowed, since it costs as
-/// much as an assembly: largest_imbalance times the others, or @p tolerance, that of Newton's method or what
-/// a linear solve has left. Collective.
+/// cells store more of than before, in transient scenes, all of them per time. "rounding" is what rounding
+/// alone makes of them; only where the imbalance is more than largest_imbalance, or @p expected, times the
+/// others, since it costs as much as an assembly. Collective.
+/// @param expected what Newton's method leaves, relative
+/// @param allowed more than that has a sentence if rounding does not explain it
 /// @param notes gets a sentence for each field whose balance does not hold; nullptr: no sentences are asked
 /// for
 template <int dim>
 Balance measure_balance(const Model<dim> &model, const Reactions<dim> &reactions, const Vector &solution,
-                        double tolerance, NoteList *notes);
+                        double expected, double allowed, NoteList *notes);
 
 /// Of the largest one of in, out and what some cells gain or others lose, over the components.
 inline constexpr double largest_imbalance = 1e-10;

@@ -113,7 +113,6 @@ private:
   double last_residual() const;
   void restore_energy(const nlohmann::ordered_json &sums, const SavedState &from);
   const Vector *find_velocity(const Solution<dim> &solution); ///< nullptr: nothing asks for it
-  double tolerance_of_balance(double tolerance) const;
 
   const SceneText &text;
   const Model<dim> &model;

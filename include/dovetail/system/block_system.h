@@ -137,7 +137,9 @@ public:
   std::vector<double> residuals() const;
   std::vector<double> forces() const { return sizes.forces(); }
   std::vector<double> rounding() const { return sizes.rounding(); }
-  const Vector &last_state() const { return ghosted_scratch; } ///< that was integrated; empty: none
+  /// The last one that was integrated, unless something else was made ghosted since; nullptr: none. It is
+  /// meant for preconditioners, which bear that.
+  const Vector *last_state() const { return ghosted_scratch.size() > 0 ? &ghosted_scratch : nullptr; }
   /// By block: the number of its field; multipliers have one of their own for each interface.
   const std::vector<unsigned int> &fields_of_blocks() const { return field_of_block; }
   /// For linear systems, by block ||K dx + R|| relative to the forces there. @p rest becomes -R - K dx.

@@ -7,6 +7,16 @@
 option(DOVETAIL_STAND_INS
        "Programs of the build tree do not load OpenCASCADE, Gmsh, Assimp, VTK, libcurl, libcrypto and X11" ON)
 
+# find_library_of_deal_ii(RESULT): its path
+function(find_library_of_deal_ii result)
+  set(name ${DEAL_II_TARGET_RELEASE}) # deal.II may have been built as one of both only
+  if(DEAL_II_TARGET_DEBUG AND (CMAKE_BUILD_TYPE STREQUAL Debug OR NOT name))
+    set(name ${DEAL_II_TARGET_DEBUG})
+  endif()
+  get_target_property(path ${name} LOCATION)
+  set(${result} ${path} PARENT_SCOPE)
+endfunction()
+
 set(stand_ins_folder ${CMAKE_BINARY_DIR}/stand_ins)
 
 # make_stand_ins(RESULT): their paths with commas between, as the linker takes them; they are made once for a deal.II
@@ -16,11 +26,7 @@ function(make_stand_ins result)
     file(REMOVE_RECURSE ${stand_ins_folder}) # tests/command_line looks there
     return()
   endif()
-  set(name ${DEAL_II_TARGET_RELEASE}) # deal.II may have been built as one of both only
-  if(DEAL_II_TARGET_DEBUG AND (CMAKE_BUILD_TYPE STREQUAL Debug OR NOT name))
-    set(name ${DEAL_II_TARGET_DEBUG})
-  endif()
-  get_target_property(deal_ii ${name} LOCATION)
+  find_library_of_deal_ii(deal_ii)
   set(maker ${CMAKE_SOURCE_DIR}/cmake/make_stand_ins)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${deal_ii} ${maker})
   file(SIZE "${deal_ii}" size) # packages bring files with old dates

@@ -30,12 +30,14 @@ public:
   explicit RowReader(const Epetra_CrsMatrix &A);
   /// By number of a column its value in an own row, in ascending order.
   void read(int row, std::vector<std::pair<int, double>> &entries) const;
+  /// Whether an own row has the columns of the one before, as far as that is seen without reading them.
+  bool is_like_the_one_before(int row) const;
 
 private:
   const Epetra_CrsMatrix &A;
   const std::vector<int> numbers;
   const bool has_diagonals;
-  std::vector<bool> has_row, has_column; ///< other entries than that of the diagonal, by number
+  std::vector<char> has_row, has_column; ///< other entries than that of the diagonal, by number
 };
 
 RowReader::RowReader(const Epetra_CrsMatrix &A)
@@ -75,6 +77,20 @@ void RowReader::read(const int row, std::vector<std::pair<int, double>> &entries
     std::sort(entries.begin(), entries.end());
 }
 
+bool RowReader::is_like_the_one_before(const int row) const
+{
+  int n = 0, n_before = 0, *columns = nullptr, *columns_before = nullptr, n_diagonals = has_diagonals ? 0 : 2;
+  double *values = nullptr;
+  A.ExtractMyRowView(row, n, values, columns);
+  A.ExtractMyRowView(row - 1, n_before, values, columns_before);
+  if (n != n_before || !std::equal(columns, columns + n, columns_before))
+    return false;
+  for (int k = 0; k < n && has_diagonals; ++k)
+    if (const int column = numbers[columns[k]]; column == row - 1 || column == row)
+      n_diagonals += has_row[column] && has_column[column] ? 1 : 0;
+  return n_diagonals == 2;
+}
+
 /// The largest usual number of columns that follow each other wherever some do. None goes across the rows of
 /// the group, where they are columns, or from own columns to others.
 int block_length(const std::vector<int> &columns, const int first_row, const int n_rows, const int n_own,
@@ -104,6 +120,26 @@ DOVETAIL_WIDEST_VECTORS void multiply(const RowPattern &pattern, const float *co
           multiply_rows<n>(group.columns, values + group.first_entry, x, sums, buffer);
           for (int i = 0; i < n; ++i)
             y[group.first_row + i] = unit * sums[i];
+        });
+  }
+}
+
+/// Of a symmetric matrix.
+DOVETAIL_WIDEST_VECTORS void multiply_symmetric(const RowPattern &pattern, const float *const values,
+                                                const double unit, const double *const x, double *const y,
+                                                double *const buffer, double *const sums)
+{
+  const std::ptrdiff_t ahead = 1024;
+  std::fill_n(y, pattern.n_rows(), 0.);
+  for (unsigned int g = 0; g < pattern.n_groups(); ++g) {
+    const RowPattern::Group group = pattern.group(g);
+    const float *const entries = values + group.first_entry;
+    prefetch(entries, std::size_t(group.columns.size) * group.n_rows, ahead);
+    with_constant(
+        group.n_rows, [&](const auto n) __attribute__((always_inline)) {
+          add_symmetric_rows<n>(group, entries, x, y, buffer, sums);
+          for (int i = 0; i < n; ++i) // to which no other group adds any more
+            y[group.first_row + i] *= unit;
         });
   }
 }
@@ -142,7 +178,7 @@ std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A)
   return numbers;
 }
 
-RowPattern::RowPattern(const Epetra_CrsMatrix &A)
+RowPattern::RowPattern(const Epetra_CrsMatrix &A) : symmetric(is_square(A))
 {
   const RowReader reader(A);
   std::vector<std::pair<int, double>> entries;
@@ -151,12 +187,15 @@ RowPattern::RowPattern(const Epetra_CrsMatrix &A)
   const auto for_groups = [&](const auto &add) { // two passes, as memory is precious
     number_of_rows = 0;
     for (int row = 0; row <= n_rows; ++row) {
+      const bool may_be_same = row < n_rows && row > 0 && row - number_of_rows < most_rows;
+      if (may_be_same && reader.is_like_the_one_before(row))
+        continue;
       if (row < n_rows)
         reader.read(row, entries);
-      const bool is_same =
-          row < n_rows && row > 0 && row - number_of_rows < most_rows &&
-          std::equal(entries.begin(), entries.end(), columns.begin(), columns.end(),
-                     [](const auto &entry, const int column) { return entry.first == column; });
+      const bool is_same = may_be_same && std::equal(entries.begin(), entries.end(), columns.begin(),
+                                                     columns.end(), [](const auto &entry, const int column) {
+                                                       return entry.first == column;
+                                                     });
       if (is_same)
         continue;
       if (row > 0)
@@ -169,21 +208,23 @@ RowPattern::RowPattern(const Epetra_CrsMatrix &A)
   };
   std::size_t n_groups = 0, n_blocks = 0;
   const int n_own = A.DomainMap().NumMyElements();
-  const bool has_diagonals = is_square(A);
+  const auto leave_out_lower = [&]() {
+    if (symmetric)
+      columns.erase(columns.begin(), std::lower_bound(columns.begin(), columns.end(), number_of_rows));
+  };
   for_groups([&](const int n) {
+    leave_out_lower();
     ++n_groups;
-    n_blocks += columns.size() / block_length(columns, number_of_rows, n, n_own, has_diagonals);
+    n_blocks += columns.size() / block_length(columns, number_of_rows, n, n_own, symmetric);
   });
   groups.reserve(n_groups);
   blocks.reserve(n_blocks);
   for_groups([&](const int n) {
-    const int length = block_length(columns, number_of_rows, n, n_own, has_diagonals);
-    const auto less_than = [&](const int limit) {
-      return static_cast<int>(std::lower_bound(columns.begin(), columns.end(), limit) - columns.begin());
-    };
-    const int size = columns.size();
+    leave_out_lower();
+    const int length = block_length(columns, number_of_rows, n, n_own, symmetric), size = columns.size();
+    const auto end_of_own = std::lower_bound(columns.begin(), columns.end(), n_own);
     groups.push_back({blocks.size(), number_of_entries, number_of_rows, length, size,
-                      less_than(number_of_rows), less_than(n_own)});
+                      static_cast<int>(end_of_own - columns.begin())});
     for (int k = 0; k < size; k += length)
       blocks.push_back(columns[k]);
     largest_number_of_columns = std::max(largest_number_of_columns, size);
@@ -240,9 +281,10 @@ void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
     values.resize(values.size() + static_cast<std::size_t>(group.columns.size) * group.n_rows);
     for (int i = 0; i < group.n_rows; ++i) {
       reader.read(group.first_row + i, entries);
+      const int n_lower = entries.size() - group.columns.size;
       for (int k = 0; k < group.columns.size; ++k)
         values[group.first_entry + FourColumns::place(i, k, group.n_rows, group.columns.size)] =
-            static_cast<float>(entries[k].second / unit);
+            static_cast<float>(entries[n_lower + k].second / unit);
     }
     done(group.first_row + group.n_rows);
   }
@@ -252,12 +294,20 @@ void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
 void CompactMatrix::multiply(Epetra_Vector &y, const Epetra_Vector &x) const
 {
   std::vector<double> others, buffer(FourColumns::padded(pattern->most_columns()));
-  dovetail::multiply(*pattern, values.data(), unit, exchange.of_columns(x, others), y.Values(),
-                     buffer.data());
+  const double *const of_columns = exchange.of_columns(x, others);
+  if (pattern->is_symmetric()) {
+    std::vector<double> sums(buffer.size());
+    multiply_symmetric(*pattern, values.data(), unit, of_columns, y.Values(), buffer.data(), sums.data());
+  } else
+    dovetail::multiply(*pattern, values.data(), unit, of_columns, y.Values(), buffer.data());
 }
 
 void CompactMatrix::multiply_transposed(Epetra_Vector &y, const Epetra_Vector &x) const
 {
+  if (pattern->is_symmetric()) {
+    multiply(y, x);
+    return;
+  }
   std::vector<double> sums(exchange.n_columns(), 0.), buffer(FourColumns::padded(pattern->most_columns()));
   add_transposed(*pattern, values.data(), unit, x.Values(), sums.data(), buffer.data());
   exchange.add_up(sums, y);
@@ -269,8 +319,7 @@ void CompactMatrix::diagonal(Epetra_Vector &result) const
     const RowPattern::Group group = pattern->group(g);
     for (int i = 0; i < group.n_rows; ++i)
       result[group.first_row + i] =
-          unit * values[group.first_entry +
-                        FourColumns::place(i, group.n_lower + i, group.n_rows, group.columns.size)];
+          unit * values[group.first_entry + FourColumns::place(i, i, group.n_rows, group.columns.size)];
   }
 }
 

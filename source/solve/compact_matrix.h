@@ -41,12 +41,12 @@ std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A);
 /// The columns of the entries of a matrix. Rows that follow each other and have the same columns, as those of
 /// the components at a node, hold these once, and of columns that follow each other the first ones. A column
 /// that is zero but for its diagonal entry, as of a prescribed unknown, is left out, and its row is by
-/// itself.
+/// itself. If rows and domain are the same, the matrix is symmetric: every row has its diagonal entry, and of
+/// the own columns those before the rows of the group are left out.
 class RowPattern
 {
 public:
-  /// Of the own rows of @p A, which is filled. If rows and domain are the same, every row has its diagonal
-  /// entry.
+  /// Of the own rows of @p A, which is filled.
   explicit RowPattern(const Epetra_CrsMatrix &A);
 
   static constexpr int most_rows = 8; ///< of a group
@@ -64,7 +64,7 @@ public:
   {
     int first_row, n_rows;
     Columns columns;
-    int n_lower, n_own;      ///< how many columns are less than the first row, are own ones
+    int n_own;               ///< how many columns are own ones
     std::size_t first_entry; ///< of n_rows * columns.size, in the order of FourColumns
   };
   unsigned int n_groups() const { return groups.size(); }
@@ -75,11 +75,11 @@ public:
     return {stored.first_row,
             end_row - stored.first_row,
             {blocks.data() + stored.first_block, stored.block_length, stored.n_columns},
-            stored.n_lower,
             stored.n_own,
             stored.first_entry};
   }
 
+  bool is_symmetric() const { return symmetric; }
   int n_rows() const { return number_of_rows; }
   std::size_t n_entries() const { return number_of_entries; }
   int most_columns() const { return largest_number_of_columns; } ///< of a group
@@ -89,17 +89,18 @@ private:
   struct Stored
   {
     std::size_t first_block, first_entry;
-    int first_row, block_length, n_columns, n_lower, n_own;
+    int first_row, block_length, n_columns, n_own;
   };
 
   std::vector<Stored> groups;
   std::vector<int> blocks; ///< first columns of all groups
+  bool symmetric;
   int number_of_rows = 0, largest_number_of_columns = 0;
   std::size_t number_of_entries = 0;
 };
 
-/// A matrix in single precision. The largest size of an entry is the unit of the others, as single precision
-/// may not hold it. Products are summed in double precision.
+/// A matrix in single precision, symmetric if rows and domain are the same. The largest size of an entry is
+/// the unit of the others, as single precision may not hold it. Products are summed in double precision.
 class CompactMatrix
 {
 public:

@@ -15,12 +15,12 @@ namespace dovetail {
 
 namespace {
 
-/// A row of blocks: D^-1, and the columns and entries of U.
+/// A row of blocks: D^-1, and the columns and entries of W.
 struct BlockRow
 {
   BlockRow(const RowPattern::Group &group, const float *const inverse)
       : first_row(group.first_row), n_rows(group.n_rows), inverse(inverse),
-        columns(group.columns.from(group.n_lower + n_rows)), entries(inverse + n_rows * n_rows)
+        columns(group.columns.from(n_rows)), entries(inverse + n_rows * n_rows)
   {
     columns.size -= group.columns.size - group.n_own;
   }
@@ -68,7 +68,7 @@ DOVETAIL_PART_OF_CALLER void multiply_block(const float *const inverse, double *
   std::copy_n(sum, n, v);
 }
 
-/// (D + U)^T D^-1 v = z, v in the place of z, then z + D^-1 U z = v.
+/// (I + W)^T v = z, D^-1 v in the place of z, then (I + W) z = D^-1 v. No row waits for a product with D^-1.
 DOVETAIL_WIDEST_VECTORS void sweep(const RowPattern &pattern, const std::size_t *const first,
                                    const float *const entries, double *const z, double *const buffer)
 {
@@ -78,11 +78,11 @@ DOVETAIL_WIDEST_VECTORS void sweep(const RowPattern &pattern, const std::size_t 
     prefetch(k.entries, std::size_t(k.columns.size) * k.n_rows, ahead);
     with_constant(
         k.n_rows, [&](const auto n) __attribute__((always_inline)) {
-          multiply_block<n>(k.inverse, z + k.first_row);
           double factors[n];
           for (int i = 0; i < n; ++i)
             factors[i] = -z[k.first_row + i];
           add_rows<n>(k.columns, k.entries, factors, z, buffer);
+          multiply_block<n>(k.inverse, z + k.first_row);
         });
   }
   for (unsigned int g = pattern.n_groups(); g-- > 0;) {
@@ -92,7 +92,6 @@ DOVETAIL_WIDEST_VECTORS void sweep(const RowPattern &pattern, const std::size_t 
         k.n_rows, [&](const auto n) __attribute__((always_inline)) {
           double sums[n];
           multiply_rows<n>(k.columns, k.entries, z, sums, buffer);
-          multiply_block<n>(k.inverse, sums);
           for (int i = 0; i < n; ++i)
             z[k.first_row + i] -= sums[i];
         });
@@ -115,7 +114,7 @@ void IncompleteFactorisation::copy_upper(const CompactMatrix &A, const double sh
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);
     first.push_back(n_entries);
-    n_entries += static_cast<std::size_t>(group.n_own - group.n_lower) * group.n_rows;
+    n_entries += static_cast<std::size_t>(group.n_own) * group.n_rows;
   }
   entries.resize(FourColumns::padded(n_entries), 0);
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
@@ -124,23 +123,23 @@ void IncompleteFactorisation::copy_upper(const CompactMatrix &A, const double sh
     float *const block = entries.data() + first[g];
     const float *const values = A.values.data() + group.first_entry;
     for (int i = 0; i < n; ++i) {
-      for (int k = 0; k < group.n_own - group.n_lower; ++k)
-        block[k * n + i] = values[FourColumns::place(i, group.n_lower + k, n, group.columns.size)];
+      for (int k = 0; k < group.n_own; ++k)
+        block[k * n + i] = values[FourColumns::place(i, k, n, group.columns.size)];
       float &diagonal = block[i * n + i];
       diagonal = diagonal == 0 ? 1 : static_cast<float>((1 + shift) * diagonal); // of an empty row
     }
   }
 }
 
-/// Block row by block row: D_i and U_ij lose U_ki^T D_k^-1 U_ki and U_ki^T D_k^-1 U_kj, k < i < j. U is held
-/// column by column until it has served as U_k.
+/// Block row by block row: D_i and U_ij lose U_ki^T D_k^-1 U_ki and U_ki^T D_k^-1 U_kj, k < i < j. U_k is
+/// held column by column until W_k takes its place.
 void IncompleteFactorisation::factorise()
 {
   std::vector<unsigned int> group_of_row(pattern->n_rows());
   for (unsigned int g = 0; g < pattern->n_groups(); ++g)
     std::fill_n(group_of_row.begin() + pattern->group(g).first_row, pattern->group(g).n_rows, g);
   std::vector<int> position(pattern->n_rows(), -1), columns; // of a column in block row k
-  std::vector<float> upper, products;                        // U_k and D_k^-1 U_k
+  std::vector<float> upper, products;                        // U_k and W_k = D_k^-1 U_k
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     float *const block = entries.data() + first[g];
     const BlockRow k(pattern->group(g), block);
@@ -162,7 +161,7 @@ void IncompleteFactorisation::factorise()
         while (end < size && group_of_row[columns[end]] == i)
           ++end;
         const RowPattern::Group other = pattern->group(i);
-        RowPattern::Columns of_other = other.columns.from(other.n_lower);
+        RowPattern::Columns of_other = other.columns;
         of_other.size -= other.columns.size - other.n_own;
         float *const target = entries.data() + first[i] - other.first_row;
         for_columns(of_other, [&](const int q, const int column) {
@@ -178,7 +177,7 @@ void IncompleteFactorisation::factorise()
       for (int q = 0; q < size; ++q) {
         position[columns[q]] = -1;
         for (int r = 0; r < n; ++r)
-          block[n * n + FourColumns::place(r, q, n, size)] = upper[q * n + r];
+          block[n * n + FourColumns::place(r, q, n, size)] = products[q * n + r];
       }
     });
   }

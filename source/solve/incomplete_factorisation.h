@@ -19,8 +19,9 @@ namespace dovetail {
 /// symmetric,
 /// @f[ M = (D + U)^T D^{-1} (D + U), @f]
 /// in single precision and by blocks: D are the diagonal blocks of rows that share their columns, and U is
-/// what A has above them. Only D^-1 and U are stored, half of the entries of A. Without a shift s it may
-/// break down although A is positive definite.
+/// what A has above them. Only D^-1 and W = D^-1 U are stored, half of the entries of A:
+/// @f[ M = (I + W)^T D (I + W). @f]
+/// Without a shift s it may break down although A is positive definite.
 ///
 /// J. A. Meijerink, H. A. van der Vorst: An iterative solution method for linear systems of which the
 /// coefficient matrix is a symmetric M-matrix, 1977. T. A. Manteuffel: An incomplete factorization technique
@@ -41,7 +42,7 @@ private:
 
   std::shared_ptr<const RowPattern> pattern;
   std::vector<std::size_t> first; ///< entry of each group
-  std::vector<float> entries;     ///< of each group those of D^-1, then those of U as FourColumns; and zeros
+  std::vector<float> entries;     ///< of each group those of D^-1, then those of W as FourColumns; and zeros
   double unit;                    ///< of A
 };
 

@@ -167,4 +167,53 @@ DOVETAIL_PART_OF_CALLER void add_rows(const RowPattern::Columns &columns, const 
       columns, [&](const int k, const int column) __attribute__((always_inline)) { y[column] += buffer[k]; });
 }
 
+/// What the rows of a group of a symmetric matrix, which has nothing below the diagonal blocks, add to its
+/// product with x: y = A x as soon as all groups have added.
+template <int n>
+DOVETAIL_PART_OF_CALLER void add_symmetric_rows(const RowPattern::Group &group, const float *const entries,
+                                                const double *const x, double *const y, double *const buffer,
+                                                double *const sums)
+{
+  RowPattern::Columns own = group.columns;
+  own.size = group.n_own;
+  if constexpr (n == 1) {
+    const double factor = x[group.first_row];
+    double sum = factor * static_cast<double>(entries[0]);
+    for_columns(
+        own.from(1), [&](const int k, const int column) __attribute__((always_inline)) {
+          const double entry = entries[k + 1];
+          sum += entry * x[column];
+          y[column] += factor * entry;
+        });
+    for_columns(
+        group.columns.from(group.n_own), [&](const int k, const int column) __attribute__((always_inline)) {
+          sum += x[column] * static_cast<double>(entries[group.n_own + k]);
+        });
+    y[group.first_row] += sum;
+    return;
+  }
+  for_columns(
+      group.columns, [&](const int k, const int column)
+                         __attribute__((always_inline)) { buffer[k] = x[column]; });
+  *reinterpret_cast<FourColumns::InMemory *>(buffer + group.columns.size) = FourColumns::Doubles{};
+  FourColumns::Doubles of_rows[n] = {};
+  for_lanes<n>(
+      entries, group.columns.size,
+      [&](const int k, const float *const a, const auto width) __attribute__((always_inline)) {
+        const FourColumns::Doubles of_columns = *reinterpret_cast<const FourColumns::InMemory *>(buffer + k);
+        FourColumns::Doubles transposed = {};
+        for (int i = 0; i < n; ++i) {
+          const float *const row = a + i * width;
+          const FourColumns::Doubles four{row[0], row[1], row[2], row[3]};
+          of_rows[i] += of_columns * four;
+          transposed += x[group.first_row + i] * four;
+        }
+        *reinterpret_cast<FourColumns::InMemory *>(sums + k) = transposed;
+      });
+  for (int i = 0; i < n; ++i) // the diagonal block comes first
+    sums[i] = (of_rows[i][0] + of_rows[i][2]) + (of_rows[i][1] + of_rows[i][3]);
+  for_columns(
+      own, [&](const int k, const int column) __attribute__((always_inline)) { y[column] += sums[k]; });
+}
+
 } // namespace dovetail

@@ -28,8 +28,8 @@ class RowReader
 {
 public:
   explicit RowReader(const Epetra_CrsMatrix &A);
-  /// By number of a column its value in an own row, in ascending order.
-  void read(int row, std::vector<std::pair<int, double>> &entries) const;
+  /// The numbers of an own row's columns in ascending order, and where their values are; -1: zero.
+  void read(int row, std::vector<std::pair<int, int>> &entries) const;
   /// Whether an own row has the columns of the one before, as far as that is seen without reading them.
   bool is_like_the_one_before(int row) const;
 
@@ -55,7 +55,7 @@ RowReader::RowReader(const Epetra_CrsMatrix &A)
   }
 }
 
-void RowReader::read(const int row, std::vector<std::pair<int, double>> &entries) const
+void RowReader::read(const int row, std::vector<std::pair<int, int>> &entries) const
 {
   int n = 0, *columns = nullptr;
   double *values = nullptr;
@@ -69,10 +69,10 @@ void RowReader::read(const int row, std::vector<std::pair<int, double>> &entries
       continue;
     is_sorted = is_sorted && (entries.empty() || entries.back().first < column);
     has_diagonal = has_diagonal || is_diagonal;
-    entries.emplace_back(column, values[k]);
+    entries.emplace_back(column, k);
   }
   if (has_diagonals && !has_diagonal)
-    entries.emplace_back(row, 0.);
+    entries.emplace_back(row, -1);
   if (!is_sorted || (has_diagonals && !has_diagonal))
     std::sort(entries.begin(), entries.end());
 }
@@ -181,7 +181,7 @@ std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A)
 RowPattern::RowPattern(const Epetra_CrsMatrix &A) : symmetric(is_square(A))
 {
   const RowReader reader(A);
-  std::vector<std::pair<int, double>> entries;
+  std::vector<std::pair<int, int>> entries;
   std::vector<int> columns;
   const int n_rows = A.NumMyRows();
   const auto for_groups = [&](const auto &add) { // two passes, as memory is precious
@@ -202,7 +202,7 @@ RowPattern::RowPattern(const Epetra_CrsMatrix &A) : symmetric(is_square(A))
         add(row - number_of_rows);
       number_of_rows = row;
       columns.clear();
-      for (const auto &[column, value] : entries)
+      for (const auto &[column, place] : entries)
         columns.push_back(column);
     }
   };
@@ -266,10 +266,10 @@ template <typename Done>
 void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
 {
   const RowReader reader(A);
-  std::vector<std::pair<int, double>> entries;
+  std::vector<std::pair<int, int>> entries;
+  int n = 0;
+  double *row_values = nullptr;
   for (int row = 0; row < A.NumMyRows(); ++row) {
-    int n = 0;
-    double *row_values = nullptr;
     A.ExtractMyRowView(row, n, row_values);
     for (int k = 0; k < n; ++k)
       unit = std::max(unit, std::abs(row_values[k]));
@@ -280,11 +280,15 @@ void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
     const RowPattern::Group group = pattern->group(g);
     values.resize(values.size() + static_cast<std::size_t>(group.columns.size) * group.n_rows);
     for (int i = 0; i < group.n_rows; ++i) {
-      reader.read(group.first_row + i, entries);
-      const int n_lower = entries.size() - group.columns.size;
+      const int row = group.first_row + i;
+      if (i == 0 || !reader.is_like_the_one_before(row))
+        reader.read(row, entries);
+      A.ExtractMyRowView(row, n, row_values);
+      const auto *const entry =
+          entries.data() + entries.size() - group.columns.size; // without the lower ones
       for (int k = 0; k < group.columns.size; ++k)
         values[group.first_entry + FourColumns::place(i, k, group.n_rows, group.columns.size)] =
-            static_cast<float>(entries[n_lower + k].second / unit);
+            entry[k].second < 0 ? 0 : static_cast<float>(row_values[entry[k].second] / unit);
     }
     done(group.first_row + group.n_rows);
   }

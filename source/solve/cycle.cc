@@ -38,6 +38,7 @@ void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_
                       const MakeMatrix &make_coarse, const double known_eigenvalue)
 {
   Level level;
+  const double share_of_next = double(P->NumGlobalCols()) / P->NumGlobalRows();
   level.P = std::make_unique<CompactMatrix>(std::move(P));
   give_back_freed_memory();
   level.A = last.owned ? std::make_unique<LevelEntries>(CompactMatrix(std::move(last.owned)))
@@ -45,7 +46,7 @@ void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_
   give_back_freed_memory();
   last = Finest(make_coarse());
   give_back_freed_memory();
-  level.smoother = make_smoother(*level.A, known_eigenvalue);
+  level.smoother = make_smoother(*level.A, known_eigenvalue, share_of_next);
   levels.push_back(std::move(level));
 }
 

@@ -29,8 +29,9 @@ class Cycle
 public:
   /// Makes the smoother of the matrix of a level, which is referred to.
   /// @param known_eigenvalue the largest one of diag(A)^-1 A, from below; 0: not known
-  using MakeSmoother =
-      std::function<std::unique_ptr<ChebyshevSmoother>(const LevelEntries &A, double known_eigenvalue)>;
+  /// @param share_of_next how many unknowns the next level has, beside A
+  using MakeSmoother = std::function<std::unique_ptr<ChebyshevSmoother>(
+      const LevelEntries &A, double known_eigenvalue, double share_of_next)>;
 
   /// The finest matrix: which somebody else holds, or which nobody else needs.
   class Finest

@@ -169,7 +169,7 @@ std::unique_ptr<Cycle>
 Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetra_MultiVector> its_modes,
                                     std::vector<GroupFacts::Place> places) const
 {
-  const auto with_diagonal = [this](const LevelEntries &level, const double known_eigenvalue) {
+  const auto with_diagonal = [this](const LevelEntries &level, const double known_eigenvalue, double) {
     const ChebyshevSmoother::Range range =
         is_mixed ? ChebyshevSmoother::Range{4, 20} : ChebyshevSmoother::Range{2, 10};
     return ChebyshevSmoother::with_diagonal(level, range, known_eigenvalue);
@@ -179,9 +179,9 @@ Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetr
                       with_diagonal, with_diagonal);
   if (means == Means::usual)
     return std::make_unique<SmoothedAggregation>(std::move(A), std::move(its_modes), with_diagonal);
-  return make_cycle_with_factorisations(std::move(A), std::move(its_modes), std::move(places),
-                                        means == Means::semicoarsening ? Semicoarsen::if_stretched
-                                                                       : Semicoarsen::if_cheap);
+  return make_cycle_with_factorisations(
+      std::move(A), std::move(its_modes), std::move(places),
+      means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap, facts.degree == 1);
 }
 
 /// What to go on with where so many iterations are expected with the present means. A set-up costs some

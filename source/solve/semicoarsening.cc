@@ -530,19 +530,23 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Ep
   return std::make_unique<SmoothedAggregation>(std::move(finest), std::move(modes), make_smoother);
 }
 
-/// Coarsening along short couplings leaves less to the smoothers.
+/// Coarsening along short couplings leaves less to the smoothers, and a level that keeps many unknowns least
+/// of all.
 std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
                                                       std::shared_ptr<const Epetra_MultiVector> modes,
                                                       std::vector<GroupFacts::Place> places,
-                                                      const Semicoarsen when)
+                                                      const Semicoarsen when, const bool is_finest)
 {
-  const auto with_steps = [](const ChebyshevSmoother::Range range) {
-    return [range](const LevelEntries &level, double) {
-      return ChebyshevSmoother::with_factorisation(level, range);
-    };
+  using Range = ChebyshevSmoother::Range;
+  const double large_share = is_finest ? 1. / 3 : 1;
+  const auto usual = [](const LevelEntries &level, double, double) {
+    return ChebyshevSmoother::with_factorisation(level, {4, 40});
   };
-  return make_cycle(std::move(A), std::move(modes), std::move(places), when, with_steps({4, 40}),
-                    with_steps({3, 25}));
+  const auto if_semicoarsened = [large_share](const LevelEntries &level, double, const double share_of_next) {
+    return ChebyshevSmoother::with_factorisation(level,
+                                                 share_of_next > large_share ? Range{1, 4} : Range{3, 25});
+  };
+  return make_cycle(std::move(A), std::move(modes), std::move(places), when, usual, if_semicoarsened);
 }
 
 Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,

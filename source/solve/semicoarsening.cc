@@ -530,21 +530,22 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Ep
   return std::make_unique<SmoothedAggregation>(std::move(finest), std::move(modes), make_smoother);
 }
 
-/// Coarsening along short couplings leaves less to the smoothers, and a level that keeps many unknowns least
-/// of all.
+/// Coarsening along short couplings leaves less to the smoothers, and least if the next level keeps many
+/// unknowns.
 std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
                                                       std::shared_ptr<const Epetra_MultiVector> modes,
                                                       std::vector<GroupFacts::Place> places,
                                                       const Semicoarsen when, const bool is_finest)
 {
   using Range = ChebyshevSmoother::Range;
-  const double large_share = is_finest ? 1. / 3 : 1;
+  const double large_share = 1. / 3;
+  const int n_of_finest = is_finest ? A.matrix().NumGlobalRows() : 0;
   const auto usual = [](const LevelEntries &level, double, double) {
     return ChebyshevSmoother::with_factorisation(level, {4, 40});
   };
-  const auto if_semicoarsened = [large_share](const LevelEntries &level, double, const double share_of_next) {
-    return ChebyshevSmoother::with_factorisation(level,
-                                                 share_of_next > large_share ? Range{1, 4} : Range{3, 25});
+  const auto if_semicoarsened = [=](const LevelEntries &level, double, const double share_of_next) {
+    const bool is_rich = level.rows().NumGlobalElements() == n_of_finest && share_of_next > large_share;
+    return ChebyshevSmoother::with_factorisation(level, is_rich ? Range{1, 4} : Range{3, 25});
   };
   return make_cycle(std::move(A), std::move(modes), std::move(places), when, usual, if_semicoarsened);
 }

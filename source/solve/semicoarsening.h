@@ -85,7 +85,7 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest A, std::shared_ptr<const Epetra_
                                   const Cycle::MakeSmoother &make_smoother,
                                   const Cycle::MakeSmoother &if_semicoarsened);
 /// With smoothers made of incomplete factorisations.
-/// @param is_finest no level above A makes an iteration dearer, so that one more is cheaper than many steps
+/// @param is_finest no level above A makes an iteration dearer, so that one more costs less than many steps
 std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
                                                       std::shared_ptr<const Epetra_MultiVector> modes,
                                                       std::vector<GroupFacts::Place> places, Semicoarsen when,

@@ -5,16 +5,22 @@
 
 #include <dovetail/widest_vectors.h>
 
+#include <deal.II/base/mpi.h>
+
+#include <boost/serialization/utility.hpp>
+#include <boost/serialization/vector.hpp>
+
 #include <Epetra_CrsGraph.h>
-#include <Epetra_Export.h>
 #include <Epetra_Import.h>
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
+#include <Epetra_MpiComm.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -102,17 +108,78 @@ void ProductRows::add(const double *const factors, const SparseRow &row)
   add_to_blocks(n_rows, length, factors, places.size(), places.data(), row.values, entries.data());
 }
 
-/// The rows of P for the columns of A: P itself if this rank owns them. The columns of an aggregate follow
-/// each other, also those of other ranks, which Epetra may else leave in any order.
-std::shared_ptr<const Epetra_CrsMatrix> rows_for_columns(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P)
+/// The rows of P for the columns of A. Those of this rank are P itself, and those of other ranks are
+/// imported. The columns are those of P, and after them those that only other ranks' rows have. The columns
+/// of an aggregate follow each other.
+class ProlongationRows
 {
-  if (A.Importer() == nullptr)
-    return {&P, [](const Epetra_CrsMatrix *) {}};
-  auto result = std::make_shared<Epetra_CrsMatrix>(Copy, A.ColMap(), P.MaxNumEntries());
-  result->Import(P, *A.Importer(), Insert);
-  result->SortGhostsAssociatedWithEachProcessor(true);
-  result->FillComplete(P.DomainMap(), P.RangeMap());
-  return result;
+public:
+  ProlongationRows(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P, int block_length);
+
+  SparseRow operator[](const int column_of_A) const
+  {
+    if (place.empty())
+      return own[column_of_A];
+    const int k = place[column_of_A];
+    if (k >= 0)
+      return own[k];
+    const std::size_t first = begin[-k - 1];
+    return {static_cast<int>(begin[-k] - first), &columns[first], &values[first]};
+  }
+  const std::vector<int> &global_columns() const { return globals; }
+
+private:
+  void import_rows(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P, int block_length);
+
+  const SparseRows own;
+  std::vector<int> globals;
+  std::vector<int> place;         ///< by column of A: own row, or -1 - number of an imported row; empty: own
+  std::vector<std::size_t> begin; ///< of the imported rows
+  std::vector<int> columns;
+  std::vector<double> values;
+};
+
+ProlongationRows::ProlongationRows(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P,
+                                   const int block_length)
+    : own(P), globals(P.ColMap().MyGlobalElements(), P.ColMap().MyGlobalElements() + P.NumMyCols())
+{
+  if (A.Importer() != nullptr)
+    import_rows(A, P, block_length);
+}
+
+void ProlongationRows::import_rows(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P,
+                                   const int block_length)
+{
+  std::vector<int> others;
+  for (int column = 0; column < A.NumMyCols(); ++column) {
+    place.push_back(A.LRID(A.GCID(column)));
+    if (place.back() < 0) {
+      others.push_back(A.GCID(column));
+      place.back() = -static_cast<int>(others.size());
+    }
+  }
+  const Epetra_Map rows(-1, static_cast<int>(others.size()), others.data(), 0, A.Comm());
+  Epetra_CrsMatrix of_others(Copy, rows, P.MaxNumEntries());
+  of_others.Import(P, Epetra_Import(rows, P.RowMap()), Insert);
+  std::map<int, int> further; // numbers of columns that P does not have here
+  begin.push_back(0);
+  for (const int row : others) {
+    int n = 0, *indices = nullptr;
+    double *entries = nullptr;
+    of_others.ExtractGlobalRowView(row, n, entries, indices);
+    for (int k = 0; k < n; k += block_length) {
+      int first = P.LCID(indices[k]);
+      if (first < 0) {
+        first = further.emplace(indices[k], globals.size()).first->second;
+        if (first == static_cast<int>(globals.size()))
+          globals.insert(globals.end(), indices + k, indices + k + block_length);
+      }
+      for (int i = 0; i < block_length; ++i)
+        columns.push_back(first + i);
+    }
+    values.insert(values.end(), entries, entries + n);
+    begin.push_back(values.size());
+  }
 }
 
 /// The rows of T for the columns of A, each of which is one block. The columns of T are those of this rank,
@@ -223,16 +290,10 @@ void for_rows_of_product(const SparseRows &rows_of_A, const int n_rows, const Ro
   }
 }
 
-/// The column of the diagonal.
-int own_column(const Epetra_CrsMatrix &A, const int row)
-{
-  return A.Importer() == nullptr ? row : A.LCID(A.GRID(row)); // which takes longer
-}
-
 /// The columns of A T and T, where a row of T has one block. In a matrix that is made of its graph values are
 /// held once; those that are inserted are copied when it is filled.
 Epetra_CrsGraph graph_of_product(const Epetra_CrsMatrix &A, const SparseRows &near, const TentativeRows &T,
-                                 const int block_length)
+                                 const std::vector<int> &own_columns, const int block_length)
 {
   std::vector<int> blocks, last_row(T.columns().NumMyElements(), -1), lengths(A.NumMyRows(), 0), columns;
   for (int row = 0; row < A.NumMyRows(); ++row) {
@@ -246,7 +307,7 @@ Epetra_CrsGraph graph_of_product(const Epetra_CrsMatrix &A, const SparseRows &ne
     };
     for (int k = 0; k < entries.n; ++k)
       see(entries.columns[k]);
-    see(own_column(A, row));
+    see(own_columns[row]);
     std::sort(blocks.begin() + first_block, blocks.end());
     lengths[row] = (blocks.size() - first_block) * block_length;
   }
@@ -292,8 +353,8 @@ class BlockSums
 {
 public:
   /// @param numbers global ones of the rows and columns
-  BlockSums(const Epetra_Map &numbers, const int length)
-      : numbers(numbers.MyGlobalElements()), length(length), rows(numbers.NumMyElements())
+  BlockSums(const std::vector<int> &numbers, const int length)
+      : numbers(numbers), length(length), rows(numbers.size())
   {
   }
 
@@ -302,16 +363,25 @@ public:
   /// Calls @p visit(row, column, entries) with the first row and column of each block.
   template <typename Visit>
   void for_blocks(const Visit &visit) const;
+  /// Adds what the sums of other ranks have in the rows and columns of this one, which are the first of the
+  /// numbers. What is in none of these does not count any more. Collective.
+  void add_other_ranks(const Epetra_Map &own);
+  const std::vector<int> &global_numbers() const { return numbers; }
 
 private:
+  /// Of blocks one after the other: global numbers of first rows and columns, and entries.
+  using Message = std::pair<std::vector<int>, std::vector<double>>;
+
   struct Row
   {
     std::vector<int> blocks; ///< first columns
     std::vector<double> entries;
   };
   void find_places(const SparseRow &p, const ProductRows &q);
+  std::map<unsigned int, Message> messages(const Epetra_Map &own) const;
+  std::size_t place_of_block(int row, int column);
 
-  const int *const numbers;
+  std::vector<int> numbers;
   const int length;
   std::vector<Row> rows;                    ///< by first row of a block
   std::vector<int> last_rows, last_columns; ///< of the last sum
@@ -329,23 +399,29 @@ void BlockSums::find_places(const SparseRow &p, const ProductRows &q)
   last_rows.assign(p.columns, p.columns + p.n);
   last_columns = q.blocks;
   places.clear();
-  const std::size_t n_entries = length * length;
   for (int k = 0; k < p.n; k += length) {
-    Row &row = rows[p.columns[k]];
     for (std::size_t b = 0; b < q.blocks.size(); ++b) {
       if (numbers[p.columns[k]] > numbers[q.blocks[b]])
         continue;
-      const auto found = std::find(row.blocks.begin(), row.blocks.end(), q.blocks[b]);
       places.push_back(
-          {k, b * q.n_rows * length, p.columns[k], (found - row.blocks.begin()) * n_entries, nullptr});
-      if (found == row.blocks.end()) {
-        row.blocks.push_back(q.blocks[b]);
-        row.entries.resize(row.entries.size() + n_entries, 0.);
-      }
+          {k, b * q.n_rows * length, p.columns[k], place_of_block(p.columns[k], q.blocks[b]), nullptr});
     }
   }
   for (BlockPlace &place : places) // which do not move any more
     place.entries = &rows[place.row].entries[place.first];
+}
+
+/// In the entries of the row.
+std::size_t BlockSums::place_of_block(const int row, const int column)
+{
+  Row &sums = rows[row];
+  const auto found = std::find(sums.blocks.begin(), sums.blocks.end(), column);
+  const std::size_t place = (found - sums.blocks.begin()) * static_cast<std::size_t>(length * length);
+  if (found == sums.blocks.end()) {
+    sums.blocks.push_back(column);
+    sums.entries.resize(place + length * length, 0.);
+  }
+  return place;
 }
 
 void BlockSums::add(const std::array<SparseRow, most_rows> &p, const ProductRows &q)
@@ -369,67 +445,136 @@ void BlockSums::for_blocks(const Visit &visit) const
       visit(r, rows[r].blocks[b], &rows[r].entries[b * length * length]);
 }
 
-/// With the blocks below the diagonal, too. Rows and columns are those of P that this rank needs.
-std::unique_ptr<Epetra_CrsMatrix> make_matrix(const BlockSums &sums, const Epetra_Map &rows,
-                                              const Epetra_Map &own, const int length)
+/// To the ranks that own the rows or the columns of blocks.
+std::map<unsigned int, BlockSums::Message> BlockSums::messages(const Epetra_Map &own) const
 {
-  std::vector<int> lengths(rows.NumMyElements(), 0), indices(length);
-  sums.for_blocks([&](const int row, const int column, const double *) {
-    for (int i = 0; i < length; ++i) {
-      lengths[row + i] += length;
-      lengths[column + i] += row == column ? 0 : length;
-    }
-  });
-  Epetra_CrsGraph graph(Copy, rows, rows, lengths.data(), true);
-  const auto insert = [&](const int row, const int column) {
-    std::iota(indices.begin(), indices.end(), column);
-    for (int i = 0; i < length; ++i)
-      graph.InsertMyIndices(row + i, length, indices.data());
-  };
-  sums.for_blocks([&](const int row, const int column, const double *) {
-    insert(row, column);
-    if (row != column)
-      insert(column, row);
-  });
-  graph.FillComplete(own, own);
-  graph.OptimizeStorage();
-  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
-  const auto set = [&](const int row, const int column, const auto &entry) {
-    for (int i = 0; i < length; ++i) {
-      int n = 0, *columns = nullptr;
-      double *values = nullptr;
-      result->ExtractMyRowView(row + i, n, values, columns);
-      double *const block = values + (std::lower_bound(columns, columns + n, column) - columns);
-      for (int j = 0; j < length; ++j)
-        block[j] = entry(i, j);
-    }
-  };
-  sums.for_blocks([&](const int row, const int column, const double *entries) {
-    set(row, column, [&](const int i, const int j) { return entries[i * length + j]; });
-    if (row != column)
-      set(column, row, [&](const int i, const int j) { return entries[j * length + i]; });
+  const int n_own = own.NumMyElements(), n_others = numbers.size() - n_own, this_rank = own.Comm().MyPID();
+  std::vector<int> rank(n_others), local(n_others);
+  own.RemoteIDList(n_others, numbers.data() + n_own, rank.data(), local.data());
+  const auto rank_of = [&](const int number) { return number < n_own ? this_rank : rank[number - n_own]; };
+  std::map<unsigned int, Message> result;
+  for_blocks([&](const int row, const int column, const double *const entries) {
+    const int of_row = rank_of(row), of_column = rank_of(column);
+    const auto send = [&](const int receiver) {
+      auto &[places, values] = result[receiver];
+      places.insert(places.end(), {numbers[row], numbers[column]});
+      values.insert(values.end(), entries, entries + length * length);
+    };
+    if (of_row != this_rank)
+      send(of_row);
+    if (of_column != this_rank && of_column != of_row)
+      send(of_column);
   });
   return result;
 }
 
-/// A matrix of the sums of all ranks. A row without entries, of a vector of a basis that is zero, gets one.
-std::unique_ptr<Epetra_CrsMatrix> complete(std::unique_ptr<Epetra_CrsMatrix> result, const Epetra_Map &all,
-                                           const Epetra_Map &own)
+void BlockSums::add_other_ranks(const Epetra_Map &own)
 {
-  result->FillComplete(own, own);
-  if (!all.SameAs(own)) {
-    auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, own, result->MaxNumEntries());
-    sum->Export(*result, Epetra_Export(all, own), Add);
-    sum->FillComplete(own, own);
-    result = std::move(sum);
+  const int n_own = own.NumMyElements();
+  std::map<int, int> others; // by global number
+  for (int k = n_own; k < static_cast<int>(numbers.size()); k += length)
+    others.emplace(numbers[k], k);
+  const auto number = [&](const int global) {
+    if (const int here = own.LID(global); here >= 0)
+      return here;
+    const auto [found, is_new] = others.emplace(global, numbers.size());
+    for (int i = 0; is_new && i < length; ++i)
+      numbers.push_back(global + i);
+    rows.resize(numbers.size());
+    return found->second;
+  };
+  const MPI_Comm communicator = dynamic_cast<const Epetra_MpiComm &>(own.Comm()).Comm();
+  for (const auto &received : dealii::Utilities::MPI::some_to_some(communicator, messages(own))) {
+    const auto &[places, values] = received.second;
+    for (std::size_t b = 0; 2 * b < places.size(); ++b) {
+      const int row = number(places[2 * b]), column = number(places[2 * b + 1]);
+      const std::size_t place = place_of_block(row, column);
+      for (int k = 0; k < length * length; ++k)
+        rows[row].entries[place + k] += values[b * length * length + k];
+    }
   }
-  Epetra_Vector diagonal(own);
-  result->ExtractDiagonalCopy(diagonal);
+}
+
+/// Of the rows of this rank, with the blocks below the diagonal, too.
+/// @param number of the columns by that of the sums: first those of this rank
+std::unique_ptr<Epetra_CrsMatrix> make_matrix(const BlockSums &sums, const Epetra_Map &own,
+                                              const Epetra_Map &columns, const std::vector<int> &number,
+                                              const int length)
+{
+  const int n_own = own.NumMyElements();
+  std::vector<int> lengths(n_own, 0), indices(length);
+  const auto for_all = [&](const auto &visit) { // by number of a row and a column, and as they are summed
+    sums.for_blocks([&](const int row, const int column, const double *const entries) {
+      if (row < n_own)
+        visit(row, number[column], [&](const int i, const int j) { return entries[i * length + j]; });
+      if (row != column && column < n_own)
+        visit(column, number[row], [&](const int i, const int j) { return entries[j * length + i]; });
+    });
+  };
+  for_all([&](const int row, int, const auto &) {
+    for (int i = 0; i < length; ++i)
+      lengths[row + i] += length;
+  });
+  Epetra_CrsGraph graph(Copy, own, columns, lengths.data(), true);
+  for_all([&](const int row, const int column, const auto &) {
+    std::iota(indices.begin(), indices.end(), column);
+    for (int i = 0; i < length; ++i)
+      graph.InsertMyIndices(row + i, length, indices.data());
+  });
+  graph.FillComplete(own, own);
+  graph.OptimizeStorage();
+  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
+  for_all([&](const int row, const int column, const auto &entry) {
+    for (int i = 0; i < length; ++i) {
+      int n = 0, *columns_of_row = nullptr;
+      double *values = nullptr;
+      result->ExtractMyRowView(row + i, n, values, columns_of_row);
+      double *const block =
+          values + (std::lower_bound(columns_of_row, columns_of_row + n, column) - columns_of_row);
+      for (int j = 0; j < length; ++j)
+        block[j] = entry(i, j);
+    }
+  });
+  result->FillComplete(own, own);
+  return result;
+}
+
+/// Of the sums of all ranks. Columns of other ranks are in ascending order.
+std::unique_ptr<Epetra_CrsMatrix> make_matrix(BlockSums &sums, const Epetra_Map &own, const int length)
+{
+  const int n_own = own.NumMyElements();
+  std::vector<int> number(n_own);
+  std::iota(number.begin(), number.end(), 0);
+  if (own.Comm().NumProc() == 1)
+    return make_matrix(sums, own, own, number, length);
+  sums.add_other_ranks(own);
+  const std::vector<int> &globals = sums.global_numbers();
+  std::map<int, int> others; // that rows of this rank need, by global number
+  sums.for_blocks([&](const int row, const int column, const double *) {
+    for (const auto &[here, other] : {std::make_pair(row, column), std::make_pair(column, row)})
+      if (here < n_own && other >= n_own)
+        others.emplace(globals[other], other);
+  });
+  std::vector<int> all(own.MyGlobalElements(), own.MyGlobalElements() + n_own);
+  number.resize(globals.size(), -1);
+  for (const auto &[global, k] : others) {
+    number[k] = all.size();
+    for (int i = 0; i < length; ++i)
+      all.push_back(global + i);
+  }
+  const Epetra_Map columns(-1, static_cast<int>(all.size()), all.data(), 0, own.Comm());
+  return make_matrix(sums, own, columns, number, length);
+}
+
+/// A row without entries, of a vector of a basis that is zero, gets one.
+void complete_diagonal(Epetra_CrsMatrix &A)
+{
+  Epetra_Vector diagonal(A.RowMap());
+  LevelEntries(A).diagonal(diagonal);
   for (int row = 0; row < diagonal.MyLength(); ++row)
     if (diagonal[row] == 0)
       diagonal[row] = 1;
-  result->ReplaceDiagonalValues(diagonal);
-  return result;
+  A.ReplaceDiagonalValues(diagonal);
 }
 
 } // namespace
@@ -441,13 +586,14 @@ std::unique_ptr<Epetra_CrsMatrix> smooth_bases(const Epetra_CrsMatrix &A, const 
   const TentativeRows T(A, aggregates);
   Epetra_Vector diagonal(A.RowMap());
   LevelEntries(A).diagonal(diagonal);
-  auto P = std::make_unique<Epetra_CrsMatrix>(Copy, graph_of_product(A, near, T, length));
+  const std::vector<int> own_columns = columns_of_rows(A);
+  auto P = std::make_unique<Epetra_CrsMatrix>(Copy, graph_of_product(A, near, T, own_columns, length));
   const int n_columns = T.columns().NumMyElements();
   for_rows_of_product(near, A.NumMyRows(), T, n_columns, length, [&](const int first_row, ProductRows &sums) {
     for (int r = 0; r < sums.n_rows; ++r) {
       const int row = first_row + r;
       const double factor = diagonal[row] > 0 ? -w / diagonal[row] : 0;
-      const SparseRow own = T[own_column(A, row)];
+      const SparseRow own = T[own_columns[row]];
       int n = 0, *columns = nullptr;
       double *values = nullptr;
       P->ExtractMyRowView(row, n, values, columns);
@@ -466,21 +612,22 @@ std::unique_ptr<Epetra_CrsMatrix> smooth_bases(const Epetra_CrsMatrix &A, const 
 Cycle::MakeMatrix sum_coarse_matrix(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &P,
                                     const int block_length)
 {
-  const auto Q = rows_for_columns(A, P);
-  const Epetra_Map all = Q->ColMap(), own = P.DomainMap();
-  const SparseRows rows_of_Q(*Q);
-  auto sums = std::make_shared<BlockSums>(all, block_length);
-  for_rows_of_product(SparseRows(A), A.NumMyRows(), rows_of_Q, Q->NumMyCols(), block_length,
-                      [&](const int row, const ProductRows &product) {
+  const ProlongationRows rows_of_P(A, P, block_length);
+  const Epetra_Map own = P.DomainMap();
+  auto sums = std::make_shared<BlockSums>(rows_of_P.global_columns(), block_length);
+  const std::vector<int> own_columns = columns_of_rows(A);
+  for_rows_of_product(SparseRows(A), A.NumMyRows(), rows_of_P, rows_of_P.global_columns().size(),
+                      block_length, [&](const int row, const ProductRows &product) {
                         std::array<SparseRow, most_rows> own_rows;
                         for (int r = 0; r < product.n_rows; ++r)
-                          own_rows[r] = rows_of_Q[own_column(A, row + r)];
+                          own_rows[r] = rows_of_P[own_columns[row + r]];
                         sums->add(own_rows, product);
                       });
-  return [sums, all, own, block_length]() mutable {
-    auto result = make_matrix(*sums, all, own, block_length);
+  return [sums, own, block_length]() mutable {
+    auto result = make_matrix(*sums, own, block_length);
     sums.reset();
-    return complete(std::move(result), all, own);
+    complete_diagonal(*result);
+    return result;
   };
 }
 

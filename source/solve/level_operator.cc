@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 namespace dovetail {
@@ -46,20 +47,34 @@ void LevelEntries::vmult(Epetra_Vector &y, const Epetra_Vector &x) const
     A->Multiply(false, x, y);
 }
 
+std::vector<int> columns_of_rows(const Epetra_CrsMatrix &A)
+{
+  std::vector<int> result(A.NumMyRows(), -1);
+  if (A.Importer() == nullptr)
+    std::iota(result.begin(), result.end(), 0);
+  else // LCID of each row would take longer
+    for (int column = 0; column < A.NumMyCols(); ++column)
+      if (const int row = A.LRID(A.GCID(column)); row >= 0)
+        result[row] = column;
+  return result;
+}
+
 void LevelEntries::diagonal(Epetra_Vector &values) const
 {
   int *begin = nullptr, *columns = nullptr;
   double *entries = nullptr;
   if (compact)
     compact->diagonal(values);
-  else if (A->Importer() != nullptr || A->ExtractCrsDataPointers(begin, columns, entries) != 0)
+  else if (A->ExtractCrsDataPointers(begin, columns, entries) != 0)
     A->ExtractDiagonalCopy(values);
-  else // columns are rows, in ascending order
+  else { // in ascending order
+    const std::vector<int> column_of_row = columns_of_rows(*A);
     for (int row = 0; row < values.MyLength(); ++row) {
       const int *const first = columns + begin[row], *const end = columns + begin[row + 1],
-                       *const found = std::lower_bound(first, end, row);
-      values[row] = found != end && *found == row ? entries[found - columns] : 0;
+                       *const found = std::lower_bound(first, end, column_of_row[row]);
+      values[row] = found != end && *found == column_of_row[row] ? entries[found - columns] : 0;
     }
+  }
 }
 
 /// Not by ML's Epetra_PtAP (Trilinos 13.2), which errs where P has columns of other ranks.

@@ -64,6 +64,9 @@ private:
   mutable std::shared_ptr<const CompactMatrix> compact; ///< instead
 };
 
+/// By own row its column; -1: none.
+std::vector<int> columns_of_rows(const Epetra_CrsMatrix &A);
+
 class MatrixLevel : public LevelOperator
 {
 public:
@@ -71,7 +74,7 @@ public:
 
   const Epetra_Map &rows() const override { return A.OperatorDomainMap(); }
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override { A.Multiply(false, x, y); }
-  void diagonal(Epetra_Vector &values) const override { A.ExtractDiagonalCopy(values); }
+  void diagonal(Epetra_Vector &values) const override { LevelEntries(A).diagonal(values); }
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override;
   bool is_condensed(const unsigned int row) const override { return A.NumMyEntries(row) <= 1; }
 

@@ -52,7 +52,7 @@ public:
   }
   void diagonal(Epetra_Vector &values) const override
   {
-    entries->ExtractDiagonalCopy(values);
+    LevelEntries(*entries).diagonal(values);
     cells.add_diagonal(values);
   }
   std::unique_ptr<Approximation> approximation() const override

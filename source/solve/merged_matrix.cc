@@ -3,6 +3,8 @@
 
 #include "merged_matrix.h"
 
+#include "level_operator.h"
+
 #include <deal.II/base/mpi.h>
 
 #include <Epetra_Import.h>
@@ -200,7 +202,7 @@ void MergedMatrix::diagonal(GroupVector &destination) const
   for (const Part &p : parts) {
     const Epetra_CrsMatrix &matrix = block_matrix.part(p.number, p.number).trilinos_matrix();
     Epetra_Vector values(View, matrix.RowMap(), destination.trilinos_vector()[0] + p.first_local);
-    matrix.ExtractDiagonalCopy(values);
+    LevelEntries(matrix).diagonal(values);
     if (cells() != nullptr)
       cells()->add_diagonal(values);
   }

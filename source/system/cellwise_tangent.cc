@@ -184,11 +184,11 @@ void CellwiseTangent<dim>::multiply_cells(const Kind kind, const Epetra_Vector &
     multiply_here(kind, all_values.Values(), y.Values());
     return;
   }
-  Epetra_Vector x_of_columns(*columns), y_of_columns(*columns), sum(*own_rows);
+  Epetra_Vector x_of_columns(*columns, false), y_of_columns(*columns);
   x_of_columns.Import(all_values, *import, Insert);
+  std::copy_n(y.Values(), y.MyLength(), y_of_columns.Values()); // own rows are the first of the columns
   multiply_here(kind, x_of_columns.Values(), y_of_columns.Values());
-  sum.Export(y_of_columns, *import, Add);
-  y.Update(1., sum, 1.);
+  y.Export(y_of_columns, *import, Add); // to own rows without adding what they had
 }
 
 /// y = C^T y, where the rows of unknowns that follow others become @p replacement, or zero.
@@ -198,10 +198,18 @@ void CellwiseTangent<dim>::condense(Epetra_Vector &y, const Epetra_CrsMatrix &we
 {
   if (follow->NumGlobalRows() == 0)
     return;
-  std::vector<double> of_constrained(constrained.size());
+  Epetra_Vector of_constrained(weights.RangeMap(), false);
   for (unsigned int k = 0; k < constrained.size(); ++k) {
     of_constrained[k] = y[constrained[k]];
     y[constrained[k]] = replacement.empty() ? 0 : replacement[k];
+  }
+  if (weights.NumGlobalNonzeros() == 0) // all of them are prescribed
+    return;
+  if (own_rows->Comm().NumProc() > 1) {
+    Epetra_Vector of_followed(*own_rows, false);
+    weights.Multiply(true, of_constrained, of_followed);
+    y.Update(1., of_followed, 1.);
+    return;
   }
   Epetra_Vector of_followed(weights.ColMap());
   for (int k = 0; k < weights.NumMyRows(); ++k) {
@@ -211,14 +219,8 @@ void CellwiseTangent<dim>::condense(Epetra_Vector &y, const Epetra_CrsMatrix &we
     for (int i = 0; i < n; ++i)
       of_followed[local[i]] += values[i] * of_constrained[k];
   }
-  if (own_rows->Comm().NumProc() == 1) {
-    for (int column = 0; column < of_followed.MyLength(); ++column)
-      y[own_rows->LID(weights.GCID(column))] += of_followed[column];
-    return;
-  }
-  Epetra_Vector on_others(*own_rows);
-  on_others.Export(of_followed, Epetra_Import(weights.ColMap(), *own_rows), Add);
-  y.Update(1., on_others, 1.);
+  for (int column = 0; column < of_followed.MyLength(); ++column)
+    y[own_rows->LID(weights.GCID(column))] += of_followed[column];
 }
 
 template <int dim>

@@ -3,11 +3,11 @@
 //
 // A cantilever of a hundred squares, stiff and soft ones in turn, the soft ones 1e8 times softer: each stiff
 // square is held by soft ones, and moves with the sum of what rounding leaves of K u in it, so that a
-// solution of K u = f loses 2e-3 (MUMPS) to 7e-2 (multigrid) of the forces. The laws refine it: each square
+// solution of K u = f loses 5e-3 (MUMPS) or 7e-3 (multigrid) of the forces. The laws refine it: each square
 // is in balance to 1e-5 of what goes through it, and the free end moves as with a contrast of 1e6, but for
 // the share of the stiff squares, which is below 1e-5.
 //
-// ranks: 1, 3
+// ranks: 1, 2
 
 #include "../system/scene_model.h"
 
@@ -109,16 +109,12 @@ int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const bool speaks = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
-  for (const std::string solver : {"multigrid", "direct"})
-    for (const bool is_first_stiff : {true, false}) {
-      const auto chain = [&](const std::string &stiff) {
-        return is_first_stiff ? solve(stiff, "1", solver) : solve("1", stiff, solver);
-      };
-      const Chain usual = chain("1e6"), extreme = chain("1e8");
-      if (speaks)
-        std::cout << solver << ", the first one is " << (is_first_stiff ? "stiff" : "soft") << ": in balance "
-                  << (extreme.missing < 1e-5) << ", moves as with 1e6 "
-                  << (std::abs(extreme.end / usual.end - 1) < 1e-5) << ", iterations at most 150 "
-                  << (extreme.n_iterations <= 150) << std::endl;
-    }
+  const Chain usual = solve("1e6", "1", "direct");
+  for (const std::string solver : {"multigrid", "direct"}) {
+    const Chain extreme = solve("1e8", "1", solver);
+    if (speaks)
+      std::cout << solver << ": in balance " << (extreme.missing < 1e-5) << ", moves as with 1e6 "
+                << (std::abs(extreme.end / usual.end - 1) < 1e-5) << ", iterations at most 60 "
+                << (extreme.n_iterations <= 60) << std::endl;
+  }
 }

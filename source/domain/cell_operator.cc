@@ -6,6 +6,7 @@
 #include <dovetail/domain/edge_lengths.h>
 #include <dovetail/domain/sum_factorisation.h>
 
+#include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_q.h>
 #include <deal.II/fe/fe_tools.h>
 #include <deal.II/fe/fe_values.h>
@@ -263,13 +264,15 @@ private:
     unsigned int batch_of_T = dealii::numbers::invalid_unsigned_int;
   };
 
-  // Derivatives at a point of the flux, then of the source, by the gradient, then by the value. Of A there is
-  // the upper triangle if it is symmetric.
+  // Derivatives at a point of the flux, then of the source if there is one, by the gradient, then by the
+  // value. Of A there is the upper triangle if it is symmetric.
   unsigned int at(const unsigned int row, const unsigned int column) const
   {
     return entry_numbers[row * n_state + column];
   }
   void number_entries();
+  bool is_symmetric_at(const Response<dim> &response) const;
+  void leave_symmetry();
   static bool is_slope(const unsigned int row) { return row < n_slopes; }
   /// Whether two batches that are not general have the same J and dV.
   static bool has_geometry(const Lanes *const J, const Lanes *const other)
@@ -296,6 +299,7 @@ private:
   void refer_to_unit_cell(const Lanes *J, std::size_t stride, const Lanes *T, std::size_t stride_of_T,
                           Array &result) const;
   void refer_to_unit_cells();
+  const Lanes *in_unit_cells(unsigned int batch, Array &T) const;
   std::vector<Lanes> mean_coefficients(unsigned int batch) const;
   void for_each_node_of(
       unsigned int face,
@@ -311,8 +315,9 @@ private:
 
   const Domain<dim> &domain;
   const Field field;
-  bool is_symmetric, has_values, has_sources; ///< the last two: V, W or M; W or M
-  unsigned int n_of_A, n_state, n_entries, n_nodes, n_points;
+  bool is_symmetric, has_values, has_sources; ///< A is; there is V, W or M; W or M
+  bool may_lose_symmetry = false;             ///< with k(T), A is symmetric although the tangent is not
+  unsigned int n_of_A, n_state, n_rows, n_entries, n_nodes, n_points; ///< n_rows: n_state, or no sources
   std::vector<unsigned int> entry_numbers;
   std::shared_ptr<const Cells<dim>> cells;
   std::vector<unsigned int> hierarchic; ///< number in the domain's element of a lexicographic node
@@ -341,7 +346,7 @@ CellOperatorOf<dim, n_components>::CellOperatorOf(const Domain<dim> &domain, con
 {
   for (unsigned int f = 0; f < domain.fields().size(); ++f)
     if (domain.fields()[f].name == field.name)
-      is_symmetric = domain.material.is_symmetric(f);
+      may_lose_symmetry = !domain.material.is_symmetric(f);
   for (unsigned int c = 0; c < n_components; ++c)
     for (unsigned int d = 0; d < n_components; ++d) {
       const Coupling coupling =
@@ -351,17 +356,19 @@ CellOperatorOf<dim, n_components>::CellOperatorOf(const Domain<dim> &domain, con
     }
   has_sources = has_sources || domain.body_force().depends_on_displacement();
   has_values = has_values || has_sources;
-  n_of_A = is_symmetric ? n_slopes * (n_slopes + 1) / 2 : n_slopes * n_slopes;
   n_state = n_slopes + (has_values ? n_components : 0);
-  n_entries = n_of_A + (has_values ? n_components * (2 * n_slopes + n_components) : 0);
+  n_rows = has_sources ? n_state : n_slopes;
   number_entries();
-  entries.resize(n_entries);
   tangents.resize(n_entries);
 }
 
 template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::number_entries()
 {
+  n_of_A = is_symmetric ? n_slopes * (n_slopes + 1) / 2 : n_slopes * n_slopes;
+  n_entries = n_of_A + (n_state - n_slopes) * n_slopes + (n_rows - n_slopes) * n_state;
+  entries.resize(n_entries);
+  entry_numbers.clear();
   const auto number = [this](const unsigned int row, const unsigned int column) {
     if (is_slope(row) && is_slope(column) && !is_symmetric)
       return row * n_slopes + column;
@@ -373,9 +380,44 @@ void CellOperatorOf<dim, n_components>::number_entries()
       return n_of_A + row * n_components + (column - n_slopes);
     return n_of_A + n_slopes * n_components + (row - n_slopes) * n_state + column;
   };
-  for (unsigned int row = 0; row < n_state; ++row)
+  for (unsigned int row = 0; row < n_rows; ++row)
     for (unsigned int column = 0; column < n_state; ++column)
       entry_numbers.push_back(number(row, column));
+}
+
+/// Up to rounding.
+template <int dim, int n_components>
+bool CellOperatorOf<dim, n_components>::is_symmetric_at(const Response<dim> &response) const
+{
+  const double rounding = 1e-13;
+  const unsigned int n = domain.n_components(), first = field.first_component;
+  const auto entry = [&](const unsigned int row, const unsigned int column) {
+    return response.by_gradient[(first + row / dim) * n + first + column / dim][row % dim][column % dim];
+  };
+  double largest = 0, difference = 0;
+  for (unsigned int row = 0; row < n_slopes; ++row)
+    for (unsigned int column = 0; column <= row; ++column) {
+      largest = std::max(largest, std::abs(entry(row, column)));
+      difference = std::max(difference, std::abs(entry(row, column) - entry(column, row)));
+    }
+  return difference <= rounding * largest;
+}
+
+/// From now on A has all its entries.
+template <int dim, int n_components>
+void CellOperatorOf<dim, n_components>::leave_symmetry()
+{
+  const CellOperatorOf before(*this);
+  const std::size_t n = is_uniform ? 1 : n_points;
+  is_symmetric = false;
+  number_entries();
+  const std::size_t n_blocks = tangents.size() / (before.n_entries * n);
+  tangents.resize(n_blocks * n_entries * n);
+  for (std::size_t block = 0; block < n_blocks; ++block)
+    for (unsigned int row = 0; row < n_rows; ++row)
+      for (unsigned int column = 0; column < n_state; ++column)
+        std::copy_n(&before.tangents[(block * before.n_entries + before.at(row, column)) * n], n,
+                    &tangents[(block * n_entries + at(row, column)) * n]);
 }
 
 template <int dim, int n_components>
@@ -429,6 +471,8 @@ void CellOperatorOf<dim, n_components>::set_tangent(const unsigned int active_ce
                                                     const unsigned int q, const double factor,
                                                     const Response<dim> &response)
 {
+  if (may_lose_symmetry && is_symmetric && !is_symmetric_at(response))
+    leave_symmetry();
   const unsigned int n = domain.n_components(), first = field.first_component;
   for (unsigned int c = 0; c < n_components; ++c)
     for (unsigned int d = 0; d < n_components; ++d) {
@@ -436,11 +480,11 @@ void CellOperatorOf<dim, n_components>::set_tangent(const unsigned int active_ce
       for (unsigned int J = 0; J < dim; ++J)
         for (unsigned int L = 0; L < dim; ++L)
           entries[at(c * dim + J, d * dim + L)] = factor * response.by_gradient[pair][J][L];
-      for (unsigned int J = 0; has_values && J < dim; ++J) {
+      for (unsigned int J = 0; has_values && J < dim; ++J)
         entries[at(c * dim + J, n_slopes + d)] = factor * response.by_value[pair][J];
+      for (unsigned int J = 0; has_sources && J < dim; ++J)
         entries[at(n_slopes + c, d * dim + J)] = factor * response.source_by_gradient[pair][J];
-      }
-      if (has_values)
+      if (has_sources)
         entries[at(n_slopes + c, n_slopes + d)] = factor * response.source_by_value[pair];
     }
   if (is_uniform && !has_any)
@@ -473,19 +517,20 @@ void CellOperatorOf<dim, n_components>::make_terms()
   for (const bool of_symmetric_part : {false, true}) {
     Products &all = products[of_symmetric_part];
     all = {};
-    const bool has_transposed = !is_symmetric || has_values; // of their own
-    all.in_unit_cells.factor = all.in_space.factor = of_symmetric_part && has_transposed ? 0.5 : 1.;
+    const bool is_mean = of_symmetric_part && (!is_symmetric || has_values);
+    all.in_unit_cells.factor = all.in_space.factor = is_mean ? 0.5 : 1.;
     for (unsigned int row = 0; row < n_state; ++row) {
       for (unsigned int column = 0; column < n_state; ++column) {
-        const unsigned int entry = at(row, column), transposed = at(column, row);
-        const auto add = [&](const unsigned int number) {
-          all.in_unit_cells.terms.push_back({column, number});
-          if (!is_uniform || tangents[number][0] != 0)
-            all.in_space.terms.push_back({column, number});
+        const auto add = [&](const unsigned int i, const unsigned int j) {
+          if (i >= n_rows)
+            return;
+          all.in_unit_cells.terms.push_back({column, at(i, j)});
+          if (!is_uniform || tangents[at(i, j)][0] != 0)
+            all.in_space.terms.push_back({column, at(i, j)});
         };
-        add(entry);
-        if (of_symmetric_part && has_transposed)
-          add(transposed);
+        add(row, column);
+        if (is_mean)
+          add(column, row);
       }
       all.in_unit_cells.add_row();
       all.in_space.add_row();
@@ -497,6 +542,14 @@ template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::add_tangent(const double factor, const CellOperator<dim> &other)
 {
   const auto &summand = dynamic_cast<const CellOperatorOf &>(other);
+  if (is_symmetric && !summand.is_symmetric)
+    leave_symmetry();
+  if (!is_symmetric && summand.is_symmetric) {
+    CellOperatorOf all(summand);
+    all.leave_symmetry();
+    add_tangent(factor, all);
+    return;
+  }
   if (is_uniform && !summand.is_uniform) {
     expand();
     refer_to_unit_cells();
@@ -522,7 +575,7 @@ void CellOperatorOf<dim, n_components>::refer_to_unit_cell(const Lanes *const J,
 {
   const Lanes &dV = J[Cells<dim>::volume * stride];
   std::array<Lanes, (n_slopes + n_components) * (n_slopes + n_components)> half; // T J
-  for (unsigned int row = 0; row < n_state; ++row)
+  for (unsigned int row = 0; row < n_rows; ++row)
     for (unsigned int column = 0; column < n_state; ++column) {
       Lanes &sum = half[row * n_state + column];
       if (!is_slope(column)) {
@@ -534,7 +587,7 @@ void CellOperatorOf<dim, n_components>::refer_to_unit_cell(const Lanes *const J,
         sum += T[at(row, first + j) * stride_of_T] * J[(j * dim + column % dim) * stride];
     }
   result.resize(n_entries);
-  for (unsigned int row = 0; row < n_state; ++row)
+  for (unsigned int row = 0; row < n_rows; ++row)
     for (unsigned int column = is_symmetric && is_slope(row) ? row : 0; column < n_state; ++column) {
       Lanes sum;
       if (is_slope(row))
@@ -617,54 +670,114 @@ void CellOperatorOf<dim, n_components>::add_product(Work<Number> &work, const bo
   }
 }
 
+/// The entries of a batch at its points, in unit cells: [entry][point].
+template <int dim, int n_components>
+const Lanes *CellOperatorOf<dim, n_components>::in_unit_cells(const unsigned int batch, Array &T) const
+{
+  if (!is_uniform)
+    return &tangents[std::size_t(batch) * n_entries * n_points];
+  const bool is_affine = cells->kind(batch) != Cells<dim>::general;
+  Array at_point;
+  T.resize(n_entries * n_points);
+  for (unsigned int q = 0; q < n_points; ++q) {
+    if (q == 0 || !is_affine)
+      refer_to_unit_cell(cells->geometry(batch) + q, is_affine ? 1 : n_points, tangents.data(), 1, at_point);
+    for (unsigned int e = 0; e < n_entries; ++e)
+      T[e * n_points + q] = is_affine ? at_point[e] * cells->weights[q] : at_point[e];
+  }
+  return T.data();
+}
+
+/// Sums over the points of products of two polynomials of a node and its slopes, direction by direction.
+template <int dim>
+class SquaresOfNodes
+{
+public:
+  explicit SquaresOfNodes(unsigned int degree);
+
+  /// += sums of number[point] times the slopes along @p first and @p second of each node, values for dim
+  void add(const std::vector<Lanes> &numbers, unsigned int first, unsigned int second,
+           std::vector<Lanes> &sums);
+
+private:
+  const unsigned int n;
+  std::array<std::vector<double>, 3> products; ///< by number of slopes: [node][point]
+  std::vector<Lanes> from, to;
+};
+
+template <int dim>
+SquaresOfNodes<dim>::SquaresOfNodes(const unsigned int degree) : n(degree + 1)
+{
+  const dealii::QGauss<1> points(n);
+  const dealii::FE_Q<1> element(degree);
+  const auto node = dealii::FETools::lexicographic_to_hierarchic_numbering<1>(degree);
+  for (unsigned int i = 0; i < n; ++i)
+    for (unsigned int q = 0; q < n; ++q) {
+      const double value = element.shape_value(node[i], points.point(q)),
+                   slope = element.shape_grad(node[i], points.point(q))[0];
+      products[0].push_back(value * value);
+      products[1].push_back(value * slope);
+      products[2].push_back(slope * slope);
+    }
+}
+
+template <int dim>
+void SquaresOfNodes<dim>::add(const std::vector<Lanes> &numbers, const unsigned int first,
+                              const unsigned int second, std::vector<Lanes> &sums)
+{
+  from = numbers;
+  unsigned int stride = 1;
+  for (unsigned int k = 0; k < dim; ++k, stride *= n) {
+    const std::vector<double> &table = products[(k == first ? 1 : 0) + (k == second ? 1 : 0)];
+    to.assign(from.size(), Lanes());
+    for (unsigned int j = 0; j < from.size(); ++j) {
+      const unsigned int i = j / stride % n, begin = j - i * stride;
+      for (unsigned int q = 0; q < n; ++q)
+        to[j] += from[begin + q * stride] * table[i * n + q];
+    }
+    std::swap(from, to);
+  }
+  for (unsigned int i = 0; i < sums.size(); ++i)
+    sums[i] += from[i];
+}
+
 /// grad phi . A grad phi + grad phi . (V + W) phi + M phi^2 of the same component.
 template <int dim, int n_components>
 void CellOperatorOf<dim, n_components>::add_diagonal(double *diagonal) const
 {
-  const dealii::Quadrature<dim> rule = domain.cell_quadrature();
-  std::vector<dealii::Tensor<1, dim>> gradients;
-  std::vector<double> values;
-  for (unsigned int q = 0; q < n_points; ++q)
-    for (unsigned int a = 0; a < n_nodes; ++a) {
-      gradients.push_back(domain.scalar_element().shape_grad(hierarchic[a], rule.point(q)));
-      values.push_back(domain.scalar_element().shape_value(hierarchic[a], rule.point(q)));
-    }
-  Array sums(n_components * n_nodes), T(n_entries);
+  SquaresOfNodes<dim> squares(domain.degree);
+  Array T, numbers(n_points);
+  std::array<Array, n_components> sums;
   const Lanes *J_of_sums = nullptr; // if other batches may have the same sums
   for (unsigned int batch = 0; batch < cells->n_batches(); ++batch) {
-    const bool is_affine = cells->kind(batch) != Cells<dim>::general;
+    const bool is_affine = is_uniform && cells->kind(batch) != Cells<dim>::general;
     const Lanes *const J = cells->geometry(batch);
     const bool is_known = is_affine && J_of_sums != nullptr && has_geometry(J, J_of_sums);
-    J_of_sums = is_uniform && is_affine ? J : nullptr;
-    if (!is_known)
-      std::fill(sums.begin(), sums.end(), Lanes());
-    for (unsigned int q = 0; q < n_points && !is_known; ++q) {
-      const Lanes weight(is_uniform && is_affine ? cells->weights[q] : 1.);
-      if (is_uniform && (q == 0 || !is_affine))
-        refer_to_unit_cell(J + q, is_affine ? 1 : n_points, tangents.data(), 1, T);
-      else if (!is_uniform)
-        for (unsigned int e = 0; e < n_entries; ++e)
-          T[e] = tangents[(std::size_t(batch) * n_entries + e) * n_points + q];
-      for (unsigned int c = 0; c < n_components; ++c)
-        for (unsigned int a = 0; a < n_nodes; ++a) {
-          const dealii::Tensor<1, dim> &g = gradients[q * n_nodes + a];
-          const double phi_a = values[q * n_nodes + a];
-          Lanes sum = has_values ? T[at(n_slopes + c, n_slopes + c)] * phi_a * phi_a : Lanes();
-          for (unsigned int j = 0; j < dim; ++j) {
-            Lanes row = T[at(c * dim + j, c * dim)] * g[0];
-            for (unsigned int l = 1; l < dim; ++l)
-              row += T[at(c * dim + j, c * dim + l)] * g[l];
-            if (has_values)
-              row += (T[at(c * dim + j, n_slopes + c)] + T[at(n_slopes + c, c * dim + j)]) * phi_a;
-            sum += row * g[j];
-          }
-          sums[c * n_nodes + a] += weight * sum;
+    J_of_sums = is_affine ? J : nullptr;
+    const Lanes *const of_points = is_known ? nullptr : in_unit_cells(batch, T);
+    for (unsigned int c = 0; c < n_components && !is_known; ++c) {
+      sums[c].assign(n_nodes, Lanes());
+      const auto state = [c](const unsigned int j) { return j < dim ? c * dim + j : n_slopes + c; };
+      for (unsigned int j = 0; j <= dim; ++j)
+        for (unsigned int l = j; l <= dim; ++l) {
+          std::fill(numbers.begin(), numbers.end(), Lanes());
+          bool is_there = false;
+          for (const bool transposed : {false, true})
+            if (const unsigned int row = state(transposed ? l : j), column = state(transposed ? j : l);
+                row < n_rows && column < n_state && (j != l || !transposed)) {
+              is_there = true;
+              for (unsigned int q = 0; q < n_points; ++q)
+                numbers[q] += of_points[at(row, column) * n_points + q];
+            }
+          if (is_there)
+            squares.add(numbers, j, l, sums[c]);
         }
     }
     const int *of_batch = index->data() + place(batch * Lanes::size, 0);
-    for (const Lanes &sum : sums)
-      for (unsigned int lane = 0; lane < Lanes::size; ++lane)
-        diagonal[*of_batch++] += sum[lane];
+    for (const Array &of_component : sums)
+      for (const Lanes &sum : of_component)
+        for (unsigned int lane = 0; lane < Lanes::size; ++lane)
+          diagonal[*of_batch++] += sum[lane];
   }
 }
 
@@ -742,23 +855,15 @@ double CellOperatorOf<dim, n_components>::take_support(const CellSolves &solves,
 template <int dim, int n_components>
 std::vector<Lanes> CellOperatorOf<dim, n_components>::mean_coefficients(const unsigned int batch) const
 {
-  const bool is_affine = cells->kind(batch) != Cells<dim>::general;
-  std::vector<Lanes> sums(n_components * (dim + 1));
-  Array T(n_entries);
-  for (unsigned int q = 0; q < n_points; ++q) {
-    if (!is_uniform)
-      for (unsigned int e = 0; e < n_entries; ++e)
-        T[e] = tangents[(std::size_t(batch) * n_entries + e) * n_points + q];
-    else if (q == 0 || !is_affine)
-      refer_to_unit_cell(cells->geometry(batch) + q, is_affine ? 1 : n_points, tangents.data(), 1, T);
-    const double weight = is_uniform && is_affine ? cells->weights[q] : 1.;
-    for (unsigned int c = 0; c < n_components; ++c) {
+  Array sums(n_components * (dim + 1)), scratch;
+  const Lanes *const T = in_unit_cells(batch, scratch);
+  for (unsigned int c = 0; c < n_components; ++c)
+    for (unsigned int q = 0; q < n_points; ++q) {
       for (unsigned int k = 0; k < dim; ++k)
-        sums[c * (dim + 1) + k] += T[at(c * dim + k, c * dim + k)] * weight;
-      if (has_values)
-        sums[c * (dim + 1) + dim] += T[at(n_slopes + c, n_slopes + c)] * weight;
+        sums[c * (dim + 1) + k] += T[at(c * dim + k, c * dim + k) * n_points + q];
+      if (has_sources)
+        sums[c * (dim + 1) + dim] += T[at(n_slopes + c, n_slopes + c) * n_points + q];
     }
-  }
   return sums;
 }
 

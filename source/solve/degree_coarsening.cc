@@ -76,14 +76,14 @@ std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1,
                                         Semicoarsen::if_cheap, false); // costs little beside the rows of A
 }
 
-/// What functions of degree one leave reaches the further down the higher the degree is.
+/// What functions of degree one leave reaches the further down the higher the degree is. Solves in cells see
+/// all functions of the degree.
 std::unique_ptr<ChebyshevSmoother> DegreeCoarsening::usual_smoother(const LevelOperator &A,
                                                                     const unsigned int degree)
 {
-  const ChebyshevSmoother::Range range = {degree + 1, 12.5 * degree - 10};
   if (auto M = A.approximation())
-    return ChebyshevSmoother::with_approximation(A, std::move(M), range);
-  return ChebyshevSmoother::with_diagonal(A, range);
+    return ChebyshevSmoother::with_approximation(A, std::move(M), {3, 7. * degree + 1});
+  return ChebyshevSmoother::with_diagonal(A, {degree + 1, 12.5 * degree - 10});
 }
 
 namespace {

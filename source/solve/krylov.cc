@@ -5,12 +5,14 @@
 
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_control.h>
-#include <deal.II/lac/solver_gmres.h>
 #include <deal.II/lac/vector_memory.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace dovetail {
 
@@ -97,6 +99,110 @@ private:
   std::function<double(double goal, bool begins)> next_goal;
 };
 
+/// Flexible GMRES (Saad 1993): each direction and what the preconditioner made of it are kept, so that it
+/// need not be linear, as in single precision.
+class FlexibleGmres
+{
+public:
+  FlexibleGmres(const GroupOperator &K, Control &control) : K(K), control(control), rest(K.vector()) {}
+
+  template <typename P>
+  void solve(GroupVector &x, const GroupVector &b, const P &preconditioner);
+
+private:
+  static constexpr unsigned int largest_basis = 100;
+
+  void add_column(unsigned int k);
+  void correct(GroupVector &x, unsigned int n) const;
+
+  const GroupOperator &K;
+  Control &control;
+  GroupVector rest;
+  std::vector<GroupVector> directions, preconditioned;
+  std::vector<std::vector<double>> R; ///< by column, upper triangle
+  std::vector<std::array<double, 2>> rotations;
+  std::vector<double> right; ///< the residual in the basis, rotated
+};
+
+/// Of K z_k, which is in rest and becomes orthogonal to the directions; then by rotations of R.
+void FlexibleGmres::add_column(const unsigned int k)
+{
+  const double before = rest.l2_norm(), lost = 1e-7; // half of the digits
+  std::vector<double> h(k + 2, 0.);
+  for (unsigned int pass = 0; pass < 2 && (pass == 0 || h[k + 1] < lost * before); ++pass) {
+    for (unsigned int i = 0; i <= k; ++i) {
+      const double share = rest * directions[i];
+      h[i] += share;
+      rest.add(-share, directions[i]);
+    }
+    h[k + 1] = rest.l2_norm();
+  }
+  if (h[k + 1] > 0)
+    rest /= h[k + 1];
+  const auto rotate = [](const std::array<double, 2> &by, double &a, double &b) {
+    const double rotated = by[0] * a + by[1] * b;
+    b = by[0] * b - by[1] * a;
+    a = rotated;
+  };
+  for (unsigned int i = 0; i < k; ++i)
+    rotate(rotations[i], h[i], h[i + 1]);
+  const double length = std::hypot(h[k], h[k + 1]);
+  rotations.push_back({{h[k] / length, h[k + 1] / length}});
+  rotate(rotations[k], h[k], h[k + 1]);
+  right.push_back(0);
+  rotate(rotations[k], right[k], right[k + 1]);
+  h.pop_back();
+  R.push_back(std::move(h));
+}
+
+/// x += the combination of @p n preconditioned directions that leaves least.
+void FlexibleGmres::correct(GroupVector &x, const unsigned int n) const
+{
+  std::vector<double> shares(right.begin(), right.begin() + n);
+  for (unsigned int k = n; k-- > 0;) {
+    shares[k] /= R[k][k];
+    for (unsigned int i = 0; i < k; ++i)
+      shares[i] -= shares[k] * R[k][i];
+    x.add(shares[k], preconditioned[k]);
+  }
+}
+
+template <typename P>
+void FlexibleGmres::solve(GroupVector &x, const GroupVector &b, const P &preconditioner)
+{
+  using dealii::SolverControl;
+  SolverControl::State state = SolverControl::iterate;
+  for (unsigned int n_iterations = 0; state == SolverControl::iterate;) {
+    rest = b;
+    if (!x.all_zero()) {
+      GroupVector product(b);
+      K.vmult(product, x);
+      rest -= product;
+    }
+    right = {rest.l2_norm()};
+    R.clear();
+    rotations.clear();
+    state = control.check(n_iterations, right[0]);
+    if (state == SolverControl::iterate)
+      rest /= right[0];
+    unsigned int k = 0;
+    for (; k < largest_basis && state == SolverControl::iterate; ++k) {
+      if (k == directions.size()) {
+        directions.push_back(rest);
+        preconditioned.emplace_back(rest);
+      } else
+        directions[k] = rest;
+      preconditioner.vmult(preconditioned[k], directions[k]);
+      K.vmult(rest, preconditioned[k]);
+      add_column(k);
+      state = control.check(++n_iterations, std::abs(right[k + 1]));
+    }
+    correct(x, k);
+  }
+  if (state != SolverControl::success)
+    throw SolverControl::NoConvergence(control.last_step(), control.last_value());
+}
+
 } // namespace
 
 unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
@@ -105,16 +211,15 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
                                 double *const decades)
 {
   Control control(goal, gives_up);
-  const dealii::SolverGMRES<GroupVector>::AdditionalData data(102, true);
   if (facts.is_positive_definite()) {
     if (facts.next_goal)
       control.ask(
           [&](const double reached, const bool begins) { return facts.next_goal(x, reached, begins); });
     dealii::SolverCG<GroupVector>(control).solve(K, x, b, Bodies{P});
   } else if (facts.has_multipliers)
-    dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, BlockTriangular{K, P});
+    FlexibleGmres(K, control).solve(x, b, BlockTriangular{K, P});
   else
-    dealii::SolverGMRES<GroupVector>(control, data).solve(K, x, b, Bodies{P});
+    FlexibleGmres(K, control).solve(x, b, Bodies{P});
   dealii::GrowingVectorMemory<GroupVector>::release_unused_memory();
   if (decades != nullptr)
     *decades = std::log10(b.l2_norm() / std::max(control.last_value(), std::numeric_limits<double>::min()));

@@ -28,12 +28,11 @@ namespace dovetail {
 
 namespace {
 
-/// The symmetric part of entries and cells; of cells in single precision for CG.
+/// The symmetric part of entries and cells; of cells in single precision.
 class SumLevel : public LevelOperator
 {
 public:
-  SumLevel(const GroupOperator &K, const GroupFacts &facts)
-      : cells(*K.cells()), entries(K.entries()), is_rough(facts.is_positive_definite())
+  SumLevel(const GroupOperator &K, const GroupFacts &facts) : cells(*K.cells()), entries(K.entries())
   {
     if (!facts.is_symmetric) {
       symmetric_entries = make_symmetric_part(*entries, facts.field_of_row());
@@ -45,10 +44,7 @@ public:
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override
   {
     entries->Multiply(false, x, y);
-    if (is_rough)
-      cells.add_rough_product(x, y);
-    else
-      cells.add_product(1., x, y, true);
+    cells.add_rough_product(x, y);
   }
   void diagonal(Epetra_Vector &values) const override
   {
@@ -59,7 +55,7 @@ public:
   {
     Epetra_Vector values(rows());
     diagonal(values);
-    return cells.cellwise_approximation(values, is_rough);
+    return cells.cellwise_approximation(values, true);
   }
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override
   {
@@ -71,7 +67,6 @@ private:
   const PartOperator &cells;
   const Epetra_CrsMatrix *entries;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_entries; ///< if they are not
-  const bool is_rough;                                 ///< for CG
 };
 
 } // namespace

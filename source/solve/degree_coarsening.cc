@@ -11,6 +11,7 @@
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
 
+#include <algorithm>
 #include <map>
 #include <unordered_map>
 #include <vector>
@@ -82,7 +83,7 @@ std::unique_ptr<ChebyshevSmoother> DegreeCoarsening::usual_smoother(const LevelO
                                                                     const unsigned int degree)
 {
   if (auto M = A.approximation())
-    return ChebyshevSmoother::with_approximation(A, std::move(M), {3, 7. * degree + 1});
+    return ChebyshevSmoother::with_approximation(A, std::move(M), {std::max(3u, degree), 7. * degree + 1});
   return ChebyshevSmoother::with_diagonal(A, {degree + 1, 12.5 * degree - 10});
 }
 

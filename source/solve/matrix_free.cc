@@ -28,11 +28,14 @@ namespace dovetail {
 
 namespace {
 
-/// The symmetric part of entries and cells; of cells in single precision.
+/// The symmetric part of entries and cells; of cells in single precision, but beside GMRES where stiff bodies
+/// move with soft ones.
 class SumLevel : public LevelOperator
 {
 public:
-  SumLevel(const GroupOperator &K, const GroupFacts &facts) : cells(*K.cells()), entries(K.entries())
+  SumLevel(const GroupOperator &K, const GroupFacts &facts)
+      : cells(*K.cells()), entries(K.entries()), is_rough(facts.is_positive_definite() || !facts.contrast ||
+                                                          facts.contrast() <= GroupFacts::large_contrast)
   {
     if (!facts.is_symmetric) {
       symmetric_entries = make_symmetric_part(*entries, facts.field_of_row());
@@ -44,7 +47,10 @@ public:
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override
   {
     entries->Multiply(false, x, y);
-    cells.add_rough_product(x, y);
+    if (is_rough)
+      cells.add_rough_product(x, y);
+    else
+      cells.add_product(1., x, y, true);
   }
   void diagonal(Epetra_Vector &values) const override
   {
@@ -55,7 +61,7 @@ public:
   {
     Epetra_Vector values(rows());
     diagonal(values);
-    return cells.cellwise_approximation(values, true);
+    return cells.cellwise_approximation(values, is_rough);
   }
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override
   {
@@ -67,6 +73,7 @@ private:
   const PartOperator &cells;
   const Epetra_CrsMatrix *entries;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_entries; ///< if they are not
+  const bool is_rough;
 };
 
 } // namespace

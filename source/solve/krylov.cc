@@ -3,6 +3,8 @@
 
 #include <dovetail/solve/krylov.h>
 
+#include "energy_gmres.h"
+
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_control.h>
 #include <deal.II/lac/vector_memory.h>
@@ -25,46 +27,73 @@ struct Bodies
   void vmult(GroupVector &z, const GroupVector &r) const { P(z, r); }
 };
 
-/// z = [A 0; B -S]^-1 [I B^T W; 0 I] r, with A augmented
-struct BlockTriangular
+/// [A B^T; B -C] as it is preconditioned, in augmented form. Of a residual r, with T = [I B^T W; 0 I]:
+/// z = [A 0; B -S]^-1 T r, and H r = T^T diag(A^-1, S^-1) T r.
+class BlockTriangular
 {
-  const GroupOperator &K;
-  const Preconditioner &P;
+public:
+  BlockTriangular(const GroupOperator &K, const Preconditioner &P) : K(K), P(P), W(K.augmentation()) {}
 
-  void vmult(GroupVector &z, const GroupVector &r) const
-  {
-    GroupVector body_part = K.bodies().vector(), solved(body_part), product(r);
-    const unsigned int n_of_bodies = body_part.trilinos_vector().MyLength();
-    const double *residual = r.trilinos_vector()[0];
-    std::copy(residual, residual + n_of_bodies, body_part.trilinos_vector()[0]);
-    add_augmentation(r, body_part);
-    P(solved, body_part);
-    z = 0;
-    double *result = z.trilinos_vector()[0];
-    std::copy(solved.trilinos_vector()[0], solved.trilinos_vector()[0] + n_of_bodies, result);
-    K.vmult(product, z);
-    std::vector<double> rest(r.trilinos_vector().MyLength() - n_of_bodies);
-    for (unsigned int i = 0; i < rest.size(); ++i)
-      rest[i] = product.trilinos_vector()[0][n_of_bodies + i] - residual[n_of_bodies + i];
-    K.solve_schur_complement(result + n_of_bodies, rest.data());
-  }
+  void vmult(GroupVector &z, const GroupVector &r) const { apply(z, r, nullptr); }
+  void apply(GroupVector &z, const GroupVector &r, GroupVector *Hr) const;
 
 private:
-  /// += B^T W r
-  void add_augmentation(const GroupVector &r, GroupVector &body_part) const
-  {
-    const std::vector<double> *W = K.augmentation();
-    if (W == nullptr)
-      return;
-    GroupVector weighted = K.vector(), product(weighted);
-    const unsigned int n_of_bodies = body_part.trilinos_vector().MyLength();
-    for (unsigned int i = 0; i < W->size(); ++i)
-      weighted.trilinos_vector()[0][n_of_bodies + i] = (*W)[i] * r.trilinos_vector()[0][n_of_bodies + i];
-    K.vmult(product, weighted);
-    for (unsigned int i = 0; i < n_of_bodies; ++i)
-      body_part.trilinos_vector()[0][i] += product.trilinos_vector()[0][i];
-  }
+  void add_augmentation(const GroupVector &r, GroupVector &body_part) const;
+  void add_multipliers(GroupVector &Hr, const GroupVector &r, const double *product,
+                       unsigned int begin) const;
+
+  const GroupOperator &K;
+  const Preconditioner &P;
+  const std::vector<double> *W;
 };
+
+void BlockTriangular::apply(GroupVector &z, const GroupVector &r, GroupVector *const Hr) const
+{
+  GroupVector body_part = K.bodies().vector(), solved(body_part), product(r);
+  const unsigned int n_of_bodies = body_part.trilinos_vector().MyLength();
+  const double *residual = r.trilinos_vector()[0];
+  std::copy(residual, residual + n_of_bodies, body_part.trilinos_vector()[0]);
+  add_augmentation(r, body_part);
+  P(solved, body_part);
+  z = 0;
+  double *result = z.trilinos_vector()[0];
+  std::copy(solved.trilinos_vector()[0], solved.trilinos_vector()[0] + n_of_bodies, result);
+  K.vmult(product, z);
+  const double *const of_bodies = product.trilinos_vector()[0] + n_of_bodies;
+  if (Hr != nullptr) {
+    *Hr = z;
+    add_multipliers(*Hr, r, of_bodies, n_of_bodies);
+  }
+  std::vector<double> rest(r.trilinos_vector().MyLength() - n_of_bodies);
+  for (unsigned int i = 0; i < rest.size(); ++i)
+    rest[i] = of_bodies[i] - residual[n_of_bodies + i];
+  K.solve_schur_complement(result + n_of_bodies, rest.data());
+}
+
+/// += B^T W r
+void BlockTriangular::add_augmentation(const GroupVector &r, GroupVector &body_part) const
+{
+  if (W == nullptr)
+    return;
+  GroupVector weighted = K.vector(), product(weighted);
+  const unsigned int n_of_bodies = body_part.trilinos_vector().MyLength();
+  for (unsigned int i = 0; i < W->size(); ++i)
+    weighted.trilinos_vector()[0][n_of_bodies + i] = (*W)[i] * r.trilinos_vector()[0][n_of_bodies + i];
+  K.vmult(product, weighted);
+  for (unsigned int i = 0; i < n_of_bodies; ++i)
+    body_part.trilinos_vector()[0][i] += product.trilinos_vector()[0][i];
+}
+
+/// += S^-1 r + W B z, of which B z is @p product. A multiplier that was dropped has W = 0 and S = -1.
+void BlockTriangular::add_multipliers(GroupVector &Hr, const GroupVector &r, const double *const product,
+                                      const unsigned int begin) const
+{
+  double *const result = Hr.trilinos_vector()[0] + begin;
+  const double *const residual = r.trilinos_vector()[0] + begin;
+  K.solve_schur_complement(result, residual);
+  for (unsigned int i = 0; i < W->size(); ++i)
+    result[i] = (*W)[i] > 0 ? result[i] + (*W)[i] * product[i] : residual[i];
+}
 
 class Control : public dealii::SolverControl
 {
@@ -100,7 +129,8 @@ private:
 };
 
 /// Flexible GMRES (Saad 1993): each direction and what the preconditioner made of it are kept, so that it
-/// need not be linear, as in single precision.
+/// need not be linear, as in single precision. (SolverFGMRES of deal.II 9.4 knows a residual one direction
+/// late, which is one more of the three to five that a solve takes here.)
 class FlexibleGmres
 {
 public:
@@ -203,6 +233,23 @@ void FlexibleGmres::solve(GroupVector &x, const GroupVector &b, const P &precond
     throw SolverControl::NoConvergence(control.last_step(), control.last_value());
 }
 
+void solve_with_multipliers(const GroupOperator &K, const GroupFacts &facts, const BlockTriangular &P,
+                            GroupVector &x, const GroupVector &b, Control &control)
+{
+  if (facts.is_symmetric && K.augmentation() != nullptr) {
+    EnergyGmres gmres(K, [&P](GroupVector &z, GroupVector &Hr, const GroupVector &r) { P.apply(z, r, &Hr); });
+    if (facts.next_goal)
+      control.ask([&](const double reached, const bool begins) {
+        if (!begins)
+          gmres.update(x);
+        return facts.next_goal(x, reached, begins);
+      });
+    if (gmres.solve(x, b, control))
+      return;
+  }
+  FlexibleGmres(K, control).solve(x, b, P);
+}
+
 } // namespace
 
 unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
@@ -217,7 +264,7 @@ unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts,
           [&](const double reached, const bool begins) { return facts.next_goal(x, reached, begins); });
     dealii::SolverCG<GroupVector>(control).solve(K, x, b, Bodies{P});
   } else if (facts.has_multipliers)
-    FlexibleGmres(K, control).solve(x, b, BlockTriangular{K, P});
+    solve_with_multipliers(K, facts, BlockTriangular(K, P), x, b, control);
   else
     FlexibleGmres(K, control).solve(x, b, Bodies{P});
   dealii::GrowingVectorMemory<GroupVector>::release_unused_memory();

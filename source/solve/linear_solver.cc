@@ -272,7 +272,11 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
 /// noise.
 bool LinearSolver::Group::is_rounding(const double residual, const GroupVector &x) const
 {
-  return !system.facts().has_multipliers && residual <= 2 * system.plain().rounding_of_product(x).l2_norm();
+  GroupVector plain(x); // of x, then of K x
+  system.scale_multipliers(plain);
+  plain = system.plain().rounding_of_product(plain);
+  system.scale_multipliers(plain);
+  return residual <= 2 * plain.l2_norm();
 }
 
 bool LinearSolver::Group::solve_directly(GroupVector &x, const GroupVector &b)
@@ -478,6 +482,7 @@ GroupFacts::NextGoal LinearSolver::Group::make_next_goal(const GroupVector &x, c
     GroupVector all(found);
     if (&found != &x)
       all += x;
+    system.scale_multipliers(all);
     if (may_round) {
       const double size = residual_by_rounding(all, b);
       if (size <= 1)

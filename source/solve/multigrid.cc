@@ -170,8 +170,8 @@ Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetr
                                     std::vector<GroupFacts::Place> places) const
 {
   const auto with_diagonal = [this](const LevelEntries &level, const double known_eigenvalue, double) {
-    const ChebyshevSmoother::Range range =
-        is_mixed ? ChebyshevSmoother::Range{4, 20} : ChebyshevSmoother::Range{2, 10};
+    const ChebyshevSmoother::Range usual{2, 10}, of_mixed{4, 20}, with_ties{5, 20}; // which B^T W B stiffens
+    const auto range = added_rows != nullptr ? with_ties : is_mixed ? of_mixed : usual;
     return ChebyshevSmoother::with_diagonal(level, range, known_eigenvalue);
   };
   if (means == Means::usual && is_mixed)
@@ -189,8 +189,9 @@ Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetr
 Multigrid::Means Multigrid::means_for(const double n_expected) const
 {
   if (facts.degree > 1)
-    return n_expected > 40 ? Means::factorisation : means;
-  const double slow = is_mixed ? 60 : 30, very_slow = 100; // there, factorisations hardly save an iteration
+    return n_expected > 40 && !facts.has_multipliers ? Means::factorisation : means; // of K without them
+  const bool gains_little = is_mixed || facts.has_multipliers; // by factorisations: hardly an iteration
+  const double slow = gains_little ? 60 : 30, very_slow = 100;
   if (n_expected > (means == Means::usual ? very_slow : slow))
     return Means::semicoarsening;
   return n_expected > slow ? Means::factorisation : means;
@@ -211,9 +212,6 @@ unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const Grou
 unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                        const double goal)
 {
-  if (facts.has_multipliers) // whose Schur complement may be what is slow
-    return iterate(K, x, b, goal, {});
-
   const double usual_decades = 10;
   Outlook outlook;
   Means next = means;

@@ -19,15 +19,21 @@ namespace dovetail {
 
 namespace {
 
+/// The diagonal of A by columns of B.
+Epetra_Vector by_columns(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A)
+{
+  if (B.Importer() == nullptr)
+    return diagonal_of_A;
+  Epetra_Vector diagonal(B.ColMap());
+  diagonal.Import(diagonal_of_A, *B.Importer(), Insert);
+  return diagonal;
+}
+
 /// diag(B diag(A)^-1 B^T)
 void add_schur_complement(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A,
                           Epetra_Vector &schur_diagonal)
 {
-  Epetra_Vector diagonal(B.ColMap());
-  if (B.Importer() != nullptr)
-    diagonal.Import(diagonal_of_A, *B.Importer(), Insert);
-  else
-    diagonal = diagonal_of_A;
+  const Epetra_Vector diagonal = by_columns(B, diagonal_of_A);
   for (int i = 0; i < B.NumMyRows(); ++i) {
     int n = 0, *columns = nullptr;
     double *values = nullptr;
@@ -122,13 +128,14 @@ void SaddlePoint::update()
 }
 
 /// About S = C + B A^-1 B^T of ties. The traces of oscillating multipliers are small, so that their
-/// eigenvalues of S are far below its diagonal. A thousandth of it is added, in case that multipliers depend
-/// on each other.
+/// eigenvalues of S are far below its diagonal, and of those that a soft side does not see, because it is
+/// coarser, by the contrast of the sides. In case that multipliers depend on each other, a thousandth of what
+/// the diagonal would be of bodies that are as stiff as the stiffer one is added.
 void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A,
                                  const Epetra_Vector &C)
 {
   const int most = 50000;               // they belong to surfaces, and are factorised on the first rank
-  const double shift = 1e-3, share = 2; // of the diagonal; A^-1 is larger than diag(A)^-1
+  const double shift = 1e-3, share = 2; // A^-1 is larger than diag(A)^-1
   factors.reset();
   of_ties.clear();
   share_of_ties.clear();
@@ -143,17 +150,23 @@ void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector 
     root[i] = diagonal_of_A[i] > 0 ? std::sqrt(1 / diagonal_of_A[i]) : 0;
   Epetra_CrsMatrix R(Copy, rows, 0);
   std::vector<int> global;
-  std::vector<double> scaled;
+  std::vector<double> scaled, shifts;
+  const Epetra_Vector diagonal_of_columns = by_columns(B, diagonal_of_A);
   for (unsigned int k = 0; k < of_ties.size(); ++k) {
     int n = 0, *columns = nullptr;
     double *values = nullptr;
     B.ExtractMyRowView(of_ties[k], n, values, columns);
     global.resize(n);
     scaled.assign(values, values + n);
+    double square = 0, stiffest = 0;
     for (int i = 0; i < n; ++i) {
       global[i] = B.GCID(columns[i]);
       scaled[i] *= scale[of_ties[k]];
+      if (scaled[i] != 0)
+        stiffest = std::max(stiffest, diagonal_of_columns[columns[i]]);
+      square += scaled[i] * scaled[i];
     }
+    shifts.push_back(shift * share * square / stiffest);
     R.InsertGlobalValues(rows.GID(k), n, scaled.data(), global.data());
   }
   R.FillComplete(B.DomainMap(), rows);
@@ -164,7 +177,7 @@ void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector 
   S->ExtractDiagonalCopy(diagonal);
   for (unsigned int k = 0; k < of_ties.size(); ++k) {
     const double scaled_C = C[of_ties[k]] * scale[of_ties[k]] * scale[of_ties[k]];
-    diagonal[k] = (1 + shift) * diagonal[k] + scaled_C;
+    diagonal[k] += shifts[k] + scaled_C;
     share_of_ties.push_back(1 - scaled_C * weight[of_ties[k]]);
   }
   S->ReplaceDiagonalValues(diagonal);

@@ -47,8 +47,8 @@ public:
   virtual std::shared_ptr<PartOperator> copy() const = 0;
   virtual void add(double factor, const PartOperator &other) = 0; ///< @p other: a copy of this one
 
-  /// y += K x, with the symmetric part of K, cell by cell in single precision. CG bears that in its
-  /// preconditioner; GMRES does not get further than its preconditioner is linear. Collective.
+  /// y += K x, with the symmetric part of K, cell by cell in single precision. CG and flexible
+  /// GMRES bear that in their preconditioners. Collective.
   virtual void add_rough_product(const Epetra_Vector &x, Epetra_Vector &y) const = 0;
 };
 

@@ -13,6 +13,7 @@
 // application, 2012.
 
 #include "outlook.h"
+#include "semicoarsening.h"
 #include "soft_leaders.h"
 #include "upkeep.h"
 
@@ -108,6 +109,7 @@ public:
 private:
   void make(const GroupOperator &K);
   Upkeep::GivesUp patience(double goal);
+  unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
                        const Upkeep::GivesUp &gives_up);
 
@@ -116,6 +118,7 @@ private:
   Upkeep upkeep;
   std::unique_ptr<SumLevel> level;
   std::unique_ptr<DegreeCoarsening> cycle;
+  bool is_within_bodies = false; ///< no aggregate of A_1 has nodes of two of them
 };
 
 void MatrixFree::prepare(const GroupOperator &K, const Agreement &all_ranks)
@@ -132,7 +135,8 @@ void MatrixFree::make(const GroupOperator &K)
     cycle = coarsen_degree(
         *level, facts,
         [this](const Epetra_Map &map, const Selection *rows) { return make_modes(facts, map, rows); },
-        DegreeCoarsening::usual_smoother(*level, facts.degree));
+        DegreeCoarsening::usual_smoother(*level, facts.degree),
+        is_within_bodies ? make_cycle_within_bodies : DegreeCoarsening::make_usual_coarse);
   });
 }
 
@@ -144,7 +148,33 @@ unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const Gro
       [&](GroupVector &z, const GroupVector &r, const Upkeep::GivesUp &gives_up) {
         return iterate(K, z, r, goal, gives_up);
       },
-      [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, patience(goal)); });
+      [&](GroupVector &z, const GroupVector &r) { return solve_with_new(K, z, r, goal); });
+}
+
+/// Aggregates of stiff and soft bodies serve most scenes, and cost the fewest iterations there. Where they do
+/// not, A_1 is coarsened again, within bodies.
+unsigned int MatrixFree::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,
+                                        const double goal)
+{
+  const double slow = 40, usual_decades = 10;
+  if (is_within_bodies || !has_mixed_bodies(facts))
+    return iterate(K, x, b, goal, patience(goal));
+  return solve_in_two_attempts(
+      K, x, b,
+      [&](GroupVector &z, const GroupVector &r) {
+        const auto gives_up = [outlook = Outlook(), slow, usual_decades](const unsigned int n,
+                                                                         const double residual) mutable {
+          outlook.see(n, residual);
+          return outlook.is_time_to_look() && outlook.iterations_since_largest(usual_decades) > slow;
+        };
+        return iterate(K, z, r, goal, gives_up);
+      },
+      [&](GroupVector &z, const GroupVector &r) {
+        is_within_bodies = true;
+        make(K);
+        upkeep.made();
+        return iterate(K, z, r, goal, patience(goal));
+      });
 }
 
 /// With new levels.

@@ -120,7 +120,7 @@ void Multigrid::make(const GroupOperator &K)
     matrix = symmetric_part.get();
   }
   ranks.run("multigrid", [&]() {
-    is_mixed = facts.n_blocks > 2 && facts.contrast && facts.contrast() > GroupFacts::large_contrast;
+    is_mixed = has_mixed_bodies(facts);
     if (means == Means::usual && facts.degree == 1 && !is_mixed && is_stretched())
       means = Means::factorisation;
     make_levels();
@@ -143,7 +143,9 @@ void Multigrid::make_levels()
     of_finest = smoother.get();
     if (means != Means::usual)
       of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
-    by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother));
+    by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother),
+                               is_mixed && means != Means::usual ? make_cycle_within_bodies
+                                                                 : DegreeCoarsening::make_usual_coarse);
   } else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
     by_degree =
         leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {
@@ -233,8 +235,9 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
           throw dealii::SolverControl::NoConvergence(0, r.l2_norm());
         means = next;
         ranks.run("multigrid", [this]() {
-          of_finest != nullptr ? of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest)
-                               : make_levels();
+          of_finest != nullptr && !is_mixed
+              ? of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest)
+              : make_levels();
         });
         upkeep.made();
         return solve_with_new(K, z, r, goal);

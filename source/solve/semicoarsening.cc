@@ -550,6 +550,22 @@ std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
   return make_cycle(std::move(A), std::move(modes), std::move(places), when, usual, if_semicoarsened);
 }
 
+std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
+                                                std::shared_ptr<const Epetra_MultiVector> modes,
+                                                std::vector<GroupFacts::Place> places)
+{
+  const auto make_smoother = [](const LevelEntries &level, const double known_eigenvalue, double) {
+    return ChebyshevSmoother::with_diagonal(level, {4, 20}, known_eigenvalue);
+  };
+  return make_cycle(std::move(A), std::move(modes), std::move(places), Semicoarsen::always, make_smoother,
+                    make_smoother);
+}
+
+bool has_mixed_bodies(const GroupFacts &facts)
+{
+  return facts.n_blocks > 2 && facts.contrast && facts.contrast() > GroupFacts::large_contrast;
+}
+
 Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,
                                const MakeSmoother &make_smoother)
     : Cycle(std::move(A))

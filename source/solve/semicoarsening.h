@@ -90,5 +90,12 @@ std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
                                                       std::shared_ptr<const Epetra_MultiVector> modes,
                                                       std::vector<GroupFacts::Place> places, Semicoarsen when,
                                                       bool is_finest);
+/// With smoothers made of the diagonal. No aggregate has nodes of two bodies.
+std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
+                                                std::shared_ptr<const Epetra_MultiVector> modes,
+                                                std::vector<GroupFacts::Place> places);
+/// Whether stiff and soft bodies meet in such a way that aggregates of both may serve neither: there are
+/// three or more. Collective.
+bool has_mixed_bodies(const GroupFacts &facts);
 
 } // namespace dovetail

@@ -297,12 +297,14 @@ std::unique_ptr<DegreeCoarsening> SoftLeaders::coarsen(const LevelOperator &A, c
 
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
                                                  const DegreeCoarsening::MakeModes &make_modes,
-                                                 std::unique_ptr<Smoother> smoother)
+                                                 std::unique_ptr<Smoother> smoother,
+                                                 const DegreeCoarsening::MakeCoarse &make_coarse)
 {
   RowSums sums = facts.linear_part();
   if (const auto leaders = SoftLeaders::find(facts, A.rows(), &sums))
-    return leaders->coarsen(A, facts, make_modes, std::move(smoother), DegreeCoarsening::make_usual_coarse);
-  return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother));
+    return leaders->coarsen(A, facts, make_modes, std::move(smoother), make_coarse);
+  return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother),
+                                            make_coarse);
 }
 
 } // namespace dovetail

@@ -53,8 +53,9 @@ private:
 };
 
 /// DegreeCoarsening of A with @p smoother, by SoftLeaders where there are some. Collective.
-std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
-                                                 const DegreeCoarsening::MakeModes &make_modes,
-                                                 std::unique_ptr<Smoother> smoother);
+std::unique_ptr<DegreeCoarsening>
+coarsen_degree(const LevelOperator &A, const GroupFacts &facts, const DegreeCoarsening::MakeModes &make_modes,
+               std::unique_ptr<Smoother> smoother,
+               const DegreeCoarsening::MakeCoarse &make_coarse = DegreeCoarsening::make_usual_coarse);
 
 } // namespace dovetail

@@ -29,7 +29,6 @@ const NoteName of_free_pressure("free pressure",
 const double exact_linear_residual = 1e-11;
 const double usual_linear_residual = 1e-8; ///< more is told
 const double share_of_exact = 0.1;         ///< that the solver is asked for
-const double rough = 1e-2;                 ///< relative residual of solves that the laws refine
 
 std::vector<bool> blocks_of_constraints(const Numbering &numbering)
 {
@@ -324,13 +323,8 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
 {
   const Phases::Scope scope(phases, "solve");
   give_tangent();
-  const unsigned int first_refined = first_refined_group();
-  const bool is_by_laws = first_refined < stages[present_stage].end_group;
   LinearSolver::Demand needed = demand_of_update();
-  if (first_refined == needed.first_group) {
-    needed.enough = rough;
-    needed.ends_at_rounding = false;
-  } else if (model.is_linear() || has_linear_stage())
+  if (model.is_linear() || has_linear_stage())
     needed.excess = [this](const Vector &update, const auto &blocks) { return excess(update, blocks); };
   auto n_iterations =
       guess ? solve_from_guess(dx) : linear_solver.solve(dx, system.negative_residual(), needed);
@@ -339,7 +333,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
     make_other_tangent(x);
     n_iterations = linear_solver.solve(dx, system.negative_residual(), needed);
   }
-  if (model.is_linear() && n_iterations && !is_by_laws)
+  if (model.is_linear() && n_iterations)
     residual_of_solver = refine_linear_solution(x, dx);
   update_moves = moves_constraints();
   update_loads = system.negative_residual();
@@ -348,8 +342,8 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   centre_pressures(x, dx);
   keep_stage(dx);
   bool is_refined = false;
-  if (n_iterations && is_by_laws)
-    *n_iterations += refine_by_laws(x, dx, first_refined, is_refined);
+  if (n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()))
+    *n_iterations += refine_by_laws(x, dx, is_refined);
   if (n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual && !is_refined)
     explain_linear_residual();
   if (!model.is_linear())
@@ -368,26 +362,17 @@ double StepProblem<dim>::share_of(const Vector &correction, const Vector &dx) co
   return largest;
 }
 
-/// The first group of the present stage whose solution the laws refine, or the end of the stage.
-template <int dim>
-unsigned int StepProblem<dim>::first_refined_group() const
-{
-  const Stage &stage = stages[present_stage];
-  if (!stage.is_linear || (model.is_linear() && is_remembered()))
-    return stage.end_group;
-  return linear_solver.first_with_stiff_and_soft(stage.first_group, stage.end_group);
-}
-
 /// Of a linear stage. What rounding leaves of K dx in a stiff body that soft ones hold has a resultant, which
 /// moves it: the entries of K are rounded. Forces by the laws have none, whatever the rounding of strains:
 /// the gradients of the functions of a cell add up to zero. So dx is refined by the residual of the laws,
-/// from @p first_group on. A linear scene in time has it by products, which are rounded likewise.
+/// from the first group on that has such bodies. A linear scene in time has it by products, which are rounded
+/// likewise.
 /// @param is_refined whether dx is exact up to what is asked for
 /// @return the number of linear iterations
 template <int dim>
-unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const unsigned int first_group,
-                                              bool &is_refined)
+unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, bool &is_refined)
 {
+  const double rough = 1e-2;
   LinearSolver::Demand needed = demand();
   needed.enough = std::max(needed.enough, rough);
   needed.ends_at_rounding = false;
@@ -406,44 +391,30 @@ unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const
   };
   const auto share = [this](const Vector &step, const Vector &update) { return share_of(step, update); };
   unsigned int n_iterations = 0;
-  is_refined = true;
-  for (unsigned int g = first_group; g < stages[present_stage].end_group; ++g) {
+  const unsigned int end = needed.end_group,
+                     first = linear_solver.first_with_stiff_and_soft(needed.first_group, end);
+  is_refined = first < end;
+  for (unsigned int g = first; g < end; ++g) {
     needed.first_group = g;
     needed.end_group = g + 1;
-    IterativeRefinement refinement(residual, inverse, share);
+    IterativeRefinement refinement(residual, inverse, share, linear_solver.is_symmetric(g));
     refinement.refine(dx);
     n_iterations += refinement.n_iterations();
     is_refined = is_refined && refinement.is_exact();
   }
   centre_pressures(x, dx);
-  if (model.is_linear()) {
-    Vector solved = system.owned_vector(), rest = solved;
-    copy_unconstrained(dx, solved);
-    residual_of_solver = linear_residual(update_loads, solved, rest);
-  }
   return n_iterations;
 }
 
 /// Of a linear scene, the largest one of all parts; @p rest is what @p dx leaves.
 template <int dim>
-double StepProblem<dim>::linear_residual(const Vector &loads, const Vector &dx, Vector &rest) const
+double StepProblem<dim>::linear_residual(const Vector &dx, Vector &rest) const
 {
-  const std::vector<double> residuals = system.linear_residuals(loads, dx, rest);
+  const std::vector<double> residuals = system.linear_residuals(dx, rest);
   const bool are_finite = std::all_of(residuals.begin(), residuals.end(),
                                       [](const double residual) { return std::isfinite(residual); });
   return are_finite ? *std::max_element(residuals.begin(), residuals.end())
                     : std::numeric_limits<double>::quiet_NaN();
-}
-
-template <int dim>
-void StepProblem<dim>::copy_unconstrained(const Vector &from, Vector &to) const
-{
-  for (unsigned int b = 0; b < from.n_blocks(); ++b) {
-    const Block &block = model.numbering->blocks()[b];
-    for (unsigned int i = 0; i < block.owned.n_elements(); ++i)
-      if (!system.is_constrained(block.begin + block.owned.nth_index_in_set(i)))
-        to.block(b).trilinos_vector()[0][i] = from.block(b).trilinos_vector()[0][i];
-  }
 }
 
 /// Of a linear scene. The solver only has to find what the guess leaves, unless that is no less than what
@@ -452,9 +423,14 @@ template <int dim>
 std::optional<unsigned int> StepProblem<dim>::solve_from_guess(Vector &dx)
 {
   Vector start = system.owned_vector(), rest = start;
-  const double without = linear_residual(system.negative_residual(), start, rest);
-  copy_unconstrained(*guess, start);
-  const double with = linear_residual(system.negative_residual(), start, rest);
+  const double without = linear_residual(start, rest);
+  for (unsigned int b = 0; b < start.n_blocks(); ++b) {
+    const Block &block = model.numbering->blocks()[b];
+    for (unsigned int i = 0; i < block.owned.n_elements(); ++i)
+      if (!system.is_constrained(block.begin + block.owned.nth_index_in_set(i)))
+        start.block(b).trilinos_vector()[0][i] = guess->block(b).trilinos_vector()[0][i];
+  }
+  const double with = linear_residual(start, rest);
   LinearSolver::Demand needed = demand();
   if (!(with < without))
     return linear_solver.solve(dx, system.negative_residual(), needed);
@@ -496,8 +472,7 @@ template <int dim>
 double StepProblem<dim>::excess(const Vector &dx, const std::vector<unsigned int> &blocks) const
 {
   Vector rest = system.owned_vector();
-  const std::vector<double> relative = system.linear_residuals(system.negative_residual(), dx, rest),
-                            forces = system.forces();
+  const std::vector<double> relative = system.linear_residuals(dx, rest), forces = system.forces();
   double largest = 0;
   for (const unsigned int b : blocks)
     largest = std::max(largest, model.is_linear() ? relative[b] : rest.block(b).l2_norm() / forces[b]);
@@ -512,7 +487,7 @@ template <int dim>
 bool is_rounding(BlockSystem<dim> &system, const BlockMatrix::Vector &dx)
 {
   BlockMatrix::Vector rest = system.owned_vector();
-  const std::vector<double> residuals = system.linear_residuals(system.negative_residual(), dx, rest);
+  const std::vector<double> residuals = system.linear_residuals(dx, rest);
   for (unsigned int b = 0; b < residuals.size(); ++b)
     if (!(residuals[b] <= exact_linear_residual) &&
         !(rest.block(b).l2_norm() <=
@@ -531,7 +506,7 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
 {
   has_solver_failed = false;
   Vector rest = system.owned_vector(), correction;
-  double relative = linear_residual(system.negative_residual(), dx, rest);
+  double relative = linear_residual(dx, rest);
   const bool is_final = relative > exact_linear_residual && is_rounding(system, dx);
   for (unsigned int pass = 0;
        pass < 2 && !is_final && relative > (pass == 0 ? exact_linear_residual : usual_linear_residual);
@@ -546,7 +521,7 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
       break;
     Vector trial = dx;
     trial += correction;
-    if (const double refined = linear_residual(system.negative_residual(), trial, rest); refined < relative) {
+    if (const double refined = linear_residual(trial, rest); refined < relative) {
       dx = trial;
       relative = refined;
     }

@@ -18,16 +18,11 @@ namespace dovetail {
 
 namespace {
 
-bool is_square(const Epetra_CrsMatrix &A)
-{
-  return A.RowMap().SameAs(A.DomainMap());
-}
-
 /// The rows of a matrix without columns that are zero but for the diagonal.
 class RowReader
 {
 public:
-  explicit RowReader(const Epetra_CrsMatrix &A);
+  RowReader(const Epetra_CrsMatrix &A, bool has_diagonals);
   /// The numbers of an own row's columns in ascending order, and where their values are; -1: zero.
   void read(int row, std::vector<std::pair<int, int>> &entries) const;
   /// Whether an own row has the columns of the one before, as far as that is seen without reading them.
@@ -40,8 +35,8 @@ private:
   std::vector<char> has_row, has_column; ///< other entries than that of the diagonal, by number
 };
 
-RowReader::RowReader(const Epetra_CrsMatrix &A)
-    : A(A), numbers(numbers_of_columns(A)), has_diagonals(is_square(A)),
+RowReader::RowReader(const Epetra_CrsMatrix &A, const bool has_diagonals)
+    : A(A), numbers(numbers_of_columns(A)), has_diagonals(has_diagonals),
       has_row(A.NumMyRows(), !has_diagonals),
       has_column(A.DomainMap().NumMyElements() + numbers.size(), false)
 {
@@ -178,9 +173,9 @@ std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A)
   return numbers;
 }
 
-RowPattern::RowPattern(const Epetra_CrsMatrix &A) : symmetric(is_square(A))
+RowPattern::RowPattern(const Epetra_CrsMatrix &A, const bool is_symmetric) : symmetric(is_symmetric)
 {
-  const RowReader reader(A);
+  const RowReader reader(A, is_symmetric);
   std::vector<std::pair<int, int>> entries;
   std::vector<int> columns;
   const int n_rows = A.NumMyRows();
@@ -237,14 +232,14 @@ std::size_t RowPattern::memory_consumption() const
   return groups.capacity() * sizeof(Stored) + blocks.capacity() * sizeof(int);
 }
 
-CompactMatrix::CompactMatrix(const Epetra_CrsMatrix &A)
-    : range(A.RowMap()), exchange(A), pattern(std::make_shared<RowPattern>(A))
+CompactMatrix::CompactMatrix(const Epetra_CrsMatrix &A, const bool is_symmetric)
+    : range(A.RowMap()), exchange(A), pattern(std::make_shared<RowPattern>(A, is_symmetric))
 {
   set_values(A, [](int) {});
 }
 
-CompactMatrix::CompactMatrix(std::unique_ptr<Epetra_CrsMatrix> A)
-    : range(A->RowMap()), exchange(*A), pattern(std::make_shared<RowPattern>(*A))
+CompactMatrix::CompactMatrix(std::unique_ptr<Epetra_CrsMatrix> A, const bool is_symmetric)
+    : range(A->RowMap()), exchange(*A), pattern(std::make_shared<RowPattern>(*A, is_symmetric))
 {
   const int many = 1 << 16; // entries
   int *begin = nullptr, *columns = nullptr, end = 0;
@@ -265,7 +260,7 @@ CompactMatrix::CompactMatrix(std::unique_ptr<Epetra_CrsMatrix> A)
 template <typename Done>
 void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
 {
-  const RowReader reader(A);
+  const RowReader reader(A, pattern->is_symmetric());
   std::vector<std::pair<int, int>> entries;
   int n = 0;
   double *row_values = nullptr;

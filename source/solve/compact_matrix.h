@@ -41,13 +41,13 @@ std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A);
 /// The columns of the entries of a matrix. Rows that follow each other and have the same columns, as those of
 /// the components at a node, hold these once, and of columns that follow each other the first ones. A column
 /// that is zero but for its diagonal entry, as of a prescribed unknown, is left out, and its row is by
-/// itself. If rows and domain are the same, the matrix is symmetric: every row has its diagonal entry, and of
-/// the own columns those before the rows of the group are left out.
+/// itself. Every row of a symmetric matrix has its diagonal entry, and of the own columns those before the
+/// rows of the group are left out.
 class RowPattern
 {
 public:
   /// Of the own rows of @p A, which is filled.
-  explicit RowPattern(const Epetra_CrsMatrix &A);
+  RowPattern(const Epetra_CrsMatrix &A, bool is_symmetric);
 
   static constexpr int most_rows = 8; ///< of a group
 
@@ -99,14 +99,14 @@ private:
   std::size_t number_of_entries = 0;
 };
 
-/// A matrix in single precision, symmetric if rows and domain are the same. The largest size of an entry is
-/// the unit of the others, as single precision may not hold it. Products are summed in double precision.
+/// A matrix in single precision. The largest size of an entry is the unit of the others, as single precision
+/// may not hold it. Products are summed in double precision.
 class CompactMatrix
 {
 public:
-  explicit CompactMatrix(const Epetra_CrsMatrix &A);
+  explicit CompactMatrix(const Epetra_CrsMatrix &A, bool is_symmetric = true);
   /// In place of @p A, whose rows give back their memory as soon as they have been read.
-  explicit CompactMatrix(std::unique_ptr<Epetra_CrsMatrix> A);
+  explicit CompactMatrix(std::unique_ptr<Epetra_CrsMatrix> A, bool is_symmetric = true);
 
   const Epetra_Map &rows() const { return range; }
   const Epetra_Map &domain() const { return exchange.own(); }

@@ -39,7 +39,7 @@ void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_
 {
   Level level;
   const double share_of_next = double(P->NumGlobalCols()) / P->NumGlobalRows();
-  level.P = std::make_unique<CompactMatrix>(std::move(P));
+  level.P = std::make_unique<CompactMatrix>(std::move(P), false); // although it may be square
   give_back_freed_memory();
   level.A = last.owned ? std::make_unique<LevelEntries>(CompactMatrix(std::move(last.owned)))
                        : std::make_unique<LevelEntries>(*last.A);

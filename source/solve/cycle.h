@@ -29,7 +29,7 @@ class Cycle
 public:
   /// Makes the smoother of the matrix of a level, which is referred to.
   /// @param known_eigenvalue the largest one of diag(A)^-1 A, from below; 0: not known
-  /// @param share_of_next how many unknowns the next level has, beside A
+  /// @param share_of_next how many columns the prolongation to A has, beside its rows
   using MakeSmoother = std::function<std::unique_ptr<ChebyshevSmoother>(
       const LevelEntries &A, double known_eigenvalue, double share_of_next)>;
 

@@ -83,7 +83,10 @@ EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverCo
       column.push_back(w * times_H[i]);
       w.add(-column.back(), basis[i]);
     }
-    rotate(std::move(column), append(w));
+    const double norm = append(w);
+    if (!has_only_positive && !w.all_zero()) // what there is does not count
+      break;
+    rotate(std::move(column), norm);
     direction.sadd(-sines.back(), cosines.back(), basis.back());
     state = control.check(++n, std::abs(rest) * direction.l2_norm());
   }

@@ -8,8 +8,10 @@
 
 namespace dovetail {
 
-IterativeRefinement::IterativeRefinement(Residual residual, Inverse inverse, Share share)
-    : residual(std::move(residual)), inverse(std::move(inverse)), share(std::move(share))
+IterativeRefinement::IterativeRefinement(Residual residual, Inverse inverse, Share share,
+                                         const bool is_symmetric)
+    : residual(std::move(residual)), inverse(std::move(inverse)), share(std::move(share)),
+      is_symmetric(is_symmetric)
 {
 }
 
@@ -37,7 +39,7 @@ void IterativeRefinement::refine(Vector &x)
       return;
     change = r;
     change -= next;
-    product = d * change;
+    product = is_symmetric ? d * change : 0.;
     const double length = product > 0 ? (d * r) / product : 1.;
     Vector step = d;
     step *= length;

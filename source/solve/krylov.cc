@@ -110,6 +110,13 @@ public:
     set_tolerance(next_goal(tolerance(), true));
   }
 
+  /// The goal is the first one again.
+  void ask_no_more()
+  {
+    next_goal = {};
+    set_tolerance(needed);
+  }
+
   State check(const unsigned int step, const double residual) override
   {
     State state = SolverControl::check(step, residual);
@@ -136,8 +143,9 @@ class FlexibleGmres
 public:
   FlexibleGmres(const GroupOperator &K, Control &control) : K(K), control(control), rest(K.vector()) {}
 
+  /// From @p x, which @p n_iterations others have reached.
   template <typename P>
-  void solve(GroupVector &x, const GroupVector &b, const P &preconditioner);
+  void solve(GroupVector &x, const GroupVector &b, const P &preconditioner, unsigned int n_iterations = 0);
 
 private:
   static constexpr unsigned int largest_basis = 100;
@@ -198,11 +206,12 @@ void FlexibleGmres::correct(GroupVector &x, const unsigned int n) const
 }
 
 template <typename P>
-void FlexibleGmres::solve(GroupVector &x, const GroupVector &b, const P &preconditioner)
+void FlexibleGmres::solve(GroupVector &x, const GroupVector &b, const P &preconditioner,
+                          unsigned int n_iterations)
 {
   using dealii::SolverControl;
   SolverControl::State state = SolverControl::iterate;
-  for (unsigned int n_iterations = 0; state == SolverControl::iterate;) {
+  while (state == SolverControl::iterate) {
     rest = b;
     if (!x.all_zero()) {
       GroupVector product(b);
@@ -227,7 +236,8 @@ void FlexibleGmres::solve(GroupVector &x, const GroupVector &b, const P &precond
       add_column(k);
       state = control.check(++n_iterations, std::abs(right[k + 1]));
     }
-    correct(x, k);
+    const bool is_last_singular = k > 0 && !(std::abs(R[k - 1][k - 1]) > 0); // NaN, too
+    correct(x, is_last_singular ? k - 1 : k);
   }
   if (state != SolverControl::success)
     throw SolverControl::NoConvergence(control.last_step(), control.last_value());
@@ -246,8 +256,10 @@ void solve_with_multipliers(const GroupOperator &K, const GroupFacts &facts, con
       });
     if (gmres.solve(x, b, control))
       return;
-  }
-  FlexibleGmres(K, control).solve(x, b, P);
+    control.ask_no_more();
+    FlexibleGmres(K, control).solve(x, b, P, control.last_step());
+  } else
+    FlexibleGmres(K, control).solve(x, b, P);
 }
 
 } // namespace

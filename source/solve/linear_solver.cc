@@ -544,6 +544,11 @@ unsigned int LinearSolver::first_with_stiff_and_soft(const unsigned int first_gr
   return g;
 }
 
+bool LinearSolver::is_symmetric(const unsigned int group) const
+{
+  return groups[group]->system.facts().is_symmetric;
+}
+
 std::optional<unsigned long> LinearSolver::n_negative_eigenvalues(const unsigned int group) const
 {
   const Group &g = *groups[group];

@@ -70,7 +70,8 @@ private:
   void make_levels();
   std::unique_ptr<Cycle> make_cycle_of_degree_one(Cycle::Finest A,
                                                   std::shared_ptr<const Epetra_MultiVector> modes,
-                                                  std::vector<GroupFacts::Place> places) const;
+                                                  std::vector<GroupFacts::Place> places,
+                                                  bool is_finest) const;
   bool is_stretched() const;
   Means means_for(double n_expected) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
@@ -149,12 +150,13 @@ void Multigrid::make_levels()
   } else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
     by_degree =
         leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {
-          return make_cycle_of_degree_one(std::move(A_1), std::move(level)...);
+          return make_cycle_of_degree_one(std::move(A_1), std::move(level)..., false);
         });
   else
     cycle = make_cycle_of_degree_one(
         added_rows == nullptr ? Cycle::Finest(*matrix) : Cycle::Finest(with_added_rows(*matrix, *added_rows)),
-        modes, means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places());
+        modes, means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places(),
+        true);
   if (means == Means::factorisation && dynamic_cast<const Semicoarsening *>(cycle.get()) != nullptr)
     means = Means::semicoarsening;
 }
@@ -169,7 +171,7 @@ bool Multigrid::is_stretched() const
 
 std::unique_ptr<Cycle>
 Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetra_MultiVector> its_modes,
-                                    std::vector<GroupFacts::Place> places) const
+                                    std::vector<GroupFacts::Place> places, const bool is_finest) const
 {
   const auto with_diagonal = [this](const LevelEntries &level, const double known_eigenvalue, double) {
     const ChebyshevSmoother::Range usual{2, 10}, of_mixed{4, 20}, with_ties{5, 20}; // which B^T W B stiffens
@@ -183,7 +185,7 @@ Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetr
     return std::make_unique<SmoothedAggregation>(std::move(A), std::move(its_modes), with_diagonal);
   return make_cycle_with_factorisations(
       std::move(A), std::move(its_modes), std::move(places),
-      means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap, facts.degree == 1);
+      means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap, is_finest);
 }
 
 /// What to go on with where so many iterations are expected with the present means. A set-up costs some

@@ -166,7 +166,7 @@ void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector 
         stiffest = std::max(stiffest, diagonal_of_columns[columns[i]]);
       square += scaled[i] * scaled[i];
     }
-    shifts.push_back(shift * share * square / stiffest);
+    shifts.push_back(stiffest > 0 ? shift * share * square / stiffest : 0);
     R.InsertGlobalValues(rows.GID(k), n, scaled.data(), global.data());
   }
   R.FillComplete(B.DomainMap(), rows);

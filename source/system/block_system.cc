@@ -866,13 +866,14 @@ std::vector<double> BlockSystem<dim>::residuals() const
 }
 
 template <int dim>
-std::vector<double> BlockSystem<dim>::linear_residuals(const Vector &f, const Vector &dx, Vector &rest)
+std::vector<double> BlockSystem<dim>::linear_residuals(const Vector &dx, Vector &rest)
 {
-  // the forces on a block are its right-hand side, what its cells had last, and what other blocks give it
-  rest = f;
-  std::vector<double> reference = forces();
+  // the forces on a block are its right-hand side, what its cells had before, and what other blocks give it
+  rest = right_hand_side;
+  std::vector<double> reference = residuals();
+  const std::vector<double> before = forces();
   for (unsigned int row = 0; row < dx.n_blocks(); ++row)
-    reference[row] = std::max(reference[row], f.block(row).l2_norm());
+    reference[row] = std::max(reference[row], before[row]);
   const bool is_zero = dx.linfty_norm() == 0;
   if (!is_zero)
     matrix.for_each_product(dx, [&](const unsigned int row, const unsigned int column, const auto &product) {

@@ -108,10 +108,12 @@ int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const Epetra_Map rows = make_map(n_nodes, n_components), coarse = make_map(n_nodes / 3 + 1, n_components);
-  const Epetra_CrsMatrix A = make_matrix(rows), P = make_prolongation(rows, coarse);
+  const Epetra_CrsMatrix A = make_matrix(rows), P = make_prolongation(rows, coarse),
+                         square = make_prolongation(rows, rows); // some columns are empty
   const CompactMatrix compact(A);
   compare_products("matrix", compact, A, 9);
   compare_products("prolongation", Prolongation(P), P, 10);
+  compare_products("square prolongation", CompactMatrix(square, false), square, 30);
   Epetra_Vector diagonal(rows), exact(rows);
   compact.diagonal(diagonal);
   A.ExtractDiagonalCopy(exact);

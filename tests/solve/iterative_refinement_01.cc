@@ -72,7 +72,7 @@ Result solve(const double exactness, const unsigned int fails_at = 100, const un
   };
   const auto share = [](const Vector &step, const Vector &at) { return step.l2_norm() / at.l2_norm(); };
   for_each(x, x, [](const unsigned int i, double) { return 1 / factor(i); });
-  IterativeRefinement refinement(residual, inverse, share);
+  IterativeRefinement refinement(residual, inverse, share, true);
   refinement.refine(x);
   x.add(-1.);
   return {x.linfty_norm(), n_steps, refinement.is_exact()};

@@ -105,12 +105,10 @@ private:
   std::optional<unsigned int> solve_from_guess(Vector &dx);
   double measure(bool is_defined);
   std::vector<bool> blocks_of_residual(bool with_tangent) const;
-  void copy_unconstrained(const Vector &from, Vector &to) const;
-  double linear_residual(const Vector &loads, const Vector &dx, Vector &rest) const;
+  double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
-  unsigned int first_refined_group() const;
-  unsigned int refine_by_laws(const Vector &x, Vector &dx, unsigned int first_group, bool &is_refined);
+  unsigned int refine_by_laws(const Vector &x, Vector &dx, bool &is_refined);
   void explain_linear_residual();
   double share_of(const Vector &correction, const Vector &dx) const;
   Vector find_moving_loads(const Vector &x);

@@ -10,11 +10,11 @@
 
 namespace dovetail {
 
-/// Solves r(x) = b − A x = 0 for an A that rounding hides from the matrix K: r is evaluated without K, and
-/// K⁻¹ is known to a few digits. Iterative refinement adds c = K⁻¹ r(x). Flexible conjugate gradients (Notay
-/// 2000) make each c A-conjugate to the direction d before it, and go the length (d · r)/(d · A d) along it,
-/// where A d = r(x) − r(x + d): some functions that K sees wrongly by half take a few steps. Where d · A d is
-/// not positive, the whole of d is taken.
+/// Solves r(x) = b - A x = 0 for an A that rounding hides from the matrix K: r is evaluated without K, and
+/// K^-1 is known to a few digits. Iterative refinement adds c = K^-1 r(x). If A is symmetric, flexible
+/// conjugate gradients (Notay 2000) make each c A-conjugate to the direction d before it, and go the length
+/// (d . r)/(d . A d) along it, where A d = r(x) - r(x + d): some functions that K sees wrongly by half take a
+/// few steps. Where d . A d is not positive, the whole of d is taken.
 class IterativeRefinement
 {
 public:
@@ -27,7 +27,7 @@ public:
   /// Of a step beside x: the largest share of a part.
   using Share = std::function<double(const Vector &step, const Vector &x)>;
 
-  IterativeRefinement(Residual residual, Inverse inverse, Share share);
+  IterativeRefinement(Residual residual, Inverse inverse, Share share, bool is_symmetric);
 
   /// Until the next step is expected to be a share of 1e-10 at most, or steps no longer become smaller.
   void refine(Vector &x);
@@ -39,6 +39,7 @@ private:
   const Residual residual;
   const Inverse inverse;
   const Share share;
+  const bool is_symmetric;
   bool has_digits = false;
   unsigned int iterations = 0;
 };

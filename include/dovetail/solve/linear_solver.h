@@ -104,6 +104,8 @@ public:
   /// Collective. @pre set_matrix()
   unsigned int first_with_stiff_and_soft(unsigned int first_group, unsigned int end_group) const;
 
+  bool is_symmetric(unsigned int group) const;
+
   /// Of the matrix of a group that was solved last; nothing if the solver does not know.
   std::optional<unsigned long> n_negative_eigenvalues(unsigned int group) const;
 

@@ -142,8 +142,8 @@ public:
   const Vector *last_state() const { return ghosted_scratch.size() > 0 ? &ghosted_scratch : nullptr; }
   /// By block: the number of its field; multipliers have one of their own for each interface.
   const std::vector<unsigned int> &fields_of_blocks() const { return field_of_block; }
-  /// For linear systems K dx = f, by block ||f - K dx|| relative to the forces there. @p rest becomes f - K dx.
-  std::vector<double> linear_residuals(const Vector &f, const Vector &dx, Vector &rest);
+  /// For linear systems, by block ||K dx + R|| relative to the forces there. @p rest becomes -R - K dx.
+  std::vector<double> linear_residuals(const Vector &dx, Vector &rest);
 
   /// Whether the last assembly has found that the constraints move unknowns, of a block or of any.
   bool moves_constraints(const unsigned int block) const { return constraints.moves(block); }

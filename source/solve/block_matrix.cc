@@ -170,19 +170,9 @@ BlockMatrix::split_rows(const unsigned int p, dealii::DynamicSparsityPattern &pa
   BlockSearch find(indices);
   for (const auto &[row, row_of_system] : rows) {
     const unsigned int n = pattern.row_length(row_of_system);
-    std::vector<Index> *of_part = nullptr;
-    Index end = 0, shift = 0; // own columns of a block, up to its end, keep their distance in the part
     for (unsigned int k = 0; k < n; ++k) {
-      const Index column = pattern.column_number(row_of_system, k);
-      if (column >= end) {
-        const auto [block, index] = find(column);
-        const RowNumbering &numbering = numberings[part_of(block)];
-        of_part = &columns[part_of(block)];
-        shift = numbering.row(place[block].position, index) - column;
-        const dealii::IndexSet &own = owned[block]; // contiguous
-        end = column + (own.is_element(index) ? own.nth_index_in_set(own.n_elements() - 1) + 1 - index : 1);
-      }
-      of_part->push_back(column + shift);
+      const auto [block, index] = find(pattern.column_number(row_of_system, k));
+      columns[part_of(block)].push_back(numberings[part_of(block)].row(place[block].position, index));
     }
     pattern.clear_row(row_of_system);
     for (auto &[q, part_columns] : columns) {

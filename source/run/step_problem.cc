@@ -374,6 +374,10 @@ unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, bool 
 {
   const double rough = 1e-2;
   LinearSolver::Demand needed = demand();
+  const unsigned int end = needed.end_group,
+                     first = linear_solver.first_with_stiff_and_soft(needed.first_group, end);
+  if (first == end)
+    return 0;
   needed.enough = std::max(needed.enough, rough);
   needed.ends_at_rounding = false;
   const auto residual = [&](const Vector &update, Vector &rest) {
@@ -391,9 +395,7 @@ unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, bool 
   };
   const auto share = [this](const Vector &step, const Vector &update) { return share_of(step, update); };
   unsigned int n_iterations = 0;
-  const unsigned int end = needed.end_group,
-                     first = linear_solver.first_with_stiff_and_soft(needed.first_group, end);
-  is_refined = first < end;
+  is_refined = true;
   for (unsigned int g = first; g < end; ++g) {
     needed.first_group = g;
     needed.end_group = g + 1;

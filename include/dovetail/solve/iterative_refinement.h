@@ -22,14 +22,14 @@ public:
 
   /// r(x). @return false where it is not defined
   using Residual = std::function<bool(const Vector &x, Vector &r)>;
-  /// c = K⁻¹ r to a few digits. @return the number of linear iterations; nothing if the solver has failed
+  /// c = K^-1 r to a few digits. @return the number of linear iterations; nothing if the solver has failed
   using Inverse = std::function<std::optional<unsigned int>(const Vector &r, Vector &c)>;
   /// Of a step beside x: the largest share of a part.
   using Share = std::function<double(const Vector &step, const Vector &x)>;
 
   IterativeRefinement(Residual residual, Inverse inverse, Share share, bool is_symmetric);
 
-  /// Until the next step is expected to be a share of 1e-10 at most, or steps no longer become smaller.
+  /// Until the next step is expected to be a share of 1e-11 at most, or steps no longer become smaller.
   void refine(Vector &x);
 
   bool is_exact() const { return has_digits; }             ///< the last step was a share of 1e-8 at most

@@ -81,7 +81,6 @@ struct LinearSolver::Group
   std::optional<unsigned int> solve(GroupVector &x, const GroupVector &b);
   void be_patient();
   double residual_by_rounding(const GroupVector &x, const GroupVector &b) const;
-  bool has_large_contrast() const;
   GroupFacts::NextGoal make_next_goal(const GroupVector &x, const GroupVector &b, Vector &dx,
                                       const Demand &demand) const;
   bool takes_direct() const { return is_decided ? is_direct : is_direct_by_size(); }
@@ -453,12 +452,6 @@ double LinearSolver::Group::residual_by_rounding(const GroupVector &x, const Gro
   return dealii::Utilities::MPI::max(largest, owner.ranks.communicator);
 }
 
-bool LinearSolver::Group::has_large_contrast() const
-{
-  const GroupFacts &facts = system.facts();
-  return facts.contrast && facts.contrast() > GroupFacts::large_contrast;
-}
-
 /// GroupFacts::next_goal of K x = b. In stiff bodies that move with soft ones rounding may leave a residual
 /// far above the goal, which the recurrence does not see: with a large contrast the iteration looks on its
 /// way whether all rows are solved to rounding, at residuals where that is to be expected. At the goal itself
@@ -468,7 +461,7 @@ GroupFacts::NextGoal LinearSolver::Group::make_next_goal(const GroupVector &x, c
                                                          Vector &dx, const Demand &demand) const
 {
   const double first_look = 1e-3, far = 1e3, margin = 0.5, slow = 0.9;
-  const bool may_round = has_large_contrast();
+  const bool may_round = system.facts().has_large_contrast();
   if (may_round && !demand.ends_at_rounding)
     return {};
   return [=, &x, &b, &dx, &demand, last_goal = 0.,

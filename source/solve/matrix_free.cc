@@ -35,8 +35,8 @@ class SumLevel : public LevelOperator
 {
 public:
   SumLevel(const GroupOperator &K, const GroupFacts &facts)
-      : cells(*K.cells()), entries(K.entries()), is_rough(facts.is_positive_definite() || !facts.contrast ||
-                                                          facts.contrast() <= GroupFacts::large_contrast)
+      : cells(*K.cells()), entries(K.entries()),
+        is_rough(facts.is_positive_definite() || !facts.has_large_contrast())
   {
     if (!facts.is_symmetric) {
       symmetric_entries = make_symmetric_part(*entries, facts.field_of_row());

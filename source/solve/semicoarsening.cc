@@ -563,7 +563,7 @@ std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
 
 bool has_mixed_bodies(const GroupFacts &facts)
 {
-  return facts.n_blocks > 2 && facts.contrast && facts.contrast() > GroupFacts::large_contrast;
+  return facts.n_blocks > 2 && facts.has_large_contrast();
 }
 
 Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,

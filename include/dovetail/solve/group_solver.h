@@ -104,6 +104,7 @@ struct GroupFacts : GroupTraits
   /// Collective.
   std::function<double()> contrast;
   static constexpr double large_contrast = 1e3; ///< from here on bodies hardly share a mode
+  bool has_large_contrast() const { return contrast && contrast() > large_contrast; } ///< collective
   /// Of some own rows of the bodies: the number of the block, and where the node is. May be missing.
   struct Place
   {

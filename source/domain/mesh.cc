@@ -11,7 +11,7 @@
 #include <dovetail/domain/mesh_size.h>
 #include <dovetail/domain/simplices.h>
 
-#include "mesh_on_one_rank.h"
+#include "uniform_mesh.h"
 
 #include <deal.II/base/bounding_box.h>
 #include <deal.II/base/mpi.h>
@@ -461,7 +461,7 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
       "Shift", dealii::Point<3>(), "Vector that is added to all points of the mesh, after Scale [m]");
 
   if (section.documenting())
-    return std::make_unique<MeshOnOneRank<dim>>(communicator);
+    return std::make_unique<UniformMesh<dim>>(communicator);
 
   const dealii::Tensor<1, dim> shift_in_dim = in_dim<dim>(shift);
   dealii::Triangulation<dim> coarse_mesh;
@@ -493,9 +493,9 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
     return distribute(coarse_mesh, further_nodes, note, communicator);
   }
   const bool divides_single_cells = local_refinement.is_asked_for() || has_adaptive_meshes(section.top());
-  const auto refined_by = n_ranks == 1 && !divides_single_cells
-                              ? refined<dim, MeshOnOneRank<dim>>
-                              : refined<dim, dealii::parallel::distributed::Triangulation<dim>>;
+  const auto refined_by = divides_single_cells
+                              ? refined<dim, dealii::parallel::distributed::Triangulation<dim>>
+                              : refined<dim, UniformMesh<dim>>;
   auto mesh = refined_by(std::move(origin), coarse_mesh, further_nodes, note, n_refinements, communicator);
   if (local_refinement.is_asked_for())
     local_refinement.refine(*mesh, communicator);

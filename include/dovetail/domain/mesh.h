@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The mesh of one body, from a file or from one of deal.II's generators, distributed over all ranks: by p4est
-// if its cells are quadrilaterals or hexahedra, by METIS if they are triangles or tetrahedra.
+// The mesh of one body, from a file or from one of deal.II's generators, distributed over all ranks: along
+// the curve of p4est if its cells are quadrilaterals or hexahedra, by METIS if they are triangles or
+// tetrahedra. p4est itself is used where cells may be divided one by one.
 
 #pragma once
 

@@ -24,37 +24,16 @@ double EnergyGmres::append(const GroupVector &w)
   return norm;
 }
 
-/// The next column of the triangular factor. @p below: the entry that the new rotation makes zero.
-void EnergyGmres::rotate(std::vector<double> column, const double below)
-{
-  for (unsigned int i = 0; i < cosines.size(); ++i) {
-    const double upper = column[i], lower = column[i + 1];
-    column[i] = cosines[i] * upper + sines[i] * lower;
-    column[i + 1] = cosines[i] * lower - sines[i] * upper;
-  }
-  const double length = std::hypot(column.back(), below);
-  cosines.push_back(column.back() / length);
-  sines.push_back(below / length);
-  column.back() = length;
-  columns.push_back(std::move(column));
-  right_hand_side.push_back(cosines.back() * rest);
-  rest *= -sines.back();
-}
-
 void EnergyGmres::update(GroupVector &x) const
 {
   x = begin;
-  if (columns.empty())
+  if (projected.n_columns() == 0)
     return;
-  std::vector<double> y(right_hand_side);
+  const std::vector<double> shares = projected.solution();
   GroupVector sum(begin), result(begin), unused(begin);
   sum = 0;
-  for (unsigned int i = y.size(); i-- > 0;) {
-    for (unsigned int k = i + 1; k < y.size(); ++k)
-      y[i] -= columns[k][i] * y[k];
-    y[i] /= columns[i][i];
-    sum.add(y[i], basis[i]);
-  }
+  for (unsigned int i = 0; i < shares.size(); ++i)
+    sum.add(shares[i], basis[i]);
   apply(result, unused, sum);
   x += result;
 }
@@ -64,19 +43,16 @@ void EnergyGmres::start(const GroupVector &x)
   begin = x;
   basis.clear();
   times_H.clear();
-  columns.clear();
-  right_hand_side.clear();
-  cosines.clear();
-  sines.clear();
+  projected = LeastSquares();
 }
 
 EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverControl &control)
 {
   const unsigned int most_vectors = 100;
   State state = State::iterate;
-  rest = append(r);
+  projected = LeastSquares(append(r));
   GroupVector direction(basis[0]), w(r); // of the residual
-  while (has_only_positive && state == State::iterate && columns.size() < most_vectors) {
+  while (has_only_positive && state == State::iterate && projected.n_columns() < most_vectors) {
     K.vmult(w, z);
     std::vector<double> column;
     for (unsigned int i = 0; i < basis.size(); ++i) {
@@ -86,9 +62,11 @@ EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverCo
     const double norm = append(w);
     if (!has_only_positive && !w.all_zero()) // what there is does not count
       break;
-    rotate(std::move(column), norm);
-    direction.sadd(-sines.back(), cosines.back(), basis.back());
-    state = control.check(++n, std::abs(rest) * direction.l2_norm());
+    column.push_back(norm);
+    projected.append(std::move(column));
+    const auto [cosine, sine] = projected.last_rotation();
+    direction.sadd(-sine, cosine, basis.back());
+    state = control.check(++n, projected.residual() * direction.l2_norm());
   }
   return state;
 }

@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include "least_squares.h"
+
 #include <dovetail/solve/group_solver.h>
 
 #include <deal.II/lac/solver_control.h>
@@ -39,18 +41,15 @@ private:
   void start(const GroupVector &x);
   State solve_for(const GroupVector &r, dealii::SolverControl &control);
   double append(const GroupVector &w);
-  void rotate(std::vector<double> column, double below);
 
   const GroupOperator &K;
   const Apply apply;
-  bool has_only_positive = true;            ///< so far, r^T H r
-  unsigned int n = 0;                       ///< iterations
-  GroupVector begin;                        ///< x where the vectors begin
-  std::vector<GroupVector> basis, times_H;  ///< v and H v, orthonormal to each other
-  GroupVector z;                            ///< of the last v
-  std::vector<std::vector<double>> columns; ///< of the triangular factor
-  std::vector<double> right_hand_side, cosines, sines;
-  double rest = 0; ///< of the right-hand side, below the triangle: the norm of the residual, with a sign
+  bool has_only_positive = true;           ///< so far, r^T H r
+  unsigned int n = 0;                      ///< iterations
+  GroupVector begin;                       ///< x where the vectors begin
+  std::vector<GroupVector> basis, times_H; ///< v and H v, orthonormal to each other
+  GroupVector z;                           ///< of the last v
+  LeastSquares projected;                  ///< on the vectors
 };
 
 } // namespace dovetail

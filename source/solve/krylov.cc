@@ -4,13 +4,13 @@
 #include <dovetail/solve/krylov.h>
 
 #include "energy_gmres.h"
+#include "least_squares.h"
 
 #include <deal.II/lac/solver_cg.h>
 #include <deal.II/lac/solver_control.h>
 #include <deal.II/lac/vector_memory.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -151,18 +151,15 @@ private:
   static constexpr unsigned int largest_basis = 100;
 
   void add_column(unsigned int k);
-  void correct(GroupVector &x, unsigned int n) const;
 
   const GroupOperator &K;
   Control &control;
   GroupVector rest;
   std::vector<GroupVector> directions, preconditioned;
-  std::vector<std::vector<double>> R; ///< by column, upper triangle
-  std::vector<std::array<double, 2>> rotations;
-  std::vector<double> right; ///< the residual in the basis, rotated
+  LeastSquares projected; ///< on the directions
 };
 
-/// Of K z_k, which is in rest and becomes orthogonal to the directions; then by rotations of R.
+/// Of K z_k, which is in rest and becomes orthogonal to the directions.
 void FlexibleGmres::add_column(const unsigned int k)
 {
   const double before = rest.l2_norm(), lost = 1e-7; // half of the digits
@@ -177,32 +174,7 @@ void FlexibleGmres::add_column(const unsigned int k)
   }
   if (h[k + 1] > 0)
     rest /= h[k + 1];
-  const auto rotate = [](const std::array<double, 2> &by, double &a, double &b) {
-    const double rotated = by[0] * a + by[1] * b;
-    b = by[0] * b - by[1] * a;
-    a = rotated;
-  };
-  for (unsigned int i = 0; i < k; ++i)
-    rotate(rotations[i], h[i], h[i + 1]);
-  const double length = std::hypot(h[k], h[k + 1]);
-  rotations.push_back({{h[k] / length, h[k + 1] / length}});
-  rotate(rotations[k], h[k], h[k + 1]);
-  right.push_back(0);
-  rotate(rotations[k], right[k], right[k + 1]);
-  h.pop_back();
-  R.push_back(std::move(h));
-}
-
-/// x += the combination of @p n preconditioned directions that leaves least.
-void FlexibleGmres::correct(GroupVector &x, const unsigned int n) const
-{
-  std::vector<double> shares(right.begin(), right.begin() + n);
-  for (unsigned int k = n; k-- > 0;) {
-    shares[k] /= R[k][k];
-    for (unsigned int i = 0; i < k; ++i)
-      shares[i] -= shares[k] * R[k][i];
-    x.add(shares[k], preconditioned[k]);
-  }
+  projected.append(std::move(h));
 }
 
 template <typename P>
@@ -218,14 +190,12 @@ void FlexibleGmres::solve(GroupVector &x, const GroupVector &b, const P &precond
       K.vmult(product, x);
       rest -= product;
     }
-    right = {rest.l2_norm()};
-    R.clear();
-    rotations.clear();
-    state = control.check(n_iterations, right[0]);
+    const double norm = rest.l2_norm();
+    projected = LeastSquares(norm);
+    state = control.check(n_iterations, norm);
     if (state == SolverControl::iterate)
-      rest /= right[0];
-    unsigned int k = 0;
-    for (; k < largest_basis && state == SolverControl::iterate; ++k) {
+      rest /= norm;
+    for (unsigned int k = 0; k < largest_basis && state == SolverControl::iterate; ++k) {
       if (k == directions.size()) {
         directions.push_back(rest);
         preconditioned.emplace_back(rest);
@@ -234,10 +204,11 @@ void FlexibleGmres::solve(GroupVector &x, const GroupVector &b, const P &precond
       preconditioner.vmult(preconditioned[k], directions[k]);
       K.vmult(rest, preconditioned[k]);
       add_column(k);
-      state = control.check(++n_iterations, std::abs(right[k + 1]));
+      state = control.check(++n_iterations, projected.residual());
     }
-    const bool is_last_singular = k > 0 && !(std::abs(R[k - 1][k - 1]) > 0); // NaN, too
-    correct(x, is_last_singular ? k - 1 : k);
+    const std::vector<double> shares = projected.solution();
+    for (unsigned int k = 0; k < shares.size(); ++k)
+      x.add(shares[k], preconditioned[k]);
   }
   if (state != SolverControl::success)
     throw SolverControl::NoConvergence(control.last_step(), control.last_value());

@@ -6,6 +6,7 @@
 #include <deal.II/base/exceptions.h>
 
 #include <Amesos_Klu.h>
+#include <Amesos_Lapack.h>
 #include <Epetra_LinearProblem.h>
 #include <Epetra_Map.h>
 #include <Epetra_MultiVector.h>
@@ -30,7 +31,11 @@ void Factors::factorise()
 {
   problem = std::make_unique<Epetra_LinearProblem>();
   problem->SetOperator(const_cast<Epetra_CrsMatrix *>(&A));
-  solver = std::make_unique<Amesos_Klu>(*problem);
+  const double n_rows = A.NumGlobalRows(), n_entries = A.NumGlobalNonzeros(), few = n_rows / 8; // in a row
+  if (n_entries > few * n_rows)
+    solver = std::make_unique<Amesos_Lapack>(*problem);
+  else
+    solver = std::make_unique<Amesos_Klu>(*problem);
   AssertThrow(solver->SymbolicFactorization() == 0 && solver->NumericFactorization() == 0,
               dealii::ExcMessage("A small matrix cannot be factorised."));
 }

@@ -3,6 +3,7 @@
 
 #include "aggregate_products.h"
 
+#include <dovetail/solve/rows_of_other_ranks.h>
 #include <dovetail/widest_vectors.h>
 
 #include <deal.II/base/mpi.h>
@@ -11,7 +12,6 @@
 #include <boost/serialization/vector.hpp>
 
 #include <Epetra_CrsGraph.h>
-#include <Epetra_Import.h>
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
 #include <Epetra_MpiComm.h>
@@ -158,26 +158,27 @@ void ProlongationRows::import_rows(const Epetra_CrsMatrix &A, const Epetra_CrsMa
       place.back() = -static_cast<int>(others.size());
     }
   }
-  const Epetra_Map rows(-1, static_cast<int>(others.size()), others.data(), 0, A.Comm());
-  Epetra_CrsMatrix of_others(Copy, rows, P.MaxNumEntries());
-  of_others.Import(P, Epetra_Import(rows, P.RowMap()), Insert);
   std::map<int, int> further; // numbers of columns that P does not have here
   begin.push_back(0);
-  for (const int row : others) {
-    int n = 0, *indices = nullptr;
-    double *entries = nullptr;
-    of_others.ExtractGlobalRowView(row, n, entries, indices);
-    for (int k = 0; k < n; k += block_length) {
+  const auto read = [&](const int row, std::vector<int> &numbers, std::vector<double> &weights) {
+    const SparseRow own_row = own[row];
+    weights.assign(own_row.values, own_row.values + own_row.n);
+    numbers.clear();
+    for (int k = 0; k < own_row.n; ++k)
+      numbers.push_back(P.GCID(own_row.columns[k]));
+  };
+  for (const auto &[indices, entries] : rows_of_other_ranks(P.RowMap(), others, read)) {
+    for (unsigned int k = 0; k < indices.size(); k += block_length) {
       int first = P.LCID(indices[k]);
       if (first < 0) {
         first = further.emplace(indices[k], globals.size()).first->second;
         if (first == static_cast<int>(globals.size()))
-          globals.insert(globals.end(), indices + k, indices + k + block_length);
+          globals.insert(globals.end(), indices.begin() + k, indices.begin() + k + block_length);
       }
       for (int i = 0; i < block_length; ++i)
         columns.push_back(first + i);
     }
-    values.insert(values.end(), entries, entries + n);
+    values.insert(values.end(), entries.begin(), entries.end());
     begin.push_back(values.size());
   }
 }

@@ -5,41 +5,17 @@
 #include "semicoarsening.h"
 
 #include <dovetail/solve/free_memory.h>
+#include <dovetail/solve/rows_of_other_ranks.h>
 
-#include <EpetraExt_MatrixMatrix.h>
-#include <Epetra_Import.h>
-#include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
 namespace dovetail {
-
-namespace {
-
-/// What a row is: the number of an unknown of the coarse matrix, or
-enum Kind { is_fixed = -1, is_sum = -2 };
-
-/// The kinds of the rows that the columns of @p matrix, which is filled, refer to.
-Epetra_IntVector column_values(const Epetra_CrsMatrix &matrix, const Epetra_IntVector &row_values)
-{
-  Epetra_IntVector result(matrix.ColMap());
-  const Epetra_Import import(matrix.ColMap(), row_values.Map());
-  result.Import(row_values, import, Insert);
-  return result;
-}
-
-bool on_any_rank(const Epetra_Comm &communicator, const bool here)
-{
-  int mine = here, anyone = 0;
-  communicator.MaxAll(&mine, &anyone, 1);
-  return anyone != 0;
-}
-
-} // namespace
 
 DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, RowSums &&sums, const MakeModes &make_modes,
                                    const GroupFacts &facts, std::unique_ptr<Smoother> given_smoother,
@@ -89,161 +65,153 @@ std::unique_ptr<ChebyshevSmoother> DegreeCoarsening::usual_smoother(const LevelO
 
 namespace {
 
-/// The sums of own rows, in which own rows that are sums themselves are replaced. Those of this kind are
-/// remembered.
-class OwnSums
+/// Rows as sums of unknowns of the coarse matrix: in the sums that are given, rows that are sums themselves
+/// are replaced, also those of other ranks. Own rows of this kind are remembered.
+class FinalSums
 {
 public:
-  OwnSums(const RowSums &sums, const Epetra_Map &rows) : sums(sums), rows(rows), is_done(sums.size()) {}
-  /// Until the next call.
-  const GroupFacts::Sum &operator[](int row);
+  using Sum = GroupFacts::Sum;
+
+  /// @param number of own rows that are unknowns of the coarse matrix, others are negative. Collective.
+  FinalSums(const RowSums &sums, const Epetra_Map &rows, const std::vector<int> &number);
+  /// Numbers of unknowns of the coarse matrix and weights. Until the next call.
+  const Sum &operator[](int row);
 
 private:
-  bool is_itself(const int row, const int global_row) const { return sums.is_only(row, global_row); }
+  /// What is not known yet of a row of another rank: in place of its number.
+  static int unknown(const int row) { return -1 - row; }
+
+  int code(const int column) const ///< the number of an unknown, or unknown(column)
+  {
+    const int own = rows.LID(column);
+    return own >= 0 && number[own] >= 0 ? number[own] : unknown(column);
+  }
+  void get_other_ranks();
   void expand(int row);
-  template <typename Visit>
-  void for_sum(int row, const Visit &visit) const;
+  void add(int code, double weight, std::map<int, double> &sum);
 
   const RowSums &sums;
   const Epetra_Map &rows;
+  const std::vector<int> &number;
   std::vector<bool> is_done;
-  std::unordered_map<int, GroupFacts::Sum> replaced;
-  GroupFacts::Sum result;
+  std::unordered_map<int, Sum> replaced, of_others; ///< by own row, by global row
+  Sum result;
 };
 
-const GroupFacts::Sum &OwnSums::operator[](const int row)
+FinalSums::FinalSums(const RowSums &sums, const Epetra_Map &rows, const std::vector<int> &number)
+    : sums(sums), rows(rows), number(number), is_done(sums.size())
+{
+  if (rows.Comm().NumProc() > 1)
+    get_other_ranks();
+}
+
+void FinalSums::get_other_ranks()
+{
+  std::set<int> missing;
+  for (unsigned int row = 0; row < sums.size(); ++row)
+    for (unsigned int k = 0; k < sums[row].n; ++k)
+      if (const int column = sums[row].columns[k]; !rows.MyGID(column))
+        missing.insert(column);
+  const auto is_any_missing = [&]() {
+    int here = missing.empty() ? 0 : 1, anywhere = 0;
+    rows.Comm().MaxAll(&here, &anywhere, 1);
+    return anywhere != 0;
+  };
+  while (is_any_missing()) {
+    const std::vector<int> wanted(missing.begin(), missing.end());
+    const auto received = rows_of_other_ranks(
+        rows, wanted, [this](const int row, std::vector<int> &columns, std::vector<double> &weights) {
+          columns.clear();
+          weights.clear();
+          for (const auto &[column, weight] : (*this)[row]) {
+            columns.push_back(column);
+            weights.push_back(weight);
+          }
+        });
+    for (unsigned int i = 0; i < wanted.size(); ++i) {
+      Sum &sum = of_others[wanted[i]]; // a fixed value has none
+      for (unsigned int k = 0; k < received[i].columns.size(); ++k)
+        sum.emplace_back(received[i].columns[k], received[i].values[k]);
+    }
+    missing.clear();
+    for (const auto &of_row : received)
+      for (const int column : of_row.columns)
+        if (column < 0 && !rows.MyGID(unknown(column)) && of_others.count(unknown(column)) == 0)
+          missing.insert(unknown(column));
+  }
+  replaced.clear();
+  is_done.assign(sums.size(), false);
+}
+
+const FinalSums::Sum &FinalSums::operator[](const int row)
 {
   expand(row);
+  if (const auto found = replaced.find(row); found != replaced.end())
+    return found->second;
   result.clear();
-  for_sum(row, [this](const int column, const double weight) { result.emplace_back(column, weight); });
+  const RowSums::Row sum = sums[row];
+  for (unsigned int k = 0; k < sum.n; ++k)
+    result.emplace_back(code(sum.columns[k]), sum.weights[k]);
   return result;
 }
 
-template <typename Visit>
-void OwnSums::for_sum(const int row, const Visit &visit) const
+void FinalSums::expand(const int row)
 {
-  if (const auto found = replaced.find(row); found != replaced.end()) {
-    for (const auto &[column, weight] : found->second)
-      visit(column, weight);
-    return;
-  }
-  const RowSums::Row sum = sums[row];
-  for (unsigned int k = 0; k < sum.n; ++k)
-    visit(static_cast<int>(sum.columns[k]), sum.weights[k]);
-}
-
-void OwnSums::expand(const int row)
-{
-  if (is_done[row] || is_itself(row, rows.GID(row)))
+  if (is_done[row] || number[row] >= 0)
     return;
   is_done[row] = true;
-  bool is_final = true;
   const RowSums::Row given = sums[row];
-  for (unsigned int k = 0; k < given.n; ++k)
-    if (const int column = given.columns[k], own = rows.LID(column); own >= 0 && !is_itself(own, column)) {
-      expand(own);
-      is_final = false;
-    }
+  const bool is_final = std::all_of(given.columns, given.columns + given.n,
+                                    [this](const int column) { return code(column) >= 0; });
   if (is_final)
     return;
   std::map<int, double> sum;
-  for (unsigned int k = 0; k < given.n; ++k) {
-    const int column = given.columns[k], own = rows.LID(column);
-    const double weight = given.weights[k];
-    if (own < 0)
-      sum[column] += weight;
-    else
-      for_sum(own, [&](const int other, const double its_weight) { sum[other] += weight * its_weight; });
-  }
+  for (unsigned int k = 0; k < given.n; ++k)
+    add(code(given.columns[k]), given.weights[k], sum);
   replaced[row].assign(sum.begin(), sum.end());
+}
+
+void FinalSums::add(const int code, const double weight, std::map<int, double> &sum)
+{
+  const auto add_all = [&](const Sum &others) {
+    for (const auto &[column, its_weight] : others)
+      add(column, weight * its_weight, sum);
+  };
+  if (code >= 0)
+    sum[code] += weight;
+  else if (const int own = rows.LID(unknown(code)); own >= 0)
+    add_all(Sum((*this)[own]));
+  else if (const auto found = of_others.find(unknown(code)); found != of_others.end())
+    add_all(found->second);
+  else
+    sum[code] += weight;
 }
 
 } // namespace
 
-/// The sums of @p sums, sums of sums, … until only unknowns of the coarse matrix are left.
-std::unique_ptr<Epetra_CrsMatrix> DegreeCoarsening::follow(RowSums &&given_sums) const
-{
-  Epetra_IntVector kind(A.rows());
-  std::unique_ptr<Epetra_CrsMatrix> result;
-  {
-    const RowSums sums = std::move(given_sums);
-    OwnSums own_sums(sums, A.rows());
-    std::vector<int> lengths, columns;
-    std::vector<double> weights;
-    for (unsigned int row = 0; row < sums.size(); ++row)
-      lengths.push_back(own_sums[row].size());
-    result = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), lengths.data(), true);
-    for (unsigned int row = 0; row < sums.size(); ++row) {
-      columns.clear();
-      weights.clear();
-      for (const auto &[column, weight] : own_sums[row]) {
-        columns.push_back(column);
-        weights.push_back(weight);
-      }
-      const int own = A.rows().GID(row);
-      kind[row] = columns.empty() ? is_fixed : sums.is_only(row, own) ? 0 : is_sum;
-      result->InsertGlobalValues(own, columns.size(), weights.data(), columns.data());
-    }
-  }
-  result->FillComplete(A.rows(), A.rows());
-
-  const unsigned int longest_chain = 4; // number of squares: 16 steps from rank to rank
-  for (unsigned int i = 0; i < longest_chain; ++i) {
-    const Epetra_IntVector column_kind = column_values(*result, kind);
-    bool has_sums = false;
-    for (int column = 0; column < column_kind.MyLength(); ++column)
-      has_sums = has_sums || column_kind[column] == is_sum;
-    if (!on_any_rank(A.rows().Comm(), has_sums))
-      break;
-    auto square = std::make_unique<Epetra_CrsMatrix>(Copy, A.rows(), 0);
-    EpetraExt::MatrixMatrix::Multiply(*result, false, *result, false, *square);
-    result = std::move(square);
-  }
-  return result;
-}
-
 /// P.
 std::unique_ptr<Prolongation> DegreeCoarsening::make_prolongation(RowSums &&given_sums)
 {
-  RowSums sums = std::move(given_sums);
+  const RowSums sums = std::move(given_sums);
   for (unsigned int row = 0; row < sums.size(); ++row)
     if (sums.is_only(row, A.rows().GID(row)))
       coarse_rows.push_back(row);
   const Epetra_Map coarse(-1, static_cast<int>(coarse_rows.size()), 0, A.rows().Comm());
-  Epetra_IntVector number(A.rows());
-  number.PutValue(is_fixed);
+  std::vector<int> number(sums.size(), -1);
   for (unsigned int i = 0; i < coarse_rows.size(); ++i)
     number[coarse_rows[i]] = coarse.GID(i);
-
+  FinalSums final_sums(sums, A.rows(), number);
   // a condensed unknown is alone in its row of the matrix, and found afterwards from those it follows
-  if (A.rows().Comm().NumProc() == 1) {
-    OwnSums own_sums(sums, A.rows());
-    return std::make_unique<Prolongation>(
-        A.rows(), coarse, [&](const int row, std::vector<int> &columns, std::vector<double> &weights) {
-          columns.clear();
-          weights.clear();
-          if (A.is_condensed(row))
-            return;
-          for (const auto &[column, weight] : own_sums[row])
-            if (const int its_number = number[A.rows().LID(column)]; its_number != is_fixed && weight != 0) {
-              columns.push_back(its_number);
-              weights.push_back(weight);
-            }
-        });
-  }
-  const auto all = follow(std::move(sums));
-  const Epetra_IntVector column_number = column_values(*all, number);
   return std::make_unique<Prolongation>(
       A.rows(), coarse, [&](const int row, std::vector<int> &columns, std::vector<double> &weights) {
-        int n = 0, *local = nullptr;
-        double *values = nullptr;
-        all->ExtractMyRowView(row, n, values, local);
         columns.clear();
         weights.clear();
-        for (int k = 0; k < n && !A.is_condensed(row); ++k)
-          if (column_number[local[k]] != is_fixed && values[k] != 0) {
-            columns.push_back(column_number[local[k]]);
-            weights.push_back(values[k]);
+        if (A.is_condensed(row))
+          return;
+        for (const auto &[column, weight] : final_sums[row])
+          if (weight != 0) {
+            columns.push_back(column);
+            weights.push_back(weight);
           }
       });
 }

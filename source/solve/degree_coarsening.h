@@ -67,7 +67,6 @@ public:
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
 
 private:
-  std::unique_ptr<Epetra_CrsMatrix> follow(RowSums &&sums) const;
   std::unique_ptr<Prolongation> make_prolongation(RowSums &&sums);
   void correct(Epetra_Vector &x, const Epetra_Vector &b) const;
 

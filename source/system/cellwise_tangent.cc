@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include "sum_of_small.h"
+
 #include <dovetail/domain/edge_lengths.h>
 #include <dovetail/solve/free_memory.h>
 #include <dovetail/solve/prolongation.h>
+#include <dovetail/solve/rows_of_other_ranks.h>
 #include <dovetail/system/cellwise_tangent.h>
 
 #include <deal.II/base/mpi.h>
 
-#include <EpetraExt_MatrixMatrix.h>
-#include <Epetra_CrsGraph.h>
-#include <Epetra_Export.h>
 #include <Epetra_MpiComm.h>
 
 #include <boost/serialization/set.hpp>
@@ -18,7 +18,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unordered_map>
 
 namespace dovetail {
@@ -418,194 +417,119 @@ CellwiseTangent<dim>::cellwise_approximation(const Epetra_Vector &all_diagonal,
                                                  std::move(weights), std::move(inverse));
 }
 
-/// C P at the unknowns that follow others.
-template <int dim>
-Epetra_CrsMatrix CellwiseTangent<dim>::of_constrained(const Epetra_CrsMatrix &P) const
-{
-  Epetra_CrsMatrix result(Copy, follow->RowMap(), 0);
-  EpetraExt::MatrixMatrix::Multiply(*follow, false, P, false, result, false);
-  result.FillComplete(P.DomainMap(), follow->RangeMap());
-  return result;
-}
-
-/// C P at all unknowns of the cells of this rank, some of which are of others.
-template <int dim>
-std::shared_ptr<const Epetra_CrsMatrix> CellwiseTangent<dim>::complete(const Epetra_CrsMatrix &P) const
-{
-  const Epetra_CrsMatrix of_constrained = this->of_constrained(P);
-  std::vector<int> lengths(own_rows->NumMyElements(), 0), global_columns;
-  for (unsigned int i = 0; i < is_condensed.size(); ++i)
-    lengths[i] = is_condensed[i] ? 0 : P.NumMyEntries(i);
-  for (unsigned int k = 0; k < constrained.size(); ++k)
-    lengths[constrained[k]] = of_constrained.NumMyEntries(k);
-  auto all = std::make_shared<Epetra_CrsMatrix>(Copy, *own_rows, lengths.data(), true);
-  const auto copy_row = [&](const Epetra_CrsMatrix &from, const int local, const int global) {
-    int n = 0, *local_columns = nullptr;
-    double *values = nullptr;
-    from.ExtractMyRowView(local, n, values, local_columns);
-    global_columns.clear();
-    for (int k = 0; k < n; ++k)
-      global_columns.push_back(from.GCID(local_columns[k]));
-    all->InsertGlobalValues(global, n, values, global_columns.data());
-  };
-  for (unsigned int i = 0; i < is_condensed.size(); ++i)
-    if (!is_condensed[i])
-      copy_row(P, i, own_rows->GID(i));
-  for (unsigned int k = 0; k < constrained.size(); ++k)
-    copy_row(of_constrained, k, own_rows->GID(constrained[k]));
-  all->FillComplete(P.DomainMap(), *own_rows);
-  auto result = std::make_shared<Epetra_CrsMatrix>(Copy, *columns, 0);
-  result->Import(*all, *import, Insert);
-  result->FillComplete(P.DomainMap(), *own_rows);
-  return result;
-}
-
 namespace {
 
-/// A sum of small matrices, of which each has the rows and columns of a few unknowns: first the unknowns of
-/// all of them, then the entries.
-class SumOfSmall
+/// The rows of C P at all unknowns of the cells of this rank, some of which are of others. Their columns are
+/// those of P, and after them those that only rows of other ranks have.
+class CompleteRows
 {
 public:
-  /// @p own: the unknowns of this rank. The maps of columns have all others that will be met.
-  SumOfSmall(const Epetra_Map &own, const std::vector<const Epetra_BlockMap *> &columns);
+  /// @param unknowns the own ones first
+  /// @param constrained the unknowns of the rows of @p follow. Collective.
+  CompleteRows(const Prolongation &P, const Epetra_Map &unknowns, const Epetra_CrsMatrix &follow,
+               const std::vector<int> &constrained);
 
-  int number(const int global) const { return all.LID(global); }
-  void meet(const std::vector<int> &numbers) ///< of the unknowns of a small matrix
+  /// Until the next call.
+  Prolongation::Row operator[](const int unknown)
   {
-    unknowns.insert(unknowns.end(), numbers.begin(), numbers.end());
-    first_unknown.push_back(unknowns.size());
+    if (unknown < P.rows().NumMyElements() && !is_constrained[unknown])
+      return rows_of_P[unknown];
+    const auto &[columns, weights] = further.at(unknown);
+    return {static_cast<int>(columns.size()), columns.data(), weights.data()};
   }
-  /// Of entries beside those of small matrices; by reference until allocate().
-  void meet(const int row, const std::vector<int> &columns) { further[row].push_back(&columns); }
-  void allocate(); ///< all have been met; collective
-  void add(const std::vector<int> &numbers, const dealii::FullMatrix<double> &entries);
-  void add(int row, const std::vector<int> &columns, const double *entries);
-  std::unique_ptr<Epetra_CrsMatrix> finish(); ///< with what other ranks have added; collective
+  const std::vector<int> &global_columns() const { return globals; }
 
 private:
-  static Epetra_Map make_map(const Epetra_Map &own, const std::vector<const Epetra_BlockMap *> &columns);
-  template <typename Entry>
-  void add_sorted(int row, const Entry &entry);
+  std::vector<RowOfOtherRank> of_other_ranks(const std::vector<int> &wanted);
+  void find_following_rows(const Epetra_CrsMatrix &follow, const std::vector<int> &constrained);
 
-  const Epetra_Map own, all; ///< of all: the own ones first
-  std::vector<std::size_t> first_unknown = {0};
-  std::vector<int> unknowns; ///< of all small matrices
-  std::map<int, std::vector<const std::vector<int> *>> further;
-  std::unique_ptr<Epetra_CrsMatrix> sum;
-  std::vector<std::pair<int, unsigned int>> order; ///< of the numbers that are added
+  const Prolongation &P;
+  Prolongation::Rows rows_of_P;
+  std::vector<bool> is_constrained;
+  std::vector<int> globals;            ///< of the columns
+  std::unordered_map<int, int> others; ///< numbers of those that P does not have, by global number
+  std::unordered_map<int, RowOfOtherRank> further; ///< by unknown, also those that follow others
 };
 
-SumOfSmall::SumOfSmall(const Epetra_Map &own, const std::vector<const Epetra_BlockMap *> &columns)
-    : own(own), all(make_map(own, columns))
+CompleteRows::CompleteRows(const Prolongation &P, const Epetra_Map &unknowns, const Epetra_CrsMatrix &follow,
+                           const std::vector<int> &constrained)
+    : P(P), rows_of_P(P), is_constrained(P.rows().NumMyElements(), false)
 {
+  for (unsigned int column = 0; column < P.columns().n_columns(); ++column)
+    globals.push_back(P.columns().global(column));
+  find_following_rows(follow, constrained);
+  if (unknowns.Comm().NumProc() == 1)
+    return;
+  const int n_own = P.rows().NumMyElements();
+  std::vector<int> wanted(unknowns.MyGlobalElements() + n_own,
+                          unknowns.MyGlobalElements() + unknowns.NumMyElements());
+  auto received = of_other_ranks(wanted);
+  for (unsigned int i = 0; i < received.size(); ++i)
+    further[n_own + i] = std::move(received[i]);
 }
 
-Epetra_Map SumOfSmall::make_map(const Epetra_Map &own, const std::vector<const Epetra_BlockMap *> &columns)
+/// Rows of C P, or of P before those of C P are known, with numbers of columns of this rank.
+std::vector<RowOfOtherRank> CompleteRows::of_other_ranks(const std::vector<int> &wanted)
 {
-  std::set<int> others;
-  for (const Epetra_BlockMap *map : columns)
-    for (int k = 0; k < map->NumMyElements(); ++k)
-      if (!own.MyGID(map->GID(k)))
-        others.insert(map->GID(k));
-  std::vector<int> globals(own.MyGlobalElements(), own.MyGlobalElements() + own.NumMyElements());
-  globals.insert(globals.end(), others.begin(), others.end());
-  return own.Comm().NumProc() == 1
-             ? own
-             : Epetra_Map(-1, static_cast<int>(globals.size()), globals.data(), 0, own.Comm());
-}
-
-void SumOfSmall::allocate()
-{
-  const int n_rows = all.NumMyElements();
-  std::vector<std::size_t> first(n_rows + 1, 0); // small matrices by row
-  for (const int row : unknowns)
-    ++first[row + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<unsigned int> matrices(unknowns.size());
-  std::vector<std::size_t> next(first.begin(), first.end() - 1);
-  for (unsigned int m = 0; m + 1 < first_unknown.size(); ++m)
-    for (std::size_t i = first_unknown[m]; i < first_unknown[m + 1]; ++i)
-      matrices[next[unknowns[i]]++] = m;
-
-  std::vector<int> last_row(n_rows, -1), columns, lengths(n_rows);
-  const auto find_columns = [&](const int row) {
+  auto result = rows_of_other_ranks(P.rows(), wanted, [this](const int own, auto &columns, auto &weights) {
+    const Prolongation::Row row = (*this)[own];
+    weights.assign(row.weights, row.weights + row.n);
     columns.clear();
-    const auto meet = [&](const int column) {
-      if (last_row[column] != row) {
-        last_row[column] = row;
-        columns.push_back(column);
-      }
-    };
-    for (std::size_t k = first[row]; k < first[row + 1]; ++k)
-      for (std::size_t i = first_unknown[matrices[k]]; i < first_unknown[matrices[k] + 1]; ++i)
-        meet(unknowns[i]);
-    if (const auto found = further.find(row); found != further.end())
-      for (const std::vector<int> *others : found->second)
-        std::for_each(others->begin(), others->end(), meet);
-  };
-  for (int row = 0; row < n_rows; ++row) {
-    find_columns(row);
-    lengths[row] = columns.size();
-  }
-  std::fill(last_row.begin(), last_row.end(), -1);
-  Epetra_CrsGraph graph(Copy, all, all, lengths.data(), true); // values that are inserted are held twice
-  for (int row = 0; row < n_rows; ++row) {
-    find_columns(row);
-    std::sort(columns.begin(), columns.end());
-    graph.InsertMyIndices(row, columns.size(), columns.data());
-  }
-  graph.FillComplete(own, own);
-  graph.OptimizeStorage();
-  sum = std::make_unique<Epetra_CrsMatrix>(Copy, graph);
-  sum->FillComplete(own, own);
-  first_unknown = std::vector<std::size_t>(); // = {} would keep the memory
-  unknowns = std::vector<int>();
-  further.clear();
-}
-
-/// To the entries of a row, which are in order, those at columns that are in order, too.
-template <typename Entry>
-void SumOfSmall::add_sorted(const int row, const Entry &entry)
-{
-  int n = 0, *columns = nullptr;
-  double *values = nullptr;
-  sum->ExtractMyRowView(row, n, values, columns);
-  int k = 0;
-  for (const auto &[column, index] : order) {
-    while (columns[k] != column)
-      ++k;
-    values[k] += entry(index);
-  }
-}
-
-void SumOfSmall::add(const std::vector<int> &numbers, const dealii::FullMatrix<double> &entries)
-{
-  order.clear();
-  for (unsigned int i = 0; i < numbers.size(); ++i)
-    order.emplace_back(numbers[i], i);
-  std::sort(order.begin(), order.end());
-  for (unsigned int i = 0; i < numbers.size(); ++i)
-    add_sorted(numbers[i], [&](const unsigned int j) { return entries(i, j); });
-}
-
-void SumOfSmall::add(const int row, const std::vector<int> &columns, const double *entries)
-{
-  order.clear();
-  for (unsigned int k = 0; k < columns.size(); ++k)
-    order.emplace_back(columns[k], k);
-  std::sort(order.begin(), order.end());
-  add_sorted(row, [&](const unsigned int k) { return entries[k]; });
-}
-
-std::unique_ptr<Epetra_CrsMatrix> SumOfSmall::finish()
-{
-  if (own.Comm().NumProc() == 1)
-    return std::move(sum);
-  auto result = std::make_unique<Epetra_CrsMatrix>(Copy, own, sum->MaxNumEntries());
-  result->Export(*sum, Epetra_Export(all, own), Add);
-  result->FillComplete(own, own);
+    for (int k = 0; k < row.n; ++k)
+      columns.push_back(globals[row.columns[k]]);
+  });
+  for (RowOfOtherRank &row : result)
+    for (int &column : row.columns) {
+      const int global = column;
+      column = P.columns().number(global);
+      if (column >= 0)
+        continue;
+      column = others.emplace(global, globals.size()).first->second;
+      if (column == static_cast<int>(globals.size()))
+        globals.push_back(global);
+    }
   return result;
+}
+
+void CompleteRows::find_following_rows(const Epetra_CrsMatrix &follow, const std::vector<int> &constrained)
+{
+  std::unordered_map<int, RowOfOtherRank> followed; // of other ranks
+  if (follow.Comm().NumProc() > 1) {
+    std::vector<int> wanted;
+    for (int column = 0; column < follow.NumMyCols(); ++column)
+      if (!P.rows().MyGID(follow.GCID(column)))
+        wanted.push_back(follow.GCID(column));
+    auto received = of_other_ranks(wanted);
+    for (unsigned int i = 0; i < wanted.size(); ++i)
+      followed[wanted[i]] = std::move(received[i]);
+  }
+  std::map<int, double> sum;
+  for (unsigned int k = 0; k < constrained.size(); ++k) {
+    int n = 0, *local = nullptr;
+    double *values = nullptr;
+    follow.ExtractMyRowView(k, n, values, local);
+    sum.clear();
+    for (int i = 0; i < n; ++i) {
+      const int global = follow.GCID(local[i]), own = P.rows().LID(global);
+      const auto add = [&](const int length, const int *columns, const double *weights) {
+        for (int j = 0; j < length; ++j)
+          sum[columns[j]] += values[i] * weights[j];
+      };
+      if (own >= 0) {
+        const Prolongation::Row row = rows_of_P[own];
+        add(row.n, row.columns, row.weights);
+      } else {
+        const RowOfOtherRank &row = followed.at(global);
+        add(row.columns.size(), row.columns.data(), row.values.data());
+      }
+    }
+    is_constrained[constrained[k]] = true;
+    auto &[columns, weights] = further[constrained[k]];
+    for (const auto &[column, weight] : sum) {
+      columns.push_back(column);
+      weights.push_back(weight);
+    }
+  }
 }
 
 /// A row of entries beside those of small matrices, by the numbers of a SumOfSmall.
@@ -617,7 +541,7 @@ struct FurtherRow
 };
 
 /// Those of @p matrix, which are referred to.
-std::vector<FurtherRow> rows_of(const Epetra_CrsMatrix &matrix, const SumOfSmall &sum)
+std::vector<FurtherRow> rows_of(const Epetra_CrsMatrix &matrix, SumOfSmall &sum)
 {
   std::vector<FurtherRow> rows;
   for (int i = 0; i < matrix.NumMyRows(); ++i) {
@@ -633,115 +557,35 @@ std::vector<FurtherRow> rows_of(const Epetra_CrsMatrix &matrix, const SumOfSmall
   return rows;
 }
 
-/// The rows of C P of unknowns that follow others, on one rank.
-class FollowingRows
-{
-public:
-  /// @p constrained: the unknowns of the rows of @p follow
-  FollowingRows(const Epetra_CrsMatrix &follow, const std::vector<int> &constrained, Prolongation::Rows &P);
-
-  Prolongation::Row operator[](const int unknown) const
-  {
-    const auto &[columns, weights] = rows.at(unknown);
-    return {static_cast<int>(columns.size()), columns.data(), weights.data()};
-  }
-
-private:
-  std::unordered_map<int, std::pair<std::vector<int>, std::vector<double>>> rows;
-};
-
-FollowingRows::FollowingRows(const Epetra_CrsMatrix &follow, const std::vector<int> &constrained,
-                             Prolongation::Rows &P)
-{
-  std::map<int, double> sum;
-  for (unsigned int k = 0; k < constrained.size(); ++k) {
-    int n = 0, *local = nullptr;
-    double *values = nullptr;
-    follow.ExtractMyRowView(k, n, values, local);
-    sum.clear();
-    for (int i = 0; i < n; ++i) {
-      const Prolongation::Row row = P[follow.DomainMap().LID(follow.GCID(local[i]))];
-      for (int j = 0; j < row.n; ++j)
-        sum[row.columns[j]] += values[i] * row.weights[j];
-    }
-    auto &[columns, weights] = rows[constrained[k]];
-    for (const auto &[column, weight] : sum) {
-      columns.push_back(column);
-      weights.push_back(weight);
-    }
-  }
-}
-
 } // namespace
 
 template <int dim>
 std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Prolongation &P,
                                                                    const Epetra_CrsMatrix &summand) const
 {
-  if (own_rows->Comm().NumProc() > 1) {
-    const auto all = complete(*P.matrix());
-    return restricted(
-        [&](const int index) {
-          typename CellOperator<dim>::Row result{};
-          int *local = nullptr;
-          double *weights = nullptr;
-          all->ExtractMyRowView(index, result.n, weights, local);
-          result.columns = local;
-          result.weights = weights;
-          return result;
-        },
-        P.domain(), all->ColMap(), summand);
-  }
-  Prolongation::Rows rows_of_P(P);
-  const FollowingRows following(*follow, constrained, rows_of_P);
-  return restricted(
-      [&](const int index) {
-        const Prolongation::Row row = is_condensed[index] ? following[index] : rows_of_P[index];
-        return typename CellOperator<dim>::Row{row.n, row.columns, row.weights};
-      },
-      P.domain(), P.domain(), summand);
-}
-
-/// @p row_of_P: those of C P at the unknowns of the cells, with local numbers of @p columns_of_P.
-template <int dim>
-std::unique_ptr<Epetra_CrsMatrix>
-CellwiseTangent<dim>::restricted(const typename CellOperator<dim>::Prolongation &row_of_P,
-                                 const Epetra_Map &coarse, const Epetra_Map &columns_of_P,
-                                 const Epetra_CrsMatrix &summand) const
-{
-  SumOfSmall sum(coarse, {&columns_of_P, &summand.ColMap()});
-  std::vector<int> number(columns_of_P.NumMyElements()), numbers; // of a column of C P
-  for (unsigned int k = 0; k < number.size(); ++k)
-    number[k] = sum.number(columns_of_P.GID(k));
-  const auto find_numbers = [&](const std::vector<int> &local) {
-    numbers.clear();
-    for (const int column : local)
-      numbers.push_back(number[column]);
+  CompleteRows all_rows(P, *columns, *follow, constrained);
+  const auto row_of_P = [&](const int index) {
+    const Prolongation::Row row = all_rows[index];
+    return typename CellOperator<dim>::Row{row.n, row.columns, row.weights};
   };
+  SumOfSmall sum(P.domain(), all_rows.global_columns());
   for (const auto &[d, cells] : operators)
-    cells->for_each_cell(row_of_P, [&](const std::vector<int> &local) {
-      find_numbers(local);
-      sum.meet(numbers);
-    });
-  std::vector<typename TieOperator<dim>::Restriction> of_ties;
-  for (const auto &tie : ties)
-    of_ties.push_back(tie->restricted(row_of_P));
+    cells->for_each_cell(row_of_P, [&](const std::vector<int> &numbers) { sum.meet(numbers); });
   std::vector<FurtherRow> further = rows_of(summand, sum);
-  for (auto &of_tie : of_ties)
-    for (unsigned int i = 0; i < of_tie.rows.size(); ++i) {
-      find_numbers(of_tie.columns[i]);
-      of_tie.columns[i] = std::vector<int>(); // = {} would keep the memory
-      further.push_back({number[of_tie.rows[i]], numbers, of_tie.values[i].data()});
-    }
+  std::vector<typename TieOperator<dim>::Restriction> of_ties;
+  for (const auto &tie : ties) {
+    of_ties.push_back(tie->restricted(row_of_P));
+    for (unsigned int i = 0; i < of_ties.back().rows.size(); ++i)
+      further.push_back(
+          {of_ties.back().rows[i], std::move(of_ties.back().columns[i]), of_ties.back().values[i].data()});
+  }
   for (const FurtherRow &row : further)
     sum.meet(row.number, row.columns);
   give_back_freed_memory();
   sum.allocate();
   for (const auto &[d, cells] : operators)
-    cells->for_each_restriction(row_of_P, [&](const std::vector<int> &local, const auto &product) {
-      find_numbers(local);
-      sum.add(numbers, product);
-    });
+    cells->for_each_restriction(
+        row_of_P, [&](const std::vector<int> &numbers, const auto &product) { sum.add(numbers, product); });
   for (const FurtherRow &row : further)
     sum.add(row.number, row.columns, row.entries);
   return sum.finish();

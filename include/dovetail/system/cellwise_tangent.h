@@ -89,11 +89,6 @@ private:
   void multiply_here(Kind kind, const double *x, double *y) const;
   void condense(Epetra_Vector &y, const Epetra_CrsMatrix &weights,
                 const std::vector<double> &replacement) const;
-  Epetra_CrsMatrix of_constrained(const Epetra_CrsMatrix &P) const;
-  std::shared_ptr<const Epetra_CrsMatrix> complete(const Epetra_CrsMatrix &P) const;
-  std::unique_ptr<Epetra_CrsMatrix> restricted(const typename CellOperator<dim>::Prolongation &row_of_P,
-                                               const Epetra_Map &coarse, const Epetra_Map &columns_of_P,
-                                               const Epetra_CrsMatrix &summand) const;
 
   const Model<dim> &model;
   const RowNumbering &rows;

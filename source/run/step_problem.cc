@@ -327,12 +327,8 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   if (model.is_linear() || has_linear_stage())
     needed.excess = [this](const Vector &update, const auto &blocks) { return excess(update, blocks); };
   auto n_iterations =
-      guess ? solve_from_guess(dx) : linear_solver.solve(dx, system.negative_residual(), needed);
+      guess ? solve_from_guess(x, dx) : solve_with_any_matrix(x, dx, system.negative_residual(), needed);
   guess.reset();
-  while (!n_iterations && linear_solver.lacks_operator()) {
-    make_other_tangent(x);
-    n_iterations = linear_solver.solve(dx, system.negative_residual(), needed);
-  }
   if (model.is_linear() && n_iterations)
     residual_of_solver = refine_linear_solution(x, dx);
   update_moves = moves_constraints();
@@ -342,9 +338,10 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   centre_pressures(x, dx);
   keep_stage(dx);
   bool is_refined = false;
+  const bool is_rounded = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual;
   if (n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()))
-    *n_iterations += refine_by_laws(x, dx, is_refined);
-  if (n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual && !is_refined)
+    *n_iterations += refine_by_laws(x, dx, is_rounded, is_refined);
+  if (is_rounded && !is_refined)
     explain_linear_residual();
   if (!model.is_linear())
     learn_scales(x, dx);
@@ -362,20 +359,23 @@ double StepProblem<dim>::share_of(const Vector &correction, const Vector &dx) co
   return largest;
 }
 
-/// Of a linear stage. What rounding leaves of K dx in a stiff body that soft ones hold has a resultant, which
-/// moves it: the entries of K are rounded. Forces by the laws have none, whatever the rounding of strains:
-/// the gradients of the functions of a cell add up to zero. So dx is refined by the residual of the laws,
-/// from the first group on that has such bodies. A linear scene in time has it by products, which are rounded
-/// likewise.
+/// Of a linear stage. What rounding leaves of K dx in a stiff body that soft ones hold, or a soft spring, has
+/// a resultant, which moves it: the entries of K are rounded. Forces by the laws have none, whatever the
+/// rounding of strains: the gradients of the functions of a cell add up to zero. So dx is refined by the
+/// residual of the laws, from the first group on that has stiff and soft bodies, or of all groups if @p
+/// is_rounded. A linear scene in time has it by products, which are rounded likewise.
+/// @param is_rounded whether rounding leaves more of K dx than is allowed
 /// @param is_refined whether dx is exact up to what is asked for
 /// @return the number of linear iterations
 template <int dim>
-unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, bool &is_refined)
+unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const bool is_rounded,
+                                              bool &is_refined)
 {
   const double rough = 1e-2;
   LinearSolver::Demand needed = demand();
   const unsigned int end = needed.end_group,
-                     first = linear_solver.first_with_stiff_and_soft(needed.first_group, end);
+                     first = is_rounded ? needed.first_group
+                                        : linear_solver.first_with_stiff_and_soft(needed.first_group, end);
   if (first == end)
     return 0;
   needed.enough = std::max(needed.enough, rough);
@@ -388,7 +388,7 @@ unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, bool 
     return is_defined;
   };
   const auto inverse = [&](const Vector &rest, Vector &correction) {
-    const auto n_iterations = linear_solver.solve(correction, rest, needed);
+    const auto n_iterations = solve_with_any_matrix(x, correction, rest, needed);
     system.distribute(correction);
     keep_stage(correction);
     return n_iterations;
@@ -422,7 +422,7 @@ double StepProblem<dim>::linear_residual(const Vector &dx, Vector &rest) const
 /// Of a linear scene. The solver only has to find what the guess leaves, unless that is no less than what
 /// there is without it.
 template <int dim>
-std::optional<unsigned int> StepProblem<dim>::solve_from_guess(Vector &dx)
+std::optional<unsigned int> StepProblem<dim>::solve_from_guess(const Vector &x, Vector &dx)
 {
   Vector start = system.owned_vector(), rest = start;
   const double without = linear_residual(start, rest);
@@ -435,7 +435,7 @@ std::optional<unsigned int> StepProblem<dim>::solve_from_guess(Vector &dx)
   const double with = linear_residual(start, rest);
   LinearSolver::Demand needed = demand();
   if (!(with < without))
-    return linear_solver.solve(dx, system.negative_residual(), needed);
+    return solve_with_any_matrix(x, dx, system.negative_residual(), needed);
   ++n_guesses;
   if (with > 0)
     needed.enough = share_of_exact * exact_linear_residual / with;
@@ -444,7 +444,7 @@ std::optional<unsigned int> StepProblem<dim>::solve_from_guess(Vector &dx)
     all += beyond;
     return excess(all, blocks);
   };
-  const auto n_iterations = linear_solver.solve(dx, rest, needed);
+  const auto n_iterations = solve_with_any_matrix(x, dx, rest, needed);
   if (n_iterations)
     dx += start;
   return n_iterations;
@@ -466,6 +466,21 @@ void StepProblem<dim>::make_other_tangent(const Vector &x)
   make_other_matrix();
   residual_and_tangent(x);
   give_tangent();
+}
+
+/// K dx = b with the tangent K at @p x, which is made anew where another solver takes over that needs another
+/// kind of matrix.
+template <int dim>
+std::optional<unsigned int> StepProblem<dim>::solve_with_any_matrix(const Vector &x, Vector &dx,
+                                                                    const Vector &b,
+                                                                    const LinearSolver::Demand &needed)
+{
+  auto n_iterations = linear_solver.solve(dx, b, needed);
+  while (!n_iterations && linear_solver.lacks_operator()) {
+    make_other_tangent(x);
+    n_iterations = linear_solver.solve(dx, b, needed);
+  }
+  return n_iterations;
 }
 
 /// How much larger the residual of @p dx is than an exact one. A linear stage is measured by Newton's method,
@@ -513,12 +528,12 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
   for (unsigned int pass = 0;
        pass < 2 && !is_final && relative > (pass == 0 ? exact_linear_residual : usual_linear_residual);
        ++pass) {
-    if (pass == 1 && linear_solver.prefer_direct() && linear_solver.lacks_operator())
-      make_other_tangent(x);
+    if (pass == 1)
+      linear_solver.prefer_direct();
     LinearSolver::Demand needed = demand();
     needed.enough = share_of_exact * exact_linear_residual / relative;
     correction.reinit(rest);
-    has_solver_failed = !linear_solver.solve(correction, rest, needed);
+    has_solver_failed = !solve_with_any_matrix(x, correction, rest, needed);
     if (has_solver_failed)
       break;
     Vector trial = dx;

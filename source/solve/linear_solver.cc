@@ -567,15 +567,12 @@ LinearSolver::Counts LinearSolver::counts() const
   return result;
 }
 
-bool LinearSolver::prefer_direct()
+void LinearSolver::prefer_direct()
 {
-  bool is_new = false;
   for (auto &group : groups) {
-    is_new = is_new || !group->is_direct;
     group->iteration_failed = group->iteration_failed || !group->is_direct;
     group->is_direct = group->is_decided = true;
   }
-  return is_new;
 }
 
 void LinearSolver::set_fault(std::function<void(const std::string &place)> fault)

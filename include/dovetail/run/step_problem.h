@@ -102,13 +102,15 @@ private:
   LinearSolver::Demand demand() const;
   LinearSolver::Demand demand_of_update();
   double forcing() const;
-  std::optional<unsigned int> solve_from_guess(Vector &dx);
+  std::optional<unsigned int> solve_from_guess(const Vector &x, Vector &dx);
+  std::optional<unsigned int> solve_with_any_matrix(const Vector &x, Vector &dx, const Vector &b,
+                                                    const LinearSolver::Demand &needed);
   double measure(bool is_defined);
   std::vector<bool> blocks_of_residual(bool with_tangent) const;
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
-  unsigned int refine_by_laws(const Vector &x, Vector &dx, bool &is_refined);
+  unsigned int refine_by_laws(const Vector &x, Vector &dx, bool is_rounded, bool &is_refined);
   void explain_linear_residual();
   double share_of(const Vector &correction, const Vector &dx) const;
   Vector find_moving_loads(const Vector &x);

@@ -111,8 +111,8 @@ public:
 
   /// Whether some group is solved by iteration, as far as is known.
   bool iterates() const;
-  /// From now on everything is solved directly. @return false if it is already.
-  bool prefer_direct();
+  /// From now on everything is solved directly.
+  void prefer_direct();
 
   /// What a user should know about how it went, the same on all ranks.
   const NoteList &notes() const { return all_notes; }

@@ -194,6 +194,11 @@ GroupSystem::Modes GroupSystem::near_null_space(const Selection *rows) const
   const unsigned int n_sets = *std::max_element(set_of.begin(), set_of.end()) + 1;
   const bool is_shared = n_sets * n_of_block > largest_number ||
                          (!group.allows_jumps && contrast() <= GroupFacts::large_contrast);
+  bool is_about_one_point = is_shared; // rotations; neighbours that share them turn together
+  for (unsigned int i = 0; i < set_of.size(); ++i)
+    for (unsigned int j = 0; j < i; ++j)
+      is_about_one_point =
+          is_about_one_point || (set_of[i] == set_of[j] && are_coupled(group.blocks[i], group.blocks[j]));
   const unsigned int n_rows =
       rows != nullptr ? rows->size() : merged->numbering().first_local_of(group.blocks.size());
   Modes modes(is_shared ? n_of_block : n_sets * n_of_block, std::vector<double>(n_rows, 0.));
@@ -201,7 +206,7 @@ GroupSystem::Modes GroupSystem::near_null_space(const Selection *rows) const
   for (unsigned int i = 0; i < group.blocks.size(); ++i) {
     const Selection selected = rows != nullptr ? of_block(i, *rows) : Selection();
     const auto block_modes =
-        group.near_null_space(group.blocks[i], is_shared, rows != nullptr ? &selected : nullptr);
+        group.near_null_space(group.blocks[i], is_about_one_point, rows != nullptr ? &selected : nullptr);
     for (unsigned int mode = 0; mode < block_modes.size(); ++mode)
       std::copy(block_modes[mode].begin(), block_modes[mode].end(),
                 modes[is_shared ? mode : set_of[i] * n_of_block + mode].begin() + first_row);
@@ -222,21 +227,25 @@ Selection GroupSystem::of_block(const unsigned int i, const Selection &rows) con
   return result;
 }
 
-/// Numbers for the blocks of the group, from 0 on, different for those that are coupled: to each in turn the
-/// smallest that none of its neighbours has.
+/// Numbers for the blocks of the group, from 0 on, to each in turn the smallest that it may have: other ones
+/// than those of neighbours that are much stiffer or softer, of another field, or may come apart from it.
 std::vector<unsigned int> GroupSystem::color_blocks() const
 {
-  std::map<unsigned int, unsigned int> color;
+  const std::vector<double> means = mean_diagonals();
+  const std::vector<int> field = field_of_block();
   std::vector<unsigned int> colors;
-  for (const unsigned int block : group.blocks) {
+  for (unsigned int i = 0; i < means.size(); ++i) {
     std::set<unsigned int> taken;
-    for (const auto &[neighbour, known] : color)
-      if (are_coupled(block, neighbour))
-        taken.insert(known);
+    for (unsigned int j = 0; j < i; ++j) {
+      const auto [softer, stiffer] = std::minmax(means[i], means[j]);
+      const bool hardly_share =
+          group.allows_jumps || field[i] != field[j] || stiffer > GroupFacts::large_contrast * softer;
+      if (hardly_share && are_coupled(group.blocks[i], group.blocks[j]))
+        taken.insert(colors[j]);
+    }
     unsigned int next = 0;
     while (taken.count(next) > 0)
       ++next;
-    color[block] = next;
     colors.push_back(next);
   }
   return colors;

@@ -144,9 +144,8 @@ void Multigrid::make_levels()
     of_finest = smoother.get();
     if (means != Means::usual)
       of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
-    by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother),
-                               is_mixed && means != Means::usual ? make_cycle_within_bodies
-                                                                 : DegreeCoarsening::make_usual_coarse);
+    bool is_within_bodies = is_mixed && means != Means::usual;
+    by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother), is_within_bodies);
   } else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
     by_degree =
         leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {

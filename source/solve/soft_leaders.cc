@@ -4,6 +4,7 @@
 #include "soft_leaders.h"
 
 #include "factors.h"
+#include "semicoarsening.h"
 
 #include <EpetraExt_MatrixMatrix.h>
 #include <EpetraExt_Transpose_RowMatrix.h>
@@ -35,9 +36,13 @@ bool is_contrast_large(const std::vector<double> &stiffness, const Epetra_Comm &
   return extremes[0] > -least_contrast * extremes[1];
 }
 
-/// P: the sums of those rows that follow rows of much softer bodies.
-std::unique_ptr<Epetra_CrsMatrix> make_followers(const Epetra_Map &rows, const RowSums &sums,
-                                                 const std::vector<double> &stiffness)
+/// The rows that follow rows of much softer bodies: u_d = P u_s + R u_r.
+struct Followers
+{
+  std::unique_ptr<Epetra_CrsMatrix> P, R;
+};
+
+Followers make_followers(const Epetra_Map &rows, const RowSums &sums, const std::vector<double> &stiffness)
 {
   Epetra_CrsMatrix all(Copy, rows, 0);
   for (unsigned int row = 0; row < sums.size(); ++row)
@@ -49,21 +54,25 @@ std::unique_ptr<Epetra_CrsMatrix> make_followers(const Epetra_Map &rows, const R
   std::copy(stiffness.begin(), stiffness.end(), of_rows.Values());
   of_columns.Import(of_rows, Epetra_Import(all.ColMap(), rows), Insert);
 
-  auto P = std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0);
+  Followers result{std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0),
+                   std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0)};
   for (unsigned int row = 0; row < sums.size(); ++row) {
     int n = 0, *columns = nullptr;
     double *values = nullptr;
     all.ExtractMyRowView(row, n, values, columns);
-    const bool follows_softer = std::any_of(columns, columns + n, [&](const int column) {
+    const auto is_softer = [&](const int column) {
       return of_rows[row] > least_contrast * of_columns[column];
-    });
+    };
+    const bool follows_softer = std::any_of(columns, columns + n, is_softer);
     for (int k = 0; follows_softer && k < n; ++k) {
       const int column = all.GCID(columns[k]);
-      P->InsertGlobalValues(rows.GID(row), 1, &values[k], &column);
+      Epetra_CrsMatrix &matrix = is_softer(columns[k]) ? *result.P : *result.R;
+      matrix.InsertGlobalValues(rows.GID(row), 1, &values[k], &column);
     }
   }
-  P->FillComplete(rows, rows);
-  return P;
+  result.P->FillComplete(rows, rows);
+  result.R->FillComplete(rows, rows);
+  return result;
 }
 
 /// P^T without small weights, with sums of one (of absolute values) in each row.
@@ -93,10 +102,11 @@ std::unique_ptr<Epetra_CrsMatrix> make_reverse(const Epetra_CrsMatrix &P)
   return Q;
 }
 
-/// Of rows that neither lead nor follow: their sums, in which a follower is P Q y, not y. It is not the same
-/// for a rotation, which the cells beside the face would resist. Rows without followers may be left out.
+/// Of rows that neither lead nor follow: their sums, in which a follower is P Q y + R u_r, not y. It is not
+/// the same for a rotation, which the cells beside the face would resist. Rows without followers may be left
+/// out.
 std::unique_ptr<Epetra_CrsMatrix> sums_with_followers(const RowSums &sums, const Epetra_CrsMatrix &P,
-                                                      const Epetra_CrsMatrix &Q)
+                                                      const Epetra_CrsMatrix &R, const Epetra_CrsMatrix &Q)
 {
   const Epetra_Map &rows = P.RowMap();
   Epetra_CrsMatrix PQ(Copy, rows, 0), values(Copy, rows, 0), near(Copy, rows, 0);
@@ -122,6 +132,10 @@ std::unique_ptr<Epetra_CrsMatrix> sums_with_followers(const RowSums &sums, const
     columns.resize(n);
     std::transform(local, local + n, columns.begin(), [&PQ](const int column) { return PQ.GCID(column); });
     values.InsertGlobalValues(itself, n, weights, columns.data());
+    R.ExtractMyRowView(row, n, weights, local);
+    columns.resize(n);
+    std::transform(local, local + n, columns.begin(), [&R](const int column) { return R.GCID(column); });
+    values.InsertGlobalValues(itself, n, weights, columns.data());
   }
   values.FillComplete(rows, rows);
   near.FillComplete(rows, rows);
@@ -130,36 +144,28 @@ std::unique_ptr<Epetra_CrsMatrix> sums_with_followers(const RowSums &sums, const
   return result;
 }
 
-class LeadersFirst : public Smoother
+/// What is a sum of some columns, exactly; before and after another smoother.
+class ExactFirst : public Smoother
 {
 public:
-  LeadersFirst(const LevelOperator &A, const std::vector<int> &leaders, std::unique_ptr<Smoother> other);
+  ExactFirst(const LevelOperator &A, const Epetra_Map &columns, const Prolongation::ReadRow &part,
+             std::unique_ptr<Smoother> other);
   void smooth(double *x, const double *b, bool starts_from_zero) const override;
 
 private:
-  void solve_for_leaders(double *x, const double *b, bool is_zero) const;
+  void solve_exactly(double *x, const double *b, bool is_zero) const;
 
   const LevelOperator &A;
-  const std::vector<int> leaders; ///< own rows
+  const Prolongation part;
   std::unique_ptr<Smoother> other;
   std::vector<std::pair<int, double>> alone; ///< row and reciprocal of its entry, without another smoother
-  std::unique_ptr<Factors> factors;
+  const Factors factors;
 };
 
-LeadersFirst::LeadersFirst(const LevelOperator &A, const std::vector<int> &leaders,
-                           std::unique_ptr<Smoother> other)
-    : A(A), leaders(leaders), other(std::move(other))
+ExactFirst::ExactFirst(const LevelOperator &A, const Epetra_Map &columns, const Prolongation::ReadRow &read,
+                       std::unique_ptr<Smoother> other)
+    : A(A), part(A.rows(), columns, read), other(std::move(other)), factors(A.restricted(part))
 {
-  const Epetra_Map of_leaders(-1, static_cast<int>(leaders.size()), 0, A.rows().Comm());
-  std::vector<int> number(A.rows().NumMyElements(), -1);
-  for (unsigned int i = 0; i < leaders.size(); ++i)
-    number[leaders[i]] = of_leaders.GID(i);
-  const Prolongation injection(A.rows(), of_leaders,
-                               [&](const int row, std::vector<int> &columns, std::vector<double> &weights) {
-                                 columns.assign(number[row] < 0 ? 0 : 1, number[row]);
-                                 weights.assign(columns.size(), 1.);
-                               });
-  factors = std::make_unique<Factors>(A.restricted(injection));
   if (!this->other) {
     Epetra_Vector diagonal(A.rows());
     A.diagonal(diagonal);
@@ -169,31 +175,35 @@ LeadersFirst::LeadersFirst(const LevelOperator &A, const std::vector<int> &leade
   }
 }
 
-void LeadersFirst::smooth(double *x, const double *b, const bool starts_from_zero) const
+void ExactFirst::smooth(double *x, const double *b, const bool starts_from_zero) const
 {
   if (starts_from_zero) {
     std::fill(x, x + A.rows().NumMyElements(), 0.);
     for (const auto &[row, inverse] : alone)
       x[row] = inverse * b[row];
-    solve_for_leaders(x, b, true);
+    solve_exactly(x, b, true);
   }
   if (other)
     other->smooth(x, b, false);
   if (!starts_from_zero)
-    solve_for_leaders(x, b, false);
+    solve_exactly(x, b, false);
 }
 
-void LeadersFirst::solve_for_leaders(double *x, const double *b, const bool is_zero) const
+void ExactFirst::solve_exactly(double *x, const double *b, const bool is_zero) const
 {
-  Epetra_Vector residual(A.rows(), false);
-  if (!is_zero)
-    A.vmult(residual, Epetra_Vector(View, A.rows(), x));
-  std::vector<double> r(leaders.size()), z(leaders.size());
-  for (unsigned int i = 0; i < leaders.size(); ++i)
-    r[i] = b[leaders[i]] - (is_zero ? 0 : residual[leaders[i]]);
-  factors->solve(z.data(), r.data());
-  for (unsigned int i = 0; i < leaders.size(); ++i)
-    x[leaders[i]] += z[i];
+  Epetra_Vector residual(A.rows(), false), solution(View, A.rows(), x), r(part.domain(), false),
+      z(part.domain());
+  if (is_zero)
+    std::copy(b, b + residual.MyLength(), residual.Values());
+  else {
+    A.vmult(residual, solution);
+    for (int row = 0; row < residual.MyLength(); ++row)
+      residual[row] = b[row] - residual[row];
+  }
+  part.multiply_transposed(r, residual);
+  factors.solve(z.Values(), r.Values());
+  part.multiply(residual, z);
+  solution.Update(1., residual, 1.);
 }
 
 } // namespace
@@ -202,7 +212,6 @@ std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Ep
                                                const RowSums *linear_part)
 {
   const int most_leaders = 50000;
-  const double largest_ratio = 1; // of followers to leaders: on a finer side hardly a P u_s is zero
   if (!facts.linear_part || !facts.stiffness_of_row || facts.n_blocks < 2) // one body is as stiff as itself
     return nullptr;
   const std::vector<double> stiffness = facts.stiffness_of_row();
@@ -210,13 +219,30 @@ std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Ep
     return nullptr;
   const RowSums sums = linear_part != nullptr ? *linear_part : facts.linear_part();
   auto result = std::make_unique<SoftLeaders>();
-  result->P = make_followers(rows, sums, stiffness);
+  Followers followers = make_followers(rows, sums, stiffness);
+  result->P = std::move(followers.P);
+  result->R = std::move(followers.R);
   if (result->P->NumGlobalNonzeros() == 0)
     return nullptr;
   result->Q = make_reverse(*result->P);
-  std::array<int, 2> counts{}, sums_of_counts{}; // of leaders and followers
+  const int n_followers = result->reverse(rows, sums);
+  int n_here = result->leaders.size(), n_leaders = 0;
+  rows.Comm().SumAll(&n_here, &n_leaders, 1);
+  result->is_reversed = n_followers < n_leaders; // on a finer side hardly a P u_s is zero
+  if (n_leaders > most_leaders || (!result->is_reversed && !has_mixed_bodies(facts)))
+    return nullptr;
+  if (!result->is_reversed)
+    result->sums = sums;
+  result->find_following_bodies(facts, rows);
+  return result;
+}
+
+/// The sums in which the leaders follow, and the leaders. @return the number of followers of all ranks
+int SoftLeaders::reverse(const Epetra_Map &rows, const RowSums &given)
+{
+  int n_here = 0, n_followers = 0;
   GroupFacts::Sum sum;
-  const auto others = sums_with_followers(sums, *result->P, *result->Q);
+  const auto others = sums_with_followers(given, *P, *R, *Q);
   const auto append = [&sum](const Epetra_CrsMatrix &matrix, const int row) {
     int n = 0, *columns = nullptr;
     double *values = nullptr;
@@ -225,28 +251,44 @@ std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Ep
       sum.emplace_back(matrix.GCID(columns[k]), values[k]);
   };
   for (int row = 0; row < rows.NumMyElements(); ++row) {
-    const bool leads = result->Q->NumMyEntries(row) > 0, follows = result->P->NumMyEntries(row) > 0;
+    const bool leads = Q->NumMyEntries(row) > 0, follows = P->NumMyEntries(row) > 0;
     sum.clear();
-    append(leads ? *result->Q : *others, row);
+    append(leads ? *Q : *others, row);
     if (leads)
-      result->leaders.push_back(row);
+      leaders.push_back(row);
     if (follows)
-      ++counts[1];
+      ++n_here;
     if (follows && !leads)
       sum.emplace_back(rows.GID(row), 1.);
     if (!follows && sum.empty())
-      for (unsigned int k = 0; k < sums[row].n; ++k)
-        sum.emplace_back(sums[row].columns[k], sums[row].weights[k]);
-    result->reversed.add_row(sum);
+      for (unsigned int k = 0; k < given[row].n; ++k)
+        sum.emplace_back(given[row].columns[k], given[row].weights[k]);
+    sums.add_row(sum);
   }
-  counts[0] = result->leaders.size();
-  rows.Comm().SumAll(counts.data(), sums_of_counts.data(), counts.size());
-  const bool is_useful =
-      sums_of_counts[1] < largest_ratio * sums_of_counts[0] && sums_of_counts[0] <= most_leaders;
-  return is_useful ? std::move(result) : nullptr;
+  rows.Comm().SumAll(&n_here, &n_followers, 1);
+  return n_followers;
 }
 
-/// P Q y = u_d in the sense of least squares, by conjugate gradients from y = u_d.
+/// Of a group whose places are not known, all bodies count as one.
+void SoftLeaders::find_following_bodies(const GroupFacts &facts, const Epetra_Map &rows)
+{
+  const auto places = facts.known_places();
+  body.assign(rows.NumMyElements(), 0);
+  for (unsigned int row = 0; row < places.size(); ++row)
+    body[row] = places[row].block;
+  int here = 0, largest = 0;
+  for (const unsigned int number : body)
+    here = std::max<int>(here, number);
+  rows.Comm().MaxAll(&here, &largest, 1);
+  std::vector<int> follows_here(largest + 1, 0);
+  for (unsigned int row = 0; row < body.size(); ++row)
+    if (P->NumMyEntries(row) > 0)
+      follows_here[body[row]] = 1;
+  follows.resize(follows_here.size());
+  rows.Comm().MaxAll(follows_here.data(), follows.data(), follows.size());
+}
+
+/// P Q y = u_d - R u_r in the sense of least squares, by conjugate gradients from y = u_d.
 std::unique_ptr<Epetra_MultiVector> SoftLeaders::reversed_modes(const Epetra_MultiVector &modes) const
 {
   const unsigned int most_steps = 200;
@@ -258,10 +300,11 @@ std::unique_ptr<Epetra_MultiVector> SoftLeaders::reversed_modes(const Epetra_Mul
     P->Multiply(false, of_leaders, y);
   };
   for (int mode = 0; mode < modes.NumVectors(); ++mode) {
-    Epetra_Vector y(View, *result, mode);
+    Epetra_Vector y(View, *result, mode), others(modes.Map());
+    R->Multiply(false, Epetra_Vector(View, modes, mode), others);
     product(y, r);
     for (int row = 0; row < modes.MyLength(); ++row)
-      r[row] = P->NumMyEntries(row) > 0 ? y[row] - r[row] : 0;
+      r[row] = P->NumMyEntries(row) > 0 ? y[row] - others[row] - r[row] : 0;
     double first = 0, last = 0;
     for (unsigned int step = 0; step < most_steps; ++step) {
       P->Multiply(true, r, of_leaders);
@@ -282,26 +325,68 @@ std::unique_ptr<Epetra_MultiVector> SoftLeaders::reversed_modes(const Epetra_Mul
   return result;
 }
 
+/// The leaders, and after those of the first rank the motions of each body that follows.
+std::unique_ptr<Smoother> SoftLeaders::exact_first(const LevelOperator &A, const Epetra_MultiVector &modes,
+                                                   std::unique_ptr<Smoother> other) const
+{
+  const int fewest_rows = 4; // motions of less may depend on each other
+  const Epetra_Comm &communicator = A.rows().Comm();
+  const int n_modes = modes.NumVectors();
+  std::vector<int> here(follows.size() * n_modes, 0), number(here);
+  const auto moves = [&](const int row, const int mode) {
+    return follows[body[row]] != 0 && modes[mode][row] != 0 && !A.is_condensed(row);
+  };
+  for (int row = 0; row < modes.MyLength(); ++row)
+    for (int mode = 0; mode < n_modes; ++mode)
+      if (moves(row, mode))
+        ++here[body[row] * n_modes + mode];
+  communicator.SumAll(here.data(), number.data(), here.size());
+  int n_motions = 0, n_first = leaders.size();
+  for (int &n : number)
+    n = n >= fewest_rows ? n_motions++ : -1;
+  communicator.Broadcast(&n_first, 1, 0);
+  const int n_own = static_cast<int>(leaders.size()) + (communicator.MyPID() == 0 ? n_motions : 0);
+  const Epetra_Map columns(-1, n_own, 0, communicator);
+  std::vector<int> of_leader(A.rows().NumMyElements(), -1);
+  for (unsigned int i = 0; i < leaders.size(); ++i)
+    of_leader[leaders[i]] = columns.GID(i);
+  const auto read = [&](const int row, std::vector<int> &of_row, std::vector<double> &weights) {
+    of_row.assign(of_leader[row] < 0 ? 0 : 1, of_leader[row]);
+    weights.assign(of_row.size(), 1.);
+    for (int mode = 0; of_leader[row] < 0 && mode < n_modes; ++mode)
+      if (const int motion = moves(row, mode) ? number[body[row] * n_modes + mode] : -1; motion >= 0) {
+        of_row.push_back(n_first + motion);
+        weights.push_back(modes[mode][row]);
+      }
+  };
+  return std::make_unique<ExactFirst>(A, columns, read, std::move(other));
+}
+
 std::unique_ptr<DegreeCoarsening> SoftLeaders::coarsen(const LevelOperator &A, const GroupFacts &facts,
                                                        const DegreeCoarsening::MakeModes &make_modes,
                                                        std::unique_ptr<Smoother> other,
                                                        const DegreeCoarsening::MakeCoarse &make_coarse) const
 {
   return std::make_unique<DegreeCoarsening>(
-      A, RowSums(reversed),
+      A, RowSums(sums),
       [&](const Epetra_Map &map, const Selection *rows) {
-        return DegreeCoarsening::select(*reversed_modes(*make_modes(A.rows(), nullptr)), map, *rows);
+        return is_reversed
+                   ? DegreeCoarsening::select(*reversed_modes(*make_modes(A.rows(), nullptr)), map, *rows)
+                   : make_modes(map, rows);
       },
-      facts, std::make_unique<LeadersFirst>(A, leaders, std::move(other)), make_coarse);
+      facts, exact_first(A, *make_modes(A.rows(), nullptr), std::move(other)), make_coarse);
 }
 
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
                                                  const DegreeCoarsening::MakeModes &make_modes,
-                                                 std::unique_ptr<Smoother> smoother,
-                                                 const DegreeCoarsening::MakeCoarse &make_coarse)
+                                                 std::unique_ptr<Smoother> smoother, bool &is_within_bodies)
 {
   RowSums sums = facts.linear_part();
-  if (const auto leaders = SoftLeaders::find(facts, A.rows(), &sums))
+  const auto leaders = SoftLeaders::find(facts, A.rows(), &sums);
+  is_within_bodies = is_within_bodies || (leaders && has_mixed_bodies(facts));
+  const DegreeCoarsening::MakeCoarse make_coarse =
+      is_within_bodies ? make_cycle_within_bodies : DegreeCoarsening::make_usual_coarse;
+  if (leaders)
     return leaders->coarsen(A, facts, make_modes, std::move(smoother), make_coarse);
   return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother),
                                             make_coarse);

@@ -530,22 +530,23 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Ep
   return std::make_unique<SmoothedAggregation>(std::move(finest), std::move(modes), make_smoother);
 }
 
-/// Coarsening along short couplings leaves less to the smoothers, and least if the next level keeps many
-/// unknowns.
+/// Coarsening along short couplings leaves less to the smoothers, the less the more unknowns the next level
+/// keeps.
 std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
                                                       std::shared_ptr<const Epetra_MultiVector> modes,
                                                       std::vector<GroupFacts::Place> places,
                                                       const Semicoarsen when, const bool is_finest)
 {
   using Range = ChebyshevSmoother::Range;
-  const double large_share = 1. / 3;
+  const double large_share = 1. / 3, small_share = 1. / 5;
   const int n_of_finest = is_finest ? A.matrix().NumGlobalRows() : 0;
   const auto usual = [](const LevelEntries &level, double, double) {
     return ChebyshevSmoother::with_factorisation(level, {4, 40});
   };
   const auto if_semicoarsened = [=](const LevelEntries &level, double, const double share_of_next) {
     const bool is_rich = level.rows().NumGlobalElements() == n_of_finest && share_of_next > large_share;
-    return ChebyshevSmoother::with_factorisation(level, is_rich ? Range{1, 4} : Range{3, 25});
+    const Range range = is_rich ? Range{1, 4} : share_of_next > small_share ? Range{3, 25} : Range{5, 60};
+    return ChebyshevSmoother::with_factorisation(level, range);
   };
   return make_cycle(std::move(A), std::move(modes), std::move(places), when, usual, if_semicoarsened);
 }

@@ -343,6 +343,8 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
     *n_iterations += refine_by_laws(x, dx, is_rounded, is_refined);
   if (is_rounded && !is_refined)
     explain_linear_residual();
+  else if (is_rounded) // what the laws leave is less than what K dx shows
+    residual_of_solver = usual_linear_residual;
   if (!model.is_linear())
     learn_scales(x, dx);
   return n_iterations;

@@ -91,7 +91,10 @@ void Cycle::correct(const Level &level, const unsigned int next, Epetra_Vector &
 void Cycle::cycle(const unsigned int number, Epetra_Vector &x, const Epetra_Vector &b) const
 {
   if (number == levels.size()) {
-    factors->solve(x.Values(), b.Values());
+    if (below)
+      below->vmult(x, b);
+    else
+      factors->solve(x.Values(), b.Values());
     return;
   }
   const Level &level = levels[number];

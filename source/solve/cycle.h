@@ -22,8 +22,9 @@
 namespace dovetail {
 
 /// About the inverse of a symmetric positive definite matrix, by a V-cycle with a ChebyshevSmoother on each
-/// level and the factors of the coarsest matrix. Who derives from it adds the levels. The levels hold their
-/// matrices in single precision once the coarser matrix has been summed of them.
+/// level and the factors of the coarsest matrix, or another cycle for it. Who derives from it adds the
+/// levels. The levels hold their matrices in single precision once the coarser matrix has been summed of
+/// them.
 class Cycle
 {
 public:
@@ -73,6 +74,11 @@ protected:
   /// @return how to bring what belongs to the rows there; nullptr if they stay where they are. Collective.
   const Epetra_Import *gather_coarsest();
   void factorise_coarsest() { factors = std::make_unique<Factors>(coarsest()); }
+  /// In place of its factors. The matrix belongs to the cycle that @p make makes.
+  void solve_coarsest_by(const std::function<std::unique_ptr<Cycle>(Finest A)> &make)
+  {
+    below = make(std::move(last));
+  }
 
 private:
   struct Level
@@ -89,6 +95,7 @@ private:
   std::vector<Level> levels; ///< all but the coarsest
   Finest last;               ///< the coarsest one
   std::unique_ptr<Factors> factors;
+  std::unique_ptr<Cycle> below; ///< instead
 };
 
 /// What belongs to rows, where @p import brings them. Collective.

@@ -24,7 +24,7 @@
 namespace dovetail {
 
 /// A cycle of two levels for a symmetric positive definite operator A of elements of degree p: Chebyshev
-/// smoothing on all unknowns, and SmoothedAggregation for the functions of degree one on the same mesh,
+/// smoothing on all unknowns, and another cycle for the functions of degree one on the same mesh,
 /// @f[ A_1 = P^T A P, @f]
 /// where P interpolates them. A_1 has p^dim times fewer unknowns and much shorter rows than A, and its
 /// geometry is simple: aggregation has an easy task, at a fraction of the set-up and of the coarse work.
@@ -47,9 +47,6 @@ public:
   /// Near-null space of A at some own rows, to which a map belongs.
   using MakeModes =
       std::function<std::unique_ptr<Epetra_MultiVector>(const Epetra_Map &map, const Selection *rows)>;
-  /// That part of @p modes.
-  static std::unique_ptr<Epetra_MultiVector> select(const Epetra_MultiVector &modes, const Epetra_Map &map,
-                                                    const Selection &rows);
 
   /// @param A matrix of the functions of the higher degree
   /// @param sums of each own row: the rows (global) and weights it is a sum of; none: a fixed value; itself
@@ -57,9 +54,10 @@ public:
   /// @param make_modes called after that, for the unknowns of A_1
   /// @param facts places of the rows, if they are known
   /// @param smoother of A
+  /// @param levels of coarser meshes, between A_1 and what @p make_coarse makes; nullptr: none
   DegreeCoarsening(const LevelOperator &A, RowSums &&sums, const MakeModes &make_modes,
                    const GroupFacts &facts, std::unique_ptr<Smoother> smoother,
-                   const MakeCoarse &make_coarse = make_usual_coarse);
+                   const MakeCoarse &make_coarse = make_usual_coarse, const MeshLevels *levels = nullptr);
 
   /// Around A.approximation() or diag(A), for functions of this degree.
   static std::unique_ptr<ChebyshevSmoother> usual_smoother(const LevelOperator &A, unsigned int degree);
@@ -67,7 +65,8 @@ public:
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
 
 private:
-  std::unique_ptr<Prolongation> make_prolongation(RowSums &&sums);
+  void find_coarse_rows(const RowSums &sums);
+  std::unique_ptr<Prolongation> make_prolongation(RowSums &&sums) const;
   void correct(Epetra_Vector &x, const Epetra_Vector &b) const;
 
   const LevelOperator &A;

@@ -30,6 +30,8 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
     all_facts.shape = group.present_shape();
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
+  if (group.mesh_levels)
+    all_facts.mesh_levels = [this]() { return mesh_levels(); };
   if (group.positions)
     all_facts.places = [this](const Selection *rows) { return places(rows); };
 }
@@ -283,21 +285,38 @@ std::vector<GroupFacts::Place> GroupSystem::places(const Selection *rows) const
   return result;
 }
 
-/// Rows are those of the bodies alone.
 RowSums GroupSystem::linear_part() const
+{
+  RowSums sums;
+  for (const unsigned int block : group.blocks)
+    sums.append(group.linear_part(block));
+  renumber(sums);
+  return sums;
+}
+
+MeshLevels GroupSystem::mesh_levels() const
+{
+  MeshLevels result;
+  for (const unsigned int block : group.blocks) {
+    MeshLevels of_block = group.mesh_levels(block);
+    result.step.insert(result.step.end(), of_block.step.begin(), of_block.step.end());
+    result.means.append(std::move(of_block.means));
+  }
+  renumber(result.means);
+  return result;
+}
+
+/// From unknowns of the whole system to rows of the bodies alone.
+void GroupSystem::renumber(RowSums &sums) const
 {
   std::vector<unsigned int> position(matrix->n_block_rows()); // in the group
   for (unsigned int i = 0; i < group.blocks.size(); ++i)
     position[group.blocks[i]] = i;
   const RowNumbering rows(matrix->owned_unknowns(), group.blocks, matrix->get_mpi_communicator());
-  RowSums sums;
-  for (const unsigned int block : group.blocks)
-    sums.append(group.linear_part(block));
   sums.renumber([&](const RowSums::Index dof) {
     const auto [block, index] = matrix->get_row_indices().global_to_local(dof);
     return rows.row(position[block], index);
   });
-  return sums;
 }
 
 } // namespace dovetail

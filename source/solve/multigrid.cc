@@ -14,6 +14,7 @@
 //     end
 
 #include "degree_coarsening.h"
+#include "mesh_coarsening.h"
 #include "outlook.h"
 #include "semicoarsening.h"
 #include "soft_leaders.h"
@@ -30,6 +31,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -72,6 +74,7 @@ private:
                                                   std::shared_ptr<const Epetra_MultiVector> modes,
                                                   std::vector<GroupFacts::Place> places,
                                                   bool is_finest) const;
+  std::vector<MeshStep> mesh_steps() const;
   bool is_stretched() const;
   Means means_for(double n_expected) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
@@ -136,8 +139,7 @@ void Multigrid::make_levels()
   finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix)
                                  : std::make_unique<AugmentedLevel>(*matrix, *added_rows);
   const auto part_of_modes = [this](const Epetra_Map &map, const Selection *rows) {
-    return rows != nullptr ? DegreeCoarsening::select(*modes, map, *rows)
-                           : std::make_unique<Epetra_MultiVector>(*modes);
+    return rows != nullptr ? select_rows(*modes, map, *rows) : std::make_unique<Epetra_MultiVector>(*modes);
   };
   if (facts.degree > 1 && facts.linear_part) {
     auto smoother = DegreeCoarsening::usual_smoother(*finest, facts.degree);
@@ -152,12 +154,25 @@ void Multigrid::make_levels()
           return make_cycle_of_degree_one(std::move(A_1), std::move(level)..., false);
         });
   else
-    cycle = make_cycle_of_degree_one(
+    cycle = coarsen_mesh(
         added_rows == nullptr ? Cycle::Finest(*matrix) : Cycle::Finest(with_added_rows(*matrix, *added_rows)),
-        modes, means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places(),
-        true);
+        mesh_steps(), modes,
+        means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places(),
+        [this](Cycle::Finest A, auto... level) {
+          return make_cycle_of_degree_one(std::move(A), std::move(level)..., true);
+        });
   if (means == Means::factorisation && dynamic_cast<const Semicoarsening *>(cycle.get()) != nullptr)
     means = Means::semicoarsening;
+}
+
+/// At degree one. Where they turn out to be slow, aggregates serve.
+std::vector<MeshStep> Multigrid::mesh_steps() const
+{
+  if (!facts.mesh_levels || !facts.linear_part || means != Means::usual || is_mixed || added_rows != nullptr)
+    return {};
+  Selection all(matrix->NumMyRows());
+  std::iota(all.begin(), all.end(), 0u);
+  return make_mesh_steps(facts.mesh_levels(), facts.linear_part(), finest->rows(), std::move(all));
 }
 
 bool Multigrid::is_stretched() const

@@ -4,6 +4,7 @@
 #include "soft_leaders.h"
 
 #include "factors.h"
+#include "mesh_coarsening.h"
 #include "semicoarsening.h"
 
 #include <EpetraExt_MatrixMatrix.h>
@@ -370,9 +371,8 @@ std::unique_ptr<DegreeCoarsening> SoftLeaders::coarsen(const LevelOperator &A, c
   return std::make_unique<DegreeCoarsening>(
       A, RowSums(sums),
       [&](const Epetra_Map &map, const Selection *rows) {
-        return is_reversed
-                   ? DegreeCoarsening::select(*reversed_modes(*make_modes(A.rows(), nullptr)), map, *rows)
-                   : make_modes(map, rows);
+        return is_reversed ? select_rows(*reversed_modes(*make_modes(A.rows(), nullptr)), map, *rows)
+                           : make_modes(map, rows);
       },
       facts, exact_first(A, *make_modes(A.rows(), nullptr), std::move(other)), make_coarse);
 }
@@ -388,8 +388,9 @@ std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const G
       is_within_bodies ? make_cycle_within_bodies : DegreeCoarsening::make_usual_coarse;
   if (leaders)
     return leaders->coarsen(A, facts, make_modes, std::move(smoother), make_coarse);
+  const MeshLevels levels = facts.mesh_levels ? facts.mesh_levels() : MeshLevels();
   return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother),
-                                            make_coarse);
+                                            make_coarse, facts.mesh_levels ? &levels : nullptr);
 }
 
 } // namespace dovetail

@@ -4,6 +4,7 @@
 #include <dovetail/domain/cell_operator.h>
 #include <dovetail/domain/measure_by_vertices.h>
 #include <dovetail/system/linear_part.h>
+#include <dovetail/system/mesh_levels.h>
 #include <dovetail/system/rigid_motions.h>
 #include <dovetail/system/solve_groups.h>
 
@@ -115,6 +116,21 @@ RowSums linear_part_of(const Model<dim> &model, const unsigned int number, const
                      tied_ids(model, domain));
 }
 
+/// Of the nodes of some of this rank's unknowns, or of all.
+template <int dim>
+std::vector<std::array<double, 3>> positions_of(const Model<dim> &model, const unsigned int number,
+                                                const Selection *unknowns)
+{
+  const Block &block = model.numbering->blocks()[number];
+  const auto places = places_of_unknowns(*model.domains[block.domain_index], block);
+  std::vector<std::array<double, 3>> positions(unknowns != nullptr ? unknowns->size() : places.size());
+  for (unsigned int i = 0; i < positions.size(); ++i) {
+    const Place<dim> &place = places[unknowns != nullptr ? (*unknowns)[i] : i];
+    std::copy(place.position.begin_raw(), place.position.end_raw(), positions[i].begin());
+  }
+  return positions;
+}
+
 } // namespace
 
 template <int dim>
@@ -124,6 +140,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
   std::vector<SolveGroup> groups;
   if (!model.numbering) // while documenting
     return groups;
+  const auto has_coarser_meshes = [](const auto &domain) { return domain->mesh().n_global_levels() > 1; };
   for (const auto &fields : model.field_groups()) {
     SolveGroup group;
     group.name = comma_separated(fields);
@@ -137,18 +154,16 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
                                    system().last_state());
     };
     group.positions = [&model](const unsigned int number, const Selection *unknowns) {
-      const Block &block = model.numbering->blocks()[number];
-      const auto places = places_of_unknowns(*model.domains[block.domain_index], block);
-      std::vector<std::array<double, 3>> positions(unknowns != nullptr ? unknowns->size() : places.size());
-      for (unsigned int i = 0; i < positions.size(); ++i) {
-        const Place<dim> &place = places[unknowns != nullptr ? (*unknowns)[i] : i];
-        std::copy(place.position.begin_raw(), place.position.end_raw(), positions[i].begin());
-      }
-      return positions;
+      return positions_of(model, number, unknowns);
     };
     group.linear_part = [&model, system](const unsigned int number) {
       return linear_part_of(model, number, system().tangent(), system().all_constraints());
     };
+    if (std::any_of(model.domains.begin(), model.domains.end(), has_coarser_meshes))
+      group.mesh_levels = [&model](const unsigned int number) {
+        const Block &block = model.numbering->blocks()[number];
+        return mesh_levels(*model.domains[block.domain_index], block, model.communicator);
+      };
     group.is_of_body = [&model](const unsigned int number) {
       return !model.numbering->blocks()[number].is_of_multipliers;
     };

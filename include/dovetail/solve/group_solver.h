@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/scene/catalogue.h>
+#include <dovetail/solve/mesh_levels.h>
 #include <dovetail/solve/part_operator.h>
 #include <dovetail/solve/row_sums.h>
 
@@ -93,6 +94,7 @@ struct GroupFacts : GroupTraits
   /// degree one; itself if it is an unknown of such a function; none if it is prescribed. May be missing.
   /// Collective.
   std::function<RowSums()> linear_part;
+  std::function<MeshLevels()> mesh_levels;         ///< of the rows of the bodies. May be missing. Collective.
   using Sum = std::vector<std::pair<int, double>>; ///< one of them
   /// Of each own row of the bodies: the number of its field, from 0.
   std::function<std::vector<int>()> field_of_row;

@@ -14,8 +14,7 @@ class Epetra_LinearProblem;
 
 namespace dovetail {
 
-/// KLU factorises on the first rank, or LAPACK where more than an eighth of the entries are not zero: what
-/// aggregates with six modes make of a body is dense as soon as it is factorised.
+/// KLU factorises on the first rank.
 ///
 /// T. A. Davis, E. Palamadai Natarajan: Algorithm 907: KLU, a direct sparse solver for circuit simulation
 /// problems, 2010.

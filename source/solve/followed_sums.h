@@ -7,18 +7,19 @@
 
 #include <dovetail/solve/row_sums.h>
 
-#include <Epetra_CrsMatrix.h>
 #include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
 
-#include <memory>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
 
-/// RowSums in which rows that are sums themselves are replaced, until only rows are left that are themselves.
-/// Rows may follow each other in a circle: where a tie extends a field over a gap, an unknown of the tie
-/// follows one beside it, which may be a mean of unknowns of the tie. What comes around again is left out.
+/// RowSums in which rows that are sums themselves are replaced when they are read, until only rows are left
+/// that are themselves. Rows may follow each other in a circle: where a tie extends a field over a gap, an
+/// unknown of the tie follows one beside it, which may be a mean of unknowns of the tie. What comes around
+/// again is left out.
 class FollowedSums
 {
 public:
@@ -26,19 +27,26 @@ public:
   /// @param rows by reference
   /// @param number of each of the rows that are left; -1: another one
   FollowedSums(RowSums &&sums, const Epetra_Map &rows, const Epetra_IntVector &number);
-  ~FollowedSums();
 
   /// The numbers of those that an own row is the sum of, and their weights.
   void read(int row, std::vector<int> &columns, std::vector<double> &weights);
   bool has_circles() const { return has_circle; } ///< in what has been read on this rank
 
 private:
-  class OnOneRank;
+  std::vector<int> unknown_columns(unsigned int first_place) const;
+  void add_rows_of_others(const std::vector<int> &wanted);
+  int place(int global_row) const;
+  bool is_itself(int global_row) const { return sums.is_only(place(global_row), global_row); }
+  void expand(int global_row);
+  template <typename Visit>
+  void for_sum(int place, const Visit &visit) const;
 
-  const Epetra_IntVector number;
-  std::unique_ptr<OnOneRank> on_one_rank;
-  std::unique_ptr<Epetra_CrsMatrix> all;              ///< on several ranks: the sums
-  std::unique_ptr<Epetra_IntVector> number_of_column; ///< or its kind
+  const Epetra_Map &rows;
+  RowSums sums;            ///< by place: of own rows, and of those of other ranks that they follow
+  std::vector<int> number; ///< by place
+  std::unordered_map<int, int> place_of_other;
+  std::vector<bool> is_done; ///< by place: it has been expanded, or is being so
+  std::unordered_map<int, std::vector<std::pair<int, double>>> replaced; ///< by place
   bool has_circle = false;
 };
 

@@ -8,9 +8,11 @@
 
 #include <dovetail/solve/prolongation.h>
 
+#include <Epetra_Comm.h>
 #include <Epetra_IntVector.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace dovetail {
@@ -35,15 +37,15 @@ RowSums sums_after(const unsigned int n_steps, const MeshLevels &levels, const R
   return result;
 }
 
-/// @param finer own rows that are unknowns; then those of the coarser level
-MeshStep make_mesh_step(RowSums &&sums, const RowSums &first_sums, const Epetra_Map &rows, Selection &finer)
+/// Between own rows that are unknowns of the finer and of the coarser level.
+MeshStep make_mesh_step(RowSums &&sums, const RowSums &first_sums, const Epetra_Map &rows,
+                        const Selection &finer, const Selection &coarser)
 {
   MeshStep result;
-  Selection coarser;
-  for (unsigned int i = 0; i < finer.size(); ++i)
-    if (sums.is_only(finer[i], rows.GID(finer[i]))) {
+  for (unsigned int i = 0, next = 0; i < finer.size() && next < coarser.size(); ++i)
+    if (finer[i] == coarser[next]) {
       result.rows.push_back(i);
-      coarser.push_back(finer[i]);
+      ++next;
     }
   const Epetra_Map range(-1, static_cast<int>(finer.size()), 0, rows.Comm()),
       domain(-1, static_cast<int>(coarser.size()), 0, rows.Comm());
@@ -60,7 +62,20 @@ MeshStep make_mesh_step(RowSums &&sums, const RowSums &first_sums, const Epetra_
           followed.read(row, columns, weights); // others are alone in their equations
       }).matrix();
   result.has_circles = followed.has_circles();
-  finer = std::move(coarser);
+  return result;
+}
+
+int most_of_ranks(const Epetra_Comm &communicator, int here)
+{
+  int result = 0;
+  communicator.MaxAll(&here, &result, 1);
+  return result;
+}
+
+int sum_of_ranks(const Epetra_Comm &communicator, int here)
+{
+  int result = 0;
+  communicator.SumAll(&here, &result, 1);
   return result;
 }
 
@@ -71,20 +86,22 @@ std::vector<MeshStep> make_mesh_steps(const MeshLevels &levels, const RowSums &s
 {
   const int few = 2000;
   const double largest_share = 0.5; // of the unknowns of the finer mesh
-  int last_here = levels.step.empty() ? 0 : *std::max_element(levels.step.begin(), levels.step.end()),
-      last = 0;
-  rows.Comm().MaxAll(&last_here, &last, 1);
+  const Epetra_Comm &ranks = rows.Comm();
+  const int last = most_of_ranks(
+      ranks, levels.step.empty() ? 0 : *std::max_element(levels.step.begin(), levels.step.end()));
   std::vector<MeshStep> result;
   for (int step = 1; step <= last; ++step) {
-    MeshStep next = make_mesh_step(sums_after(step, levels, sums, rows), sums, rows, finest);
-    int has_circles = next.has_circles, on_any_rank = 0;
-    rows.Comm().MaxAll(&has_circles, &on_any_rank, 1);
-    if (on_any_rank != 0)
-      return {};
-    const int n_coarse = next.P->NumGlobalCols(), n_fine = next.P->NumGlobalRows();
+    Selection coarser;
+    std::copy_if(finest.begin(), finest.end(), std::back_inserter(coarser), [&](const int row) {
+      return sums.is_only(row, rows.GID(row)) && (levels.step[row] == 0 || levels.step[row] > step);
+    });
+    const int n_fine = sum_of_ranks(ranks, finest.size()), n_coarse = sum_of_ranks(ranks, coarser.size());
     if (n_fine <= few || n_coarse == 0 || n_coarse > largest_share * n_fine)
       break;
-    result.push_back(std::move(next));
+    result.push_back(make_mesh_step(sums_after(step, levels, sums, rows), sums, rows, finest, coarser));
+    if (most_of_ranks(ranks, result.back().has_circles) != 0)
+      return {};
+    finest = std::move(coarser);
   }
   return result;
 }
@@ -107,16 +124,14 @@ class MeshCoarsening : public Cycle
 public:
   explicit MeshCoarsening(Finest A) : Cycle(std::move(A)) {}
 
-  /// Of a vector field, an incomplete factorisation sees how the components at a node are coupled, and takes
-  /// fewer iterations and less time. Of a scalar, the diagonal costs less.
-  void add(MeshStep step, const bool is_scalar)
+  /// An incomplete factorisation sees how the components at a node are coupled, and takes fewer iterations
+  /// and less time than the diagonal.
+  void add(MeshStep step)
   {
     const MakeMatrix make_coarse = sum_coarse_matrix(coarsest(), *step.P, 1);
     add_level(
-        [is_scalar](const LevelEntries &A, double, double) {
-          const ChebyshevSmoother::Range range{2, 10};
-          return is_scalar ? ChebyshevSmoother::with_diagonal(A, range)
-                           : ChebyshevSmoother::with_factorisation(A, range);
+        [](const LevelEntries &A, double, double) {
+          return ChebyshevSmoother::with_factorisation(A, {2, 10});
         },
         std::move(step.P), make_coarse);
   }
@@ -140,7 +155,7 @@ coarsen_mesh(Cycle::Finest A, std::vector<MeshStep> steps, std::shared_ptr<const
     for (unsigned int i = 0; i < step.rows.size() && !places.empty(); ++i)
       places[i] = places[step.rows[i]]; // in ascending order
     places.resize(std::min(places.size(), step.rows.size()));
-    result->add(std::move(step), modes->NumVectors() == 1);
+    result->add(std::move(step));
   }
   result->solve_coarsest_by([&](Cycle::Finest coarsest) {
     return make_coarse(std::move(coarsest), std::move(modes), std::move(places));

@@ -159,11 +159,6 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.linear_part = [&model, system](const unsigned int number) {
       return linear_part_of(model, number, system().tangent(), system().all_constraints());
     };
-    if (std::any_of(model.domains.begin(), model.domains.end(), has_coarser_meshes))
-      group.mesh_levels = [&model](const unsigned int number) {
-        const Block &block = model.numbering->blocks()[number];
-        return mesh_levels(*model.domains[block.domain_index], block, model.communicator);
-      };
     group.is_of_body = [&model](const unsigned int number) {
       return !model.numbering->blocks()[number].is_of_multipliers;
     };
@@ -190,6 +185,12 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.why_entries = why_entries(model, fields, group);
     const auto components = components_of_fields(model, group);
     group.n_components = std::accumulate(components.begin(), components.end(), 0u);
+    if (group.n_components > 1 && // aggregates serve scalars as well, in less time
+        std::any_of(model.domains.begin(), model.domains.end(), has_coarser_meshes))
+      group.mesh_levels = [&model](const unsigned int number) {
+        const Block &block = model.numbering->blocks()[number];
+        return mesh_levels(*model.domains[block.domain_index], block, model.communicator);
+      };
     if (dim == 3 && std::all_of(components.begin(), components.end(), [](const auto n) { return n > 1; }))
       group.present_shape = [&model, blocks = group.blocks]() { return shape_of(model, blocks); };
     group.field = [&model](const unsigned int block) { return model.numbering->blocks()[block].field; };

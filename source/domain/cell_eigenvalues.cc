@@ -143,6 +143,12 @@ private:
                      std::vector<double> &rows) const;
   void find_rotations(const std::vector<double> &unknowns);
   void hold_axis();
+  /// What a row has at the nodes of one component.
+  double *add_row(std::vector<double> &rows) const
+  {
+    rows.resize(rows.size() + n_nodes);
+    return rows.data() + rows.size() - n_nodes;
+  }
   /// The derivative of the strain u_r/r by the unknown of node a of a component, at the current point.
   double hoop_strain(const double value, const unsigned int component) const
   {
@@ -187,16 +193,13 @@ bool CellProblem<dim>::reinit(const cell_iterator &cell, const std::vector<Trace
   problem.rounding = rounding_of_gradients(values);
   if (!add_energy(unknowns))
     return false;
-  bool has_negative = !problem.C.empty();
-  for (const TracePoint<dim> &point : points) {
+  for (const TracePoint<dim> &point : points)
     if (!add_flux(point, unknowns))
       return false;
-    has_negative = has_negative || !tangent.positive.empty();
-  }
+  if (positive_S.empty() && !problem.C.empty())
+    positive_S = problem.S;
   problem.lifted.clear();
-  if (!has_negative)
-    positive_S.clear();
-  else if (field.n_components > 1 && !has_hoop) {
+  if (!positive_S.empty() && field.n_components > 1 && !has_hoop) {
     at_nodes.reinit(cell);
     find_rotations(unknowns);
   }
@@ -245,9 +248,10 @@ bool CellProblem<dim>::add_energy(const std::vector<double> &unknowns)
         for (unsigned int L = 0; L < dim; ++L)
           direction[L] = factor * tangent.vectors[e * tangent.n + d * dim + L];
         const double around = factor * tangent.vectors[e * tangent.n + tangent.n - 1];
+        double *const row = add_row(rows);
         for (unsigned int a = 0; a < n_nodes; ++a)
-          rows.push_back(direction * point.shape_gradients()[first_shape + a] +
-                         around * hoop_strain(point.shape_values()[first_shape + a], d));
+          row[a] = direction * point.shape_gradients()[first_shape + a] +
+                   around * hoop_strain(point.shape_values()[first_shape + a], d);
       }
     }
   }
@@ -260,8 +264,11 @@ bool CellProblem<dim>::add_flux(const TracePoint<dim> &face_point, const std::ve
   point.reinit(face_point.X, face_point.values.data(), face_point.gradients.data(), unknowns);
   if (!find_tangent())
     return false;
+  if (!tangent.positive.empty() && positive_S.empty())
+    positive_S = problem.S; // of the points before, at which the tangent is positive
   add_flux_rows(tangent.D, face_point, problem.S);
-  add_flux_rows(tangent.positive.empty() ? tangent.D : tangent.positive, face_point, positive_S);
+  if (!tangent.positive.empty() || !positive_S.empty())
+    add_flux_rows(tangent.positive.empty() ? tangent.D : tangent.positive, face_point, positive_S);
   return true;
 }
 
@@ -280,9 +287,10 @@ void CellProblem<dim>::add_flux_rows(const std::vector<double> &D, const TracePo
       for (unsigned int J = 0; has_hoop && J < dim; ++J)
         around +=
             std::sqrt(face_point.weight) * face_point.N[J] * D[(c * dim + J) * tangent.n + tangent.n - 1];
+      double *const row = add_row(rows);
       for (unsigned int a = 0; a < n_nodes; ++a)
-        rows.push_back(N_D * face_point.gradients[first_shape + a] +
-                       around * hoop_strain(face_point.values[first_shape + a], d));
+        row[a] = N_D * face_point.gradients[first_shape + a] +
+                 around * hoop_strain(face_point.values[first_shape + a], d);
     }
 }
 

@@ -567,9 +567,12 @@ LinearSolver::Counts LinearSolver::counts() const
   return result;
 }
 
-void LinearSolver::prefer_direct()
+void LinearSolver::prefer_direct(const std::string &reason)
 {
   for (auto &group : groups) {
+    if (!group->is_direct && !reason.empty())
+      all_notes.push_back(
+          of_solver(reason + "; MUMPS solves " + group->system.facts().name + " from now on"));
     group->iteration_failed = group->iteration_failed || !group->is_direct;
     group->is_direct = group->is_decided = true;
   }

@@ -113,8 +113,9 @@ public:
 
   /// Whether some group is solved by iteration, as far as is known.
   bool iterates() const;
-  /// From now on everything is solved directly.
-  void prefer_direct();
+  /// From now on everything is solved directly. A note gives the @p reason, if there is one, for each group
+  /// that was iterated.
+  void prefer_direct(const std::string &reason = {});
 
   /// What a user should know about how it went, the same on all ranks.
   const NoteList &notes() const { return all_notes; }

@@ -296,35 +296,45 @@ void Domain<dim>::check_conditions() const
     }
 }
 
-/// All unknowns of the first field come first, over all ranks; otherwise their order remains.
+/// All unknowns of the first field come first, over all ranks. The components at a node follow each other,
+/// also where an edge, a face or a cell has several nodes. Otherwise their order remains.
 template <int dim>
 void Domain<dim>::distribute_dofs()
 {
   dofs.distribute_dofs(cell_layout->system_element());
   sizes_of_fields = {dofs.n_dofs()};
-  if (fields().size() == 1)
-    return;
-  const auto &element = dofs.get_fe();
-  std::vector<unsigned int> field_of_shape;
-  for (unsigned int i = 0; i < element.n_dofs_per_cell(); ++i)
-    for (unsigned int f = 0, c = element.system_to_component_index(i).first; f < fields().size(); ++f)
-      if (fields()[f].has_component(c))
-        field_of_shape.push_back(f);
+  if (fields().size() == 1 && (degree <= 2 || fields()[0].n_components == 1))
+    return; // it is so already
+  const unsigned int none = dealii::numbers::invalid_unsigned_int;
   const dealii::IndexSet &owned = dofs.locally_owned_dofs(); // contiguous
   const auto first = owned.n_elements() > 0 ? owned.nth_index_in_set(0) : 0;
-  std::vector<unsigned int> field_of_dof(owned.n_elements());
-  std::vector<dealii::types::global_dof_index> indices(field_of_shape.size());
+  const auto own = [&](const auto dof) { // also false below `first`
+    return dof - first < owned.n_elements() ? static_cast<unsigned int>(dof - first) : none;
+  };
+  struct Place
+  {
+    unsigned int field = 0, next = dealii::numbers::invalid_unsigned_int; ///< next: component at the node
+    bool is_first = true;                                                 ///< component
+  };
+  std::vector<Place> places(owned.n_elements());
+  std::vector<dealii::types::global_dof_index> indices(dofs_per_cell());
   for (const auto &cell : dofs.active_cell_iterators())
     if (cell->is_locally_owned()) {
       cell->get_dof_indices(indices);
-      for (unsigned int i = 0; i < indices.size(); ++i)
-        if (indices[i] - first < field_of_dof.size()) // also false below `first`
-          field_of_dof[indices[i] - first] = field_of_shape[i];
+      for (unsigned int f = 0; f < fields().size(); ++f)
+        for (unsigned int c = fields()[f].first_component, end = c + fields()[f].n_components; c < end; ++c)
+          for (unsigned int a = 0; a < layout().n_nodes(c); ++a)
+            if (const unsigned int i = own(indices[layout().system_index(layout().index(c, a))]); i != none) {
+              places[i].field = f;
+              places[i].is_first = c == fields()[f].first_component;
+              if (c + 1 < end)
+                places[i].next = own(indices[layout().system_index(layout().index(c + 1, a))]);
+            }
     }
 
   std::vector<dealii::types::global_dof_index> own_sizes(fields().size(), 0), next(fields().size(), 0);
-  for (const unsigned int f : field_of_dof)
-    ++own_sizes[f];
+  for (const Place &place : places)
+    ++own_sizes[place.field];
   sizes_of_fields.assign(fields().size(), 0);
   const MPI_Comm communicator = triangulation->get_communicator();
   const unsigned int own_rank = dealii::Utilities::MPI::this_mpi_process(communicator);
@@ -337,10 +347,10 @@ void Domain<dim>::distribute_dofs()
   dealii::types::global_dof_index begin = 0;
   for (unsigned int f = 0; f < fields().size(); begin += sizes_of_fields[f++])
     next[f] += begin;
-  std::vector<dealii::types::global_dof_index> numbers;
-  numbers.reserve(field_of_dof.size());
-  for (const unsigned int f : field_of_dof)
-    numbers.push_back(next[f]++);
+  std::vector<dealii::types::global_dof_index> numbers(places.size());
+  for (unsigned int i = 0; i < places.size(); ++i)
+    for (unsigned int k = places[i].is_first ? i : none; k != none; k = places[k].next)
+      numbers[k] = next[places[k].field]++;
   dofs.renumber_dofs(numbers);
 }
 

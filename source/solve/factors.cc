@@ -3,11 +3,14 @@
 
 #include "factors.h"
 
+#include "mumps_factors.h"
+
 #include <deal.II/base/exceptions.h>
 
 #include <Amesos_Klu.h>
 #include <Epetra_LinearProblem.h>
 #include <Epetra_Map.h>
+#include <Epetra_MpiComm.h>
 #include <Epetra_MultiVector.h>
 
 #include <algorithm>
@@ -28,6 +31,16 @@ Factors::~Factors() = default;
 
 void Factors::factorise()
 {
+  const int most_of_klu = 2000;
+  if (A.NumGlobalRows() > most_of_klu) {
+    const bool is_symmetric = true, has_small_pivots = false;
+    mumps = std::make_unique<MumpsFactors>(dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm(),
+                                           is_symmetric, has_small_pivots);
+    mumps->take(A);
+    mumps->analyse();
+    mumps->factorise();
+    return;
+  }
   problem = std::make_unique<Epetra_LinearProblem>();
   problem->SetOperator(const_cast<Epetra_CrsMatrix *>(&A));
   solver = std::make_unique<Amesos_Klu>(*problem);
@@ -37,6 +50,10 @@ void Factors::factorise()
 
 void Factors::solve(double *x, const double *b) const
 {
+  if (mumps) {
+    mumps->solve(x, b);
+    return;
+  }
   double none = 0; // a null pointer is refused
   const int n = A.NumMyRows();
   Epetra_MultiVector solution(View, A.OperatorDomainMap(), n > 0 ? x : &none, std::max(n, 1), 1),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The factors of a small matrix of all ranks.
+// The factors of a matrix of all ranks that is small or belongs to surfaces.
 
 #pragma once
 
@@ -14,7 +14,10 @@ class Epetra_LinearProblem;
 
 namespace dovetail {
 
-/// KLU factorises on the first rank.
+class MumpsFactors;
+
+/// Of a symmetric matrix. Up to 2000 rows KLU factorises on the first rank; more, as those of surfaces, are
+/// left to MUMPS.
 ///
 /// T. A. Davis, E. Palamadai Natarajan: Algorithm 907: KLU, a direct sparse solver for circuit simulation
 /// problems, 2010.
@@ -35,7 +38,8 @@ private:
   std::unique_ptr<Epetra_CrsMatrix> owned; ///< nullptr, or A
   const Epetra_CrsMatrix &A;
   std::unique_ptr<Epetra_LinearProblem> problem;
-  std::unique_ptr<Amesos_BaseSolver> solver;
+  std::unique_ptr<Amesos_BaseSolver> solver; ///< or
+  std::unique_ptr<MumpsFactors> mumps;
 };
 
 } // namespace dovetail

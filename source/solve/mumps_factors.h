@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+//
+// The factors of a matrix of all ranks by MUMPS.
+
+#pragma once
+
+#include <Epetra_CrsMatrix.h>
+#include <dmumps_c.h>
+#include <mpi.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace dovetail {
+
+/// The factors of one matrix after the other of the same structure. Functions are collective.
+class MumpsFactors
+{
+public:
+  MumpsFactors(const MPI_Comm &communicator, bool is_symmetric, bool has_small_pivots);
+  ~MumpsFactors() { call(-2); }
+  MumpsFactors(const MumpsFactors &) = delete;
+  MumpsFactors &operator=(const MumpsFactors &) = delete;
+
+  /// Take the entries of the own rows. @return whether their pattern is that of the last analysis; not
+  /// collective
+  bool take(const Epetra_CrsMatrix &A);
+  void analyse();
+  bool are_symmetric() const { return is_symmetric; } ///< L D L^T
+  /// What factorise() will need on this rank, in MiB, estimated from above. @pre analyse()
+  double memory() const { return (mumps.info[14] + 1) * 1e6 / (1024 * 1024); }
+  void factorise();
+  void solve(double *x, const double *b);
+  /// Of D, as many as eigenvalues of the matrix are negative (Sylvester). @pre are_symmetric()
+  unsigned long n_negative_pivots() const { return mumps.infog[11]; }
+
+private:
+  void call(const int job)
+  {
+    mumps.job = job;
+    dmumps_c(&mumps);
+  }
+  void check() const
+  {
+    if (mumps.infog[0] < 0)
+      throw std::runtime_error("MUMPS gives error " + std::to_string(mumps.infog[0]));
+  }
+
+  MPI_Comm communicator;
+  bool is_symmetric, is_first, is_analysed = false;
+  DMUMPS_STRUC_C mumps = {};
+  std::vector<int> rows, columns; ///< from 1, of the entries; of a symmetric matrix the upper triangle
+  std::vector<double> entries;
+  int n_own = 0; ///< rows
+  std::vector<int> n_of_rank, first_of_rank;
+};
+
+} // namespace dovetail

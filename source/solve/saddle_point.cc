@@ -4,6 +4,7 @@
 #include "saddle_point.h"
 
 #include "level_operator.h"
+#include "lines_into_bodies.h"
 
 #include <deal.II/base/mpi.h>
 
@@ -92,7 +93,7 @@ const GroupOperator &SaddlePoint::bodies() const
 void SaddlePoint::update()
 {
   const double w_of_pressure = 2; // measured: 0.5 to 4 differ little, 0 doubles the iterations
-  const double w_of_tie = 1;      // 2 makes oscillations of both sides together too soft beside the diagonal
+  const double w_of_tie = 0.3; // more makes oscillations of both sides together too soft beside the diagonal
   const Epetra_CrsMatrix &A = matrix.part(body_part, body_part).trilinos_matrix(),
                          &minus_C = matrix.part(multiplier_part, multiplier_part).trilinos_matrix();
   Epetra_Vector diagonal(A.RowMap()), C(minus_C.RowMap());
@@ -127,61 +128,74 @@ void SaddlePoint::update()
   factorise_ties(*B, diagonal, C);
 }
 
-/// About S = C + B A^-1 B^T of ties. The traces of oscillating multipliers are small, so that their
-/// eigenvalues of S are far below its diagonal, and of those that a soft side does not see, because it is
-/// coarser, by the contrast of the sides. In case that multipliers depend on each other, a thousandth of what
-/// the diagonal would be of bodies that are as stiff as the stiffer one is added.
+/// With S_D = C + a B D^-1 B^T, D = diag(A), it is
+/// @f[ \hat S^{-1} = S_D^{-1} (C + a B D^{-1} E^T A E D^{-1} B^T) S_D^{-1}, @f]
+/// about the energy of the displacement E D^-1 B^T S_D^-1 g that has the jump g. The traces of oscillating
+/// multipliers are small, so that their eigenvalues of S are far below its diagonal, and of those that a soft
+/// side does not see, because it is coarser, by the contrast of the sides. In case that multipliers depend on
+/// each other, a thousandth of what the diagonal would be of bodies that are as stiff as the stiffer one is
+/// added to C.
 void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A,
                                  const Epetra_Vector &C)
 {
-  const int most = 50000;               // they belong to surfaces, and are factorised on the first rank
-  const double shift = 1e-3, share = 2; // A^-1 is larger than diag(A)^-1
+  const int most = 50000;                 // they belong to surfaces, and are factorised on the first rank
+  const double shift = 1e-3, share = 1.5; // a: bodies give way beyond the reach of E
   factors.reset();
   of_ties.clear();
   share_of_ties.clear();
+  added_to_ties.clear();
   for (unsigned int i = 0; i < traits.size(); ++i)
     if (!traits[i].is_of_body && weight[i] > 0)
       of_ties.push_back(i);
   const Epetra_Map rows(-1, static_cast<int>(of_ties.size()), 0, B.Comm());
   if (rows.NumGlobalElements() == 0 || rows.NumGlobalElements() > most)
     return;
-  Epetra_Vector root(B.DomainMap());
-  for (int i = 0; i < root.MyLength(); ++i)
-    root[i] = diagonal_of_A[i] > 0 ? std::sqrt(1 / diagonal_of_A[i]) : 0;
-  Epetra_CrsMatrix R(Copy, rows, 0);
+  root_of_D = std::make_unique<Epetra_Vector>(diagonal_of_A);
+  for (int i = 0; i < root_of_D->MyLength(); ++i)
+    (*root_of_D)[i] = diagonal_of_A[i] > 0 ? std::sqrt(1 / diagonal_of_A[i]) : 0;
+  scaled_ties = std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0);
   std::vector<int> global;
-  std::vector<double> scaled, shifts;
+  std::vector<double> scaled;
   const Epetra_Vector diagonal_of_columns = by_columns(B, diagonal_of_A);
   for (unsigned int k = 0; k < of_ties.size(); ++k) {
+    const unsigned int row = of_ties[k];
     int n = 0, *columns = nullptr;
     double *values = nullptr;
-    B.ExtractMyRowView(of_ties[k], n, values, columns);
+    B.ExtractMyRowView(row, n, values, columns);
     global.resize(n);
     scaled.assign(values, values + n);
     double square = 0, stiffest = 0;
     for (int i = 0; i < n; ++i) {
       global[i] = B.GCID(columns[i]);
-      scaled[i] *= scale[of_ties[k]];
+      scaled[i] *= std::sqrt(share) * scale[row];
       if (scaled[i] != 0)
         stiffest = std::max(stiffest, diagonal_of_columns[columns[i]]);
       square += scaled[i] * scaled[i];
     }
-    shifts.push_back(stiffest > 0 ? shift * share * square / stiffest : 0);
-    R.InsertGlobalValues(rows.GID(k), n, scaled.data(), global.data());
+    const double scaled_C = C[row] * scale[row] * scale[row];
+    added_to_ties.push_back(scaled_C + (stiffest > 0 ? shift * square / stiffest : 0));
+    share_of_ties.push_back(1 - scaled_C * weight[row]);
+    scaled_ties->InsertGlobalValues(rows.GID(k), n, scaled.data(), global.data());
   }
-  R.FillComplete(B.DomainMap(), rows);
-  R.RightScale(root);
-  auto S = product_with_transposed(R);
-  Epetra_Vector diagonal(rows);
-  S->Scale(share);
+  scaled_ties->FillComplete(B.DomainMap(), rows);
+  scaled_ties->RightScale(*root_of_D);
+  factorise_by_diagonal();
+}
+
+/// S_D, and E
+void SaddlePoint::factorise_by_diagonal()
+{
+  const Epetra_CrsMatrix &A = matrix.part(body_part, body_part).trilinos_matrix();
+  auto S = product_with_transposed(*scaled_ties);
+  Epetra_Vector diagonal(scaled_ties->RowMap()), diagonal_of_A(A.RowMap()), on_interface(A.RowMap());
   S->ExtractDiagonalCopy(diagonal);
-  for (unsigned int k = 0; k < of_ties.size(); ++k) {
-    const double scaled_C = C[of_ties[k]] * scale[of_ties[k]] * scale[of_ties[k]];
-    diagonal[k] += shifts[k] + scaled_C;
-    share_of_ties.push_back(1 - scaled_C * weight[of_ties[k]]);
-  }
+  for (unsigned int k = 0; k < of_ties.size(); ++k)
+    diagonal[k] += added_to_ties[k];
   S->ReplaceDiagonalValues(diagonal);
   factors = std::make_unique<Factors>(std::move(S));
+  A.ExtractDiagonalCopy(diagonal_of_A);
+  add_diagonal(*scaled_ties, on_interface);
+  extension = extension_along_lines(A, diagonal_of_A, on_interface);
 }
 
 void SaddlePoint::solve_schur_complement(double *const z, const double *const r) const
@@ -190,12 +204,23 @@ void SaddlePoint::solve_schur_complement(double *const z, const double *const r)
     z[i] = r[i] / schur[i];
   if (!factors)
     return;
-  std::vector<double> here(of_ties.size()), solved(of_ties.size());
+  const Epetra_CrsMatrix &A = matrix.part(body_part, body_part).trilinos_matrix();
+  Epetra_Vector g(scaled_ties->RowMap()), x(g), u(A.RowMap()), Au(u);
   for (unsigned int k = 0; k < of_ties.size(); ++k)
-    here[k] = share_of_ties[k] * r[of_ties[k]];
-  factors->solve(solved.data(), here.data());
+    g[k] = share_of_ties[k] * r[of_ties[k]];
+  factors->solve(x.Values(), g.Values());
+  scaled_ties->Multiply(true, x, Au);
+  Au.Multiply(1., *root_of_D, Au, 0.);
+  extension->Multiply(true, Au, u);
+  A.Multiply(false, u, Au);
+  extension->Multiply(false, Au, u);
+  u.Multiply(1., *root_of_D, u, 0.);
+  scaled_ties->Multiply(false, u, g);
   for (unsigned int k = 0; k < of_ties.size(); ++k)
-    z[of_ties[k]] = solved[k] + weight[of_ties[k]] * r[of_ties[k]];
+    g[k] += added_to_ties[k] * x[k];
+  factors->solve(x.Values(), g.Values());
+  for (unsigned int k = 0; k < of_ties.size(); ++k)
+    z[of_ties[k]] = x[k] + weight[of_ties[k]] * r[of_ties[k]];
 }
 
 void SaddlePoint::scale_multipliers(GroupVector &x) const

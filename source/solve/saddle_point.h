@@ -8,10 +8,11 @@
 #include "factors.h"
 #include "merged_matrix.h"
 
+#include <Epetra_CrsMatrix.h>
+#include <Epetra_Vector.h>
+
 #include <memory>
 #include <vector>
-
-class Epetra_Vector;
 
 namespace dovetail {
 
@@ -69,6 +70,7 @@ public:
 private:
   bool is_augmented() const { return augmented.added_rows() != nullptr; } ///< there is B
   void factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A, const Epetra_Vector &C);
+  void factorise_by_diagonal();
 
   const BlockMatrix &matrix;
   const MergedMatrix &all;
@@ -76,10 +78,13 @@ private:
   AugmentedBodies augmented;
   const unsigned int body_part, multiplier_part;
   const std::vector<MultiplierTraits> traits;
-  std::vector<double> scale, schur, weight; ///< of the own multipliers; the latter two scaled
-  std::vector<unsigned int> of_ties;        ///< own multipliers whose S is factorised
-  std::vector<double> share_of_ties;        ///< of these: 1 - C W
-  std::unique_ptr<Factors> factors;         ///< of S, scaled
+  std::vector<double> scale, schur, weight;         ///< of the own multipliers; the latter two scaled
+  std::vector<unsigned int> of_ties;                ///< own multipliers whose S is factorised
+  std::vector<double> share_of_ties, added_to_ties; ///< of these: 1 - C W, and scaled C with a shift
+  std::unique_ptr<Epetra_Vector> root_of_D;         ///< diag(A)^-1/2
+  std::unique_ptr<Epetra_CrsMatrix> scaled_ties;    ///< rows of B, scaled, times that and a^1/2
+  std::unique_ptr<Epetra_CrsMatrix> extension;      ///< E^T
+  std::unique_ptr<Factors> factors;                 ///< of S_D, scaled
 };
 
 } // namespace dovetail

@@ -49,10 +49,17 @@ void EnergyGmres::start(const GroupVector &x)
 EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverControl &control)
 {
   const unsigned int most_vectors = 100;
+  const double half_of_digits = 1e-8, still = 0.9;
   State state = State::iterate;
   projected = LeastSquares(append(r));
+  const double first = projected.residual();
+  double before = first;
   GroupVector direction(basis[0]), w(r); // of the residual
-  while (has_only_positive && state == State::iterate && projected.n_columns() < most_vectors) {
+  const auto is_lost = [&]() {
+    return before < half_of_digits * first && projected.residual() > still * before;
+  };
+  while (has_only_positive && state == State::iterate && projected.n_columns() < most_vectors && !is_lost()) {
+    before = projected.residual();
     K.vmult(w, z);
     std::vector<double> column;
     for (unsigned int i = 0; i < basis.size(); ++i) {

@@ -49,7 +49,7 @@ void EnergyGmres::start(const GroupVector &x)
 EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverControl &control)
 {
   const unsigned int most_vectors = 100;
-  const double half_of_digits = 1e-8, still = 0.9;
+  const double half_of_digits = 1e-8, still = 0.9; // rounding hides the rest, as of motions of stiff bodies
   State state = State::iterate;
   projected = LeastSquares(append(r));
   const double first = projected.residual();

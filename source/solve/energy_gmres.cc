@@ -49,17 +49,14 @@ void EnergyGmres::start(const GroupVector &x)
 EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverControl &control)
 {
   const unsigned int most_vectors = 100;
-  const double half_of_digits = 1e-8, still = 0.9; // rounding hides the rest, as of motions of stiff bodies
+  const double half_of_digits = 1e-8, still = 0.9;
   State state = State::iterate;
   projected = LeastSquares(append(r));
   const double first = projected.residual();
-  double before = first;
+  bool is_lost = false;                  // rounding hides what is left, as of motions of stiff bodies
   GroupVector direction(basis[0]), w(r); // of the residual
-  const auto is_lost = [&]() {
-    return before < half_of_digits * first && projected.residual() > still * before;
-  };
-  while (has_only_positive && state == State::iterate && projected.n_columns() < most_vectors && !is_lost()) {
-    before = projected.residual();
+  while (has_only_positive && state == State::iterate && projected.n_columns() < most_vectors && !is_lost) {
+    const double before = projected.residual(), size_before = before * direction.l2_norm();
     K.vmult(w, z);
     std::vector<double> column;
     for (unsigned int i = 0; i < basis.size(); ++i) {
@@ -73,7 +70,10 @@ EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverCo
     projected.append(std::move(column));
     const auto [cosine, sine] = projected.last_rotation();
     direction.sadd(-sine, cosine, basis.back());
-    state = control.check(++n, projected.residual() * direction.l2_norm());
+    const double size = projected.residual() * direction.l2_norm();
+    state = control.check(++n, size);
+    is_lost = before < half_of_digits * first && projected.residual() > still * before &&
+              size > still * size_before;
   }
   return state;
 }

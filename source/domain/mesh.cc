@@ -489,8 +489,8 @@ std::unique_ptr<Mesh<dim>> make_mesh(const Section &section, const MPI_Comm &com
                    coarse_mesh.n_active_cells() * std::pow(2., dim * n_refinements) * n_parts,
                    becomes_simplices ? n_ranks : 1., communicator);
   if (becomes_simplices) {
-    make_simplices(n_refinements, coarse_mesh, further_nodes);
-    return distribute(coarse_mesh, further_nodes, note, communicator);
+    const std::vector<bool> is_added = make_simplices(n_refinements, coarse_mesh, further_nodes);
+    return distribute(coarse_mesh, further_nodes, is_added, note, communicator);
   }
   const bool divides_single_cells = local_refinement.is_asked_for() || has_adaptive_meshes(section.top());
   const auto refined_by = divides_single_cells

@@ -210,8 +210,9 @@ void divide_simplices(dealii::Triangulation<dim> &mesh, FurtherNodes<dim> &nodes
   nodes_on_edges = std::move(part_nodes);
 }
 
+/// @return in 3D: by vertex whether it was added
 template <int dim>
-void convert_hypercubes(dealii::Triangulation<dim> &mesh)
+std::vector<bool> convert_hypercubes(dealii::Triangulation<dim> &mesh)
 {
   dealii::Triangulation<dim> flat, simplices;
   dealii::GridGenerator::flatten_triangulation(mesh, flat);
@@ -221,6 +222,21 @@ void convert_hypercubes(dealii::Triangulation<dim> &mesh)
   dealii::GridGenerator::convert_hypercube_to_simplex_mesh(flat, simplices);
   mesh.clear();
   mesh.copy_triangulation(simplices);
+  if constexpr (dim == 2)
+    return {};
+  const auto coordinates = [](const dealii::Point<dim> &X) {
+    std::array<double, dim> result;
+    std::copy_n(X.begin_raw(), dim, result.begin());
+    return result;
+  };
+  std::vector<std::array<double, dim>> given;
+  std::transform(flat.get_vertices().begin(), flat.get_vertices().end(), std::back_inserter(given),
+                 coordinates);
+  std::sort(given.begin(), given.end());
+  std::vector<bool> is_added;
+  for (const auto &vertex : mesh.get_vertices())
+    is_added.push_back(!std::binary_search(given.begin(), given.end(), coordinates(vertex)));
+  return is_added;
 }
 
 /// A mesh with the nodes on the edges of this rank's cells, known by the number in their CellId.
@@ -230,7 +246,9 @@ class MeshOfSimplices : public dealii::parallel::fullydistributed::Triangulation
 public:
   using dealii::parallel::fullydistributed::Triangulation<dim>::Triangulation;
   std::unordered_map<dealii::types::coarse_cell_id, typename FurtherNodes<dim>::value_type> nodes_on_edges;
-  bool is_curved = false; ///< also on ranks without cells
+  bool is_curved = false;     ///< also on ranks without cells
+  bool was_divided = false;   ///< from one of hexahedra
+  std::vector<bool> is_added; ///< then, by vertex of this rank
 };
 
 template <int dim>
@@ -262,24 +280,26 @@ private:
 } // namespace
 
 template <int dim>
-void make_simplices(const unsigned int n_refinements, dealii::Triangulation<dim> &mesh,
-                    FurtherNodes<dim> &nodes_on_edges)
+std::vector<bool> make_simplices(const unsigned int n_refinements, dealii::Triangulation<dim> &mesh,
+                                 FurtherNodes<dim> &nodes_on_edges)
 {
+  std::vector<bool> is_added;
   if (mesh.all_reference_cells_are_simplex())
     for (unsigned int i = 0; i < n_refinements; ++i)
       divide_simplices(mesh, nodes_on_edges);
   else {
     mesh.refine_global(n_refinements);
-    convert_hypercubes(mesh);
+    is_added = convert_hypercubes(mesh);
   }
   mesh.reset_all_manifolds();
   mesh.set_all_manifold_ids(dealii::numbers::flat_manifold_id);
+  return is_added;
 }
 
 template <int dim>
-std::unique_ptr<Mesh<dim>> distribute(dealii::Triangulation<dim> &mesh,
-                                      const FurtherNodes<dim> &nodes_on_edges, const std::string &note,
-                                      const MPI_Comm &communicator)
+std::unique_ptr<Mesh<dim>>
+distribute(dealii::Triangulation<dim> &mesh, const FurtherNodes<dim> &nodes_on_edges,
+           const std::vector<bool> &is_added, const std::string &note, const MPI_Comm &communicator)
 {
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator);
   if (mesh.n_active_cells() > n_ranks)
@@ -292,12 +312,31 @@ std::unique_ptr<Mesh<dim>> distribute(dealii::Triangulation<dim> &mesh,
       dealii::TriangulationDescription::Utilities::create_description_from_triangulation(mesh, communicator));
   distributed->note = note;
   distributed->is_curved = !nodes_on_edges.empty();
+  distributed->was_divided = !is_added.empty();
   for (const auto &cell : distributed->active_cell_iterators())
     if (distributed->is_curved && !cell->is_artificial()) {
       const auto number = cell->id().get_coarse_cell_id();
       distributed->nodes_on_edges[number] = nodes_on_edges[number];
     }
+  if (distributed->was_divided) {
+    distributed->is_added.resize(distributed->n_vertices());
+    std::vector<typename dealii::Triangulation<dim>::active_cell_iterator> given;
+    for (const auto &cell : mesh.active_cell_iterators())
+      given.push_back(cell);
+    for (const auto &cell : distributed->active_cell_iterators())
+      for (const unsigned int v : cell->vertex_indices())
+        if (!cell->is_artificial())
+          distributed->is_added[cell->vertex_index(v)] =
+              is_added[given[cell->id().get_coarse_cell_id()]->vertex_index(v)];
+  }
   return distributed;
+}
+
+template <int dim>
+const std::vector<bool> *added_vertices(const Mesh<dim> &mesh)
+{
+  const auto *simplex_mesh = dynamic_cast<const MeshOfSimplices<dim> *>(&mesh);
+  return simplex_mesh != nullptr && simplex_mesh->was_divided ? &simplex_mesh->is_added : nullptr;
 }
 
 template <int dim>
@@ -315,12 +354,16 @@ std::unique_ptr<dealii::Mapping<dim>> mapping_of_simplices(const Mesh<dim> &mesh
   return std::make_unique<dealii::MappingFE<dim>>(dealii::FE_SimplexP<dim>(1));
 }
 
-template void make_simplices<2>(unsigned int, dealii::Triangulation<2> &, FurtherNodes<2> &);
-template void make_simplices<3>(unsigned int, dealii::Triangulation<3> &, FurtherNodes<3> &);
+template std::vector<bool> make_simplices<2>(unsigned int, dealii::Triangulation<2> &, FurtherNodes<2> &);
+template std::vector<bool> make_simplices<3>(unsigned int, dealii::Triangulation<3> &, FurtherNodes<3> &);
 template std::unique_ptr<Mesh<2>> distribute<2>(dealii::Triangulation<2> &, const FurtherNodes<2> &,
-                                                const std::string &, const MPI_Comm &);
+                                                const std::vector<bool> &, const std::string &,
+                                                const MPI_Comm &);
 template std::unique_ptr<Mesh<3>> distribute<3>(dealii::Triangulation<3> &, const FurtherNodes<3> &,
-                                                const std::string &, const MPI_Comm &);
+                                                const std::vector<bool> &, const std::string &,
+                                                const MPI_Comm &);
+template const std::vector<bool> *added_vertices<2>(const Mesh<2> &);
+template const std::vector<bool> *added_vertices<3>(const Mesh<3> &);
 template std::unique_ptr<dealii::Mapping<2>> mapping_of_simplices<2>(const Mesh<2> &, unsigned int);
 template std::unique_ptr<dealii::Mapping<3>> mapping_of_simplices<3>(const Mesh<3> &, unsigned int);
 template bool has_curved_simplices<2>(const Mesh<2> &);

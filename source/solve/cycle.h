@@ -53,6 +53,8 @@ public:
 
   virtual ~Cycle() = default;
   void vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const;
+  /// Whether this cycle, or the one for its coarsest matrix, coarsens along short couplings.
+  virtual bool is_semicoarsening() const { return below && below->is_semicoarsening(); }
 
 protected:
   static constexpr int largest_coarse = 2000;   ///< rows of a matrix that is not coarsened

@@ -301,6 +301,7 @@ MeshLevels GroupSystem::mesh_levels() const
     MeshLevels of_block = group.mesh_levels(block);
     result.step.insert(result.step.end(), of_block.step.begin(), of_block.step.end());
     result.means.append(std::move(of_block.means));
+    result.has_parents = result.has_parents || of_block.has_parents;
   }
   renumber(result.means);
   return result;

@@ -99,6 +99,7 @@ std::vector<MeshStep> make_mesh_steps(const MeshLevels &levels, const RowSums &s
     if (n_fine <= few || n_coarse == 0 || n_coarse > largest_share * n_fine)
       break;
     result.push_back(make_mesh_step(sums_after(step, levels, sums, rows), sums, rows, finest, coarser));
+    result.back().may_be_stretched = !levels.has_parents;
     if (most_of_ranks(ranks, result.back().has_circles) != 0)
       return {};
     finest = std::move(coarser);
@@ -125,15 +126,15 @@ public:
   explicit MeshCoarsening(Finest A) : Cycle(std::move(A)) {}
 
   /// An incomplete factorisation sees how the components at a node are coupled, and takes fewer iterations
-  /// and less time than the diagonal.
+  /// and less time than the diagonal. Where cells may be stretched, some more steps serve.
   void add(MeshStep step)
   {
     const MakeMatrix make_coarse = sum_coarse_matrix(coarsest(), *step.P, 1);
-    add_level(
-        [](const LevelEntries &A, double, double) {
-          return ChebyshevSmoother::with_factorisation(A, {2, 10});
-        },
-        std::move(step.P), make_coarse);
+    const auto range =
+        step.may_be_stretched ? ChebyshevSmoother::Range{3, 25} : ChebyshevSmoother::Range{2, 10};
+    add_level([range](const LevelEntries &A, double,
+                      double) { return ChebyshevSmoother::with_factorisation(A, range); },
+              std::move(step.P), make_coarse);
   }
   using Cycle::solve_coarsest_by;
 };

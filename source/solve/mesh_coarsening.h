@@ -25,6 +25,7 @@ struct MeshStep
   std::unique_ptr<Epetra_CrsMatrix> P; ///< interpolates the unknowns of the finer level
   Selection rows;                      ///< own ones of the finer level that the coarser one has
   bool has_circles = false;            ///< of rows that follow each other: P lacks something
+  bool may_be_stretched = false;       ///< the cells
 };
 
 /// Steps towards coarser meshes, as long as these have fewer unknowns by a fair share, and not few. A vertex

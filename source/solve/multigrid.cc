@@ -161,18 +161,24 @@ void Multigrid::make_levels()
         [this](Cycle::Finest A, auto... level) {
           return make_cycle_of_degree_one(std::move(A), std::move(level)..., true);
         });
-  if (means == Means::factorisation && dynamic_cast<const Semicoarsening *>(cycle.get()) != nullptr)
+  if (means == Means::factorisation && cycle && cycle->is_semicoarsening())
     means = Means::semicoarsening;
 }
 
-/// At degree one. Where they turn out to be slow, aggregates serve.
+/// At degree one, of vector fields. Where parents turn out to be slow, aggregates serve. The vertices of
+/// hexahedra that were divided serve wherever cells are stretched, scalars as well.
 std::vector<MeshStep> Multigrid::mesh_steps() const
 {
-  if (!facts.mesh_levels || !facts.linear_part || means != Means::usual || is_mixed || added_rows != nullptr)
+  if (!facts.mesh_levels || !facts.linear_part || is_mixed || added_rows != nullptr)
+    return {};
+  if (means == Means::usual && modes->NumVectors() == 1)
+    return {};
+  const MeshLevels levels = facts.mesh_levels();
+  if (means != Means::usual && levels.has_parents)
     return {};
   Selection all(matrix->NumMyRows());
   std::iota(all.begin(), all.end(), 0u);
-  return make_mesh_steps(facts.mesh_levels(), facts.linear_part(), finest->rows(), std::move(all));
+  return make_mesh_steps(levels, facts.linear_part(), finest->rows(), std::move(all));
 }
 
 bool Multigrid::is_stretched() const

@@ -65,6 +65,7 @@ public:
   /// @param modes near-null space of A
   Semicoarsening(Finest A, const Epetra_MultiVector &modes, LevelNodes nodes,
                  const MakeSmoother &make_smoother);
+  bool is_semicoarsening() const override { return true; }
 };
 
 /// Whether more than a quarter of the nodes are coupled in their body with another one that is five times as

@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/domain/edge_lengths.h>
+#include <dovetail/domain/simplices.h>
 #include <dovetail/system/mesh_levels.h>
 
 #include <deal.II/base/mpi.h>
@@ -237,6 +238,7 @@ template <int dim>
 MeshLevels Parents<dim>::levels() const
 {
   MeshLevels result;
+  result.has_parents = true;
   std::array<unsigned int, dim + 1> weights{}; // of a mean of 2^k
   for (unsigned int k = 1; k <= dim; ++k)
     weights[k] = result.means.add_weights(std::vector<double>(1u << k, 1. / (1u << k)));
@@ -258,14 +260,61 @@ MeshLevels Parents<dim>::levels() const
   return result;
 }
 
+/// Of tetrahedra that are parts of hexahedra.
+/// @param is_added by vertex
+template <int dim>
+MeshLevels levels_of_parts(const Domain<dim> &domain, const Block &block, const std::vector<bool> &is_added)
+{
+  using Dof = dealii::types::global_dof_index;
+  const Field &field = domain.fields()[block.field_index];
+  std::vector<std::vector<Dof>> around(block.owned.n_elements()); // an added vertex
+  std::vector<Dof> dofs;
+  const auto dof = [&](const unsigned int v, const unsigned int c) {
+    return dofs[domain.layout().index(field.first_component + c, v)];
+  };
+  for (const auto &cell : domain.dof_handler().active_cell_iterators()) {
+    if (cell->is_artificial())
+      continue;
+    domain.cell_dofs(cell, dofs);
+    for (unsigned int c = 0; c < field.n_components; ++c)
+      for (const unsigned int v : cell->vertex_indices()) {
+        if (!is_added[cell->vertex_index(v)] || !block.owned.is_element(dof(v, c) - block.begin))
+          continue;
+        auto &of_vertex = around[block.owned.index_within_set(dof(v, c) - block.begin)];
+        for (const unsigned int w : cell->vertex_indices())
+          if (!is_added[cell->vertex_index(w)] &&
+              std::find(of_vertex.begin(), of_vertex.end(), dof(w, c)) == of_vertex.end())
+            of_vertex.push_back(dof(w, c));
+      }
+  }
+  MeshLevels result;
+  std::map<unsigned int, unsigned int> weights; // of a mean of so many
+  for (const auto &given : around) {
+    const auto [found, is_new] = weights.try_emplace(given.size(), 0);
+    if (is_new && !given.empty())
+      found->second = result.means.add_weights(std::vector<double>(given.size(), 1. / given.size()));
+    result.step.push_back(given.empty() ? 0 : 1);
+    std::copy(given.begin(), given.end(), result.means.add_row(given.size(), found->second));
+  }
+  return result;
+}
+
 } // namespace
+
+template <int dim>
+bool has_coarser_meshes(const Mesh<dim> &mesh)
+{
+  return mesh.n_global_levels() > 1 || added_vertices(mesh) != nullptr;
+}
 
 template <int dim>
 MeshLevels mesh_levels(const Domain<dim> &domain, const Block &block, const MPI_Comm &communicator)
 {
   const Field &field = domain.fields()[block.field_index];
-  if (domain.mesh().n_global_levels() > 1 && !has_simplices(domain.mesh()) &&
-      domain.layout().is_continuous(field.first_component))
+  const bool has_vertices = domain.layout().is_continuous(field.first_component);
+  if (has_vertices && added_vertices(domain.mesh()) != nullptr)
+    return levels_of_parts(domain, block, *added_vertices(domain.mesh()));
+  if (has_vertices && !has_simplices(domain.mesh()) && domain.mesh().n_global_levels() > 1)
     return Parents<dim>(domain, block, communicator).levels();
   MeshLevels result;
   result.step.assign(block.owned.n_elements(), 0);
@@ -273,6 +322,9 @@ MeshLevels mesh_levels(const Domain<dim> &domain, const Block &block, const MPI_
     result.means.add_row(0, 0);
   return result;
 }
+
+template bool has_coarser_meshes(const Mesh<2> &);
+template bool has_coarser_meshes(const Mesh<3> &);
 
 template MeshLevels mesh_levels(const Domain<2> &, const Block &, const MPI_Comm &);
 template MeshLevels mesh_levels(const Domain<3> &, const Block &, const MPI_Comm &);

@@ -3,6 +3,7 @@
 
 #include <dovetail/domain/cell_operator.h>
 #include <dovetail/domain/measure_by_vertices.h>
+#include <dovetail/domain/simplices.h>
 #include <dovetail/system/linear_part.h>
 #include <dovetail/system/mesh_levels.h>
 #include <dovetail/system/rigid_motions.h>
@@ -140,7 +141,8 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
   std::vector<SolveGroup> groups;
   if (!model.numbering) // while documenting
     return groups;
-  const auto has_coarser_meshes = [](const auto &domain) { return domain->mesh().n_global_levels() > 1; };
+  const auto can_be_coarser = [](const auto &domain) { return has_coarser_meshes(domain->mesh()); };
+  const auto was_divided = [](const auto &domain) { return added_vertices(domain->mesh()) != nullptr; };
   for (const auto &fields : model.field_groups()) {
     SolveGroup group;
     group.name = comma_separated(fields);
@@ -185,8 +187,9 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.why_entries = why_entries(model, fields, group);
     const auto components = components_of_fields(model, group);
     group.n_components = std::accumulate(components.begin(), components.end(), 0u);
-    if (group.n_components > 1 && // aggregates serve scalars as well, in less time
-        std::any_of(model.domains.begin(), model.domains.end(), has_coarser_meshes))
+    const bool may_have_levels = // of refined cells, aggregates serve scalars as well, in less time
+        group.n_components > 1 || std::any_of(model.domains.begin(), model.domains.end(), was_divided);
+    if (may_have_levels && std::any_of(model.domains.begin(), model.domains.end(), can_be_coarser))
       group.mesh_levels = [&model](const unsigned int number) {
         const Block &block = model.numbering->blocks()[number];
         return mesh_levels(*model.domains[block.domain_index], block, model.communicator);

@@ -16,8 +16,13 @@ namespace dovetail {
 /// place, everywhere in the mesh. A vertex between those of such a cell, on an edge or a face of it or
 /// inside, is the mean of the vertices it lies between. So is a hanging one, until the cells on both sides of
 /// it are of one size. Cells that are stretched keep the vertices of their children, and so do those that
-/// they are children of. Meshes of triangles and tetrahedra have one level only. Collective.
+/// they are children of. Where tetrahedra were made of hexahedra, these are the only coarser mesh. Other
+/// meshes of simplices have none. Collective.
 template <int dim>
 MeshLevels mesh_levels(const Domain<dim> &domain, const Block &block, const MPI_Comm &communicator);
+
+/// Whether there are any. On all ranks alike.
+template <int dim>
+bool has_coarser_meshes(const Mesh<dim> &mesh);
 
 } // namespace dovetail

@@ -138,7 +138,7 @@ void SaddlePoint::update()
 void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A,
                                  const Epetra_Vector &C)
 {
-  const int most = 50000;                 // they belong to surfaces, and are factorised on the first rank
+  const int most = 50000;                 // they belong to surfaces
   const double shift = 1e-3, share = 1.5; // a: bodies give way beyond the reach of E
   factors.reset();
   of_ties.clear();

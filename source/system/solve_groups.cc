@@ -117,6 +117,15 @@ RowSums linear_part_of(const Model<dim> &model, const unsigned int number, const
                      tied_ids(model, domain));
 }
 
+/// Of refined cells, aggregates serve scalars as well, in less time.
+template <int dim>
+bool has_useful_levels(const Model<dim> &model, const unsigned int n_components)
+{
+  return std::any_of(model.domains.begin(), model.domains.end(), [n_components](const auto &domain) {
+    return n_components > 1 ? has_coarser_meshes(domain->mesh()) : added_vertices(domain->mesh()) != nullptr;
+  });
+}
+
 /// Of the nodes of some of this rank's unknowns, or of all.
 template <int dim>
 std::vector<std::array<double, 3>> positions_of(const Model<dim> &model, const unsigned int number,
@@ -141,8 +150,6 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
   std::vector<SolveGroup> groups;
   if (!model.numbering) // while documenting
     return groups;
-  const auto can_be_coarser = [](const auto &domain) { return has_coarser_meshes(domain->mesh()); };
-  const auto was_divided = [](const auto &domain) { return added_vertices(domain->mesh()) != nullptr; };
   for (const auto &fields : model.field_groups()) {
     SolveGroup group;
     group.name = comma_separated(fields);
@@ -187,9 +194,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.why_entries = why_entries(model, fields, group);
     const auto components = components_of_fields(model, group);
     group.n_components = std::accumulate(components.begin(), components.end(), 0u);
-    const bool may_have_levels = // of refined cells, aggregates serve scalars as well, in less time
-        group.n_components > 1 || std::any_of(model.domains.begin(), model.domains.end(), was_divided);
-    if (may_have_levels && std::any_of(model.domains.begin(), model.domains.end(), can_be_coarser))
+    if (has_useful_levels(model, group.n_components))
       group.mesh_levels = [&model](const unsigned int number) {
         const Block &block = model.numbering->blocks()[number];
         return mesh_levels(*model.domains[block.domain_index], block, model.communicator);

@@ -531,7 +531,7 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
        pass < 2 && !is_final && relative > (pass == 0 ? exact_linear_residual : usual_linear_residual);
        ++pass) {
     if (pass == 1)
-      linear_solver.prefer_direct("the iteration leaves forces that are not balanced");
+      linear_solver.prefer_direct("the iteration leaves equations of some body unbalanced");
     LinearSolver::Demand needed = demand();
     needed.enough = share_of_exact * exact_linear_residual / relative;
     correction.reinit(rest);

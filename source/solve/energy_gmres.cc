@@ -55,8 +55,9 @@ EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverCo
   const double first = projected.residual();
   bool is_lost = false;                  // rounding hides what is left, as of motions of stiff bodies
   GroupVector direction(basis[0]), w(r); // of the residual
+  double size = first * direction.l2_norm();
   while (has_only_positive && state == State::iterate && projected.n_columns() < most_vectors && !is_lost) {
-    const double before = projected.residual(), size_before = before * direction.l2_norm();
+    const double before = projected.residual(), size_before = size;
     K.vmult(w, z);
     std::vector<double> column;
     for (unsigned int i = 0; i < basis.size(); ++i) {
@@ -70,7 +71,7 @@ EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverCo
     projected.append(std::move(column));
     const auto [cosine, sine] = projected.last_rotation();
     direction.sadd(-sine, cosine, basis.back());
-    const double size = projected.residual() * direction.l2_norm();
+    size = projected.residual() * direction.l2_norm();
     state = control.check(++n, size);
     is_lost = before < half_of_digits * first && projected.residual() > still * before &&
               size > still * size_before;

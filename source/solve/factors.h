@@ -24,7 +24,7 @@ class MumpsFactors;
 class Factors
 {
 public:
-  /// @throw dealii::ExcMessage if a pivot is zero. Collective.
+  /// @throw std::exception if a pivot is zero. Collective.
   explicit Factors(std::unique_ptr<Epetra_CrsMatrix> A);
   explicit Factors(const Epetra_CrsMatrix &A); ///< by reference
   ~Factors();

@@ -117,12 +117,14 @@ RowSums linear_part_of(const Model<dim> &model, const unsigned int number, const
                      tied_ids(model, domain));
 }
 
-/// Of refined cells, aggregates serve scalars as well, in less time.
+/// Of refined cells, aggregates serve scalars as well, in less time, and higher degrees, in less memory.
 template <int dim>
-bool has_useful_levels(const Model<dim> &model, const unsigned int n_components)
+bool has_useful_levels(const Model<dim> &model, const SolveGroup &group)
 {
-  return std::any_of(model.domains.begin(), model.domains.end(), [n_components](const auto &domain) {
-    return n_components > 1 ? has_coarser_meshes(domain->mesh()) : added_vertices(domain->mesh()) != nullptr;
+  const bool is_vector_of_degree_one = group.n_components > 1 && group.degree == 1;
+  return std::any_of(model.domains.begin(), model.domains.end(), [&](const auto &domain) {
+    return is_vector_of_degree_one ? has_coarser_meshes(domain->mesh())
+                                   : added_vertices(domain->mesh()) != nullptr;
   });
 }
 
@@ -194,7 +196,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.why_entries = why_entries(model, fields, group);
     const auto components = components_of_fields(model, group);
     group.n_components = std::accumulate(components.begin(), components.end(), 0u);
-    if (has_useful_levels(model, group.n_components))
+    if (has_useful_levels(model, group))
       group.mesh_levels = [&model](const unsigned int number) {
         const Block &block = model.numbering->blocks()[number];
         return mesh_levels(*model.domains[block.domain_index], block, model.communicator);

@@ -5,6 +5,8 @@
 
 #include "mumps_factors.h"
 
+#include <dovetail/solve/group_solver.h>
+
 #include <deal.II/base/exceptions.h>
 
 #include <Amesos_Klu.h>
@@ -34,9 +36,9 @@ void Factors::factorise()
   const int most_of_klu = 2000;
   if (A.NumGlobalRows() > most_of_klu) {
     const bool is_symmetric = true, has_small_pivots = false;
-    mumps = std::make_unique<MumpsFactors>(dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm(),
-                                           is_symmetric, has_small_pivots);
-    mumps->take(A);
+    const Agreement ranks{dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm(), {}};
+    mumps = std::make_unique<MumpsFactors>(ranks.communicator, is_symmetric, has_small_pivots);
+    ranks.run("entries", [this]() { mumps->take(A); });
     mumps->analyse();
     mumps->factorise();
     return;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace dovetail {
@@ -18,21 +19,23 @@ namespace dovetail {
 namespace {
 
 /// Rows that follow each other, by their global numbers, from the interface on. Of each of them its diagonal
-/// entry, and the coupling with the row before it.
+/// entry, and the couplings with the rows before it.
 struct LineOfRows
 {
   std::vector<int> rows;
-  std::vector<double> diagonal, coupling;
+  std::vector<double> diagonal;
+  std::vector<std::vector<double>> couplings; ///< of a row with each one before it
   bool is_open = true;
 
-  void append(const int row, const double its_diagonal, const double its_coupling)
+  void append(const int row, const double its_diagonal)
   {
     rows.push_back(row);
     diagonal.push_back(its_diagonal);
-    coupling.push_back(its_coupling);
+    couplings.emplace_back(rows.size() - 1, 0.);
   }
   void go_on(const RowOfOtherRank &tip);
   std::vector<double> weights() const;
+  double energy(const std::vector<double> &weights) const;
 };
 
 /// @param tip the row at the end: of each column the entry, and what the diagonal entry of its row is; 0 if
@@ -44,15 +47,20 @@ void LineOfRows::go_on(const RowOfOtherRank &tip)
   unsigned int next = tip.columns.size();
   for (unsigned int k = 0; k < tip.columns.size(); ++k) {
     const double entry = tip.values[2 * k], its_diagonal = tip.values[2 * k + 1];
+    const unsigned int place = std::find(rows.begin(), rows.end(), tip.columns[k]) - rows.begin();
     const double strength = its_diagonal > 0 ? -entry / std::sqrt(diagonal.back() * its_diagonal) : 0;
-    if (strength > largest && std::find(rows.begin(), rows.end(), tip.columns[k]) == rows.end()) {
+    if (place + 1 < rows.size())
+      couplings.back()[place] = entry;
+    else if (place == rows.size() && strength > largest) {
       largest = strength;
       next = k;
     }
   }
   is_open = next < tip.columns.size();
-  if (is_open)
-    append(tip.columns[next], tip.values[2 * next + 1], tip.values[2 * next]);
+  if (is_open) {
+    append(tip.columns[next], tip.values[2 * next + 1]);
+    couplings.back().back() = tip.values[2 * next];
+  }
 }
 
 /// One on the interface, and from there on what the line minimises its energy with.
@@ -61,12 +69,23 @@ std::vector<double> LineOfRows::weights() const
   std::vector<double> ratio(rows.size(), 1.); // to the weight before
   double pivot = 0;
   for (unsigned int l = rows.size(); l-- > 1;) {
-    pivot = diagonal[l] + (l + 1 < rows.size() ? coupling[l + 1] * ratio[l + 1] : 0);
-    ratio[l] = pivot > -coupling[l] ? -coupling[l] / pivot : 1;
+    const double coupling = couplings[l].back();
+    pivot = diagonal[l] + (l + 1 < rows.size() ? couplings[l + 1].back() * ratio[l + 1] : 0);
+    ratio[l] = pivot > -coupling ? -coupling / pivot : 1;
   }
   for (unsigned int l = 1; l < ratio.size(); ++l)
     ratio[l] *= ratio[l - 1];
   return ratio;
+}
+
+double LineOfRows::energy(const std::vector<double> &weights) const
+{
+  double sum = 0;
+  for (unsigned int l = 0; l < rows.size(); ++l)
+    sum +=
+        weights[l] * (diagonal[l] * weights[l] +
+                      2 * std::inner_product(couplings[l].begin(), couplings[l].end(), weights.begin(), 0.));
+  return sum;
 }
 
 std::vector<LineOfRows> find_lines(const Epetra_CrsMatrix &A, const Epetra_Vector &diagonal,
@@ -79,7 +98,7 @@ std::vector<LineOfRows> find_lines(const Epetra_CrsMatrix &A, const Epetra_Vecto
     if (on_interface[row] > 0) {
       may_follow[row] = 0;
       lines.emplace_back();
-      lines.back().append(A.GRID(row), diagonal[row], 0.);
+      lines.back().append(A.GRID(row), diagonal[row]);
       lines.back().is_open = diagonal[row] > 0;
     } else if (A.NumMyEntries(row) <= 1) // it follows others, or is prescribed
       may_follow[row] = 0;
@@ -120,23 +139,24 @@ std::vector<LineOfRows> find_lines(const Epetra_CrsMatrix &A, const Epetra_Vecto
 
 } // namespace
 
-std::unique_ptr<Epetra_CrsMatrix> extension_along_lines(const Epetra_CrsMatrix &A,
-                                                        const Epetra_Vector &diagonal,
-                                                        const Epetra_Vector &on_interface)
+LinesIntoBodies find_lines_into_bodies(const Epetra_CrsMatrix &A, const Epetra_Vector &diagonal,
+                                       const Epetra_Vector &on_interface)
 {
-  auto transposed = std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), 0);
+  const double least_share = 1e-6; // rounding leaves more
+  LinesIntoBodies lines{std::make_unique<Epetra_CrsMatrix>(Copy, A.RowMap(), 0), diagonal};
   for (const LineOfRows &line : find_lines(A, diagonal, on_interface)) {
     const std::vector<double> weights = line.weights();
-    transposed->InsertGlobalValues(line.rows[0], weights.size(), weights.data(), line.rows.data());
+    lines.transposed->InsertGlobalValues(line.rows[0], weights.size(), weights.data(), line.rows.data());
+    lines.stiffness[A.LRID(line.rows[0])] = std::max(line.energy(weights), least_share * line.diagonal[0]);
   }
-  transposed->FillComplete(A.OperatorDomainMap(), A.RowMap());
+  lines.transposed->FillComplete(A.OperatorDomainMap(), A.RowMap());
   Epetra_Vector ones(A.RowMap()), sums(A.OperatorDomainMap());
   ones.PutScalar(1.);
-  transposed->Multiply(true, ones, sums);
+  lines.transposed->Multiply(true, ones, sums);
   for (int row = 0; row < sums.MyLength(); ++row)
     sums[row] = 1 / std::max(sums[row], 1.); // lines that meet
-  transposed->RightScale(sums);
-  return transposed;
+  lines.transposed->RightScale(sums);
+  return lines;
 }
 
 } // namespace dovetail

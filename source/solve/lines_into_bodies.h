@@ -12,13 +12,18 @@
 
 namespace dovetail {
 
-/// E^T, where E extends the values on an interface into the bodies, along lines of strong couplings of A. In
-/// thin cells these lead across, and a line minimises its energy by itself: with the couplings c_l and the
+/// What an interface moves: E extends the values on it into the bodies, along lines of strong couplings of A.
+/// In thin cells these lead across, and a line minimises its energy by itself: with the couplings c_l and the
 /// diagonal D_l of its rows, c_l E_{l-1} + D_l E_l + c_{l+1} E_{l+1} = 0. Elsewhere there are no lines, and
-/// only the interface moves. Its rows and columns are those of A. Collective.
-/// @param on_interface positive for the rows of the interface
-std::unique_ptr<Epetra_CrsMatrix> extension_along_lines(const Epetra_CrsMatrix &A,
-                                                        const Epetra_Vector &diagonal,
-                                                        const Epetra_Vector &on_interface);
+/// only the interface moves.
+struct LinesIntoBodies
+{
+  std::unique_ptr<Epetra_CrsMatrix> transposed; ///< E^T, with the rows and columns of A
+  Epetra_Vector stiffness;                      ///< diag(E^T A E) on the interface, elsewhere diag(A)
+};
+
+/// @param on_interface positive for the rows of the interface. Collective.
+LinesIntoBodies find_lines_into_bodies(const Epetra_CrsMatrix &A, const Epetra_Vector &diagonal,
+                                       const Epetra_Vector &on_interface);
 
 } // namespace dovetail

@@ -128,74 +128,88 @@ void SaddlePoint::update()
   factorise_ties(*B, diagonal, C);
 }
 
-/// With S_D = C + a B D^-1 B^T, D = diag(A), it is
+/// With S_D = C + a B D^-1 B^T, D = diag(E^T A E), it is
 /// @f[ \hat S^{-1} = S_D^{-1} (C + a B D^{-1} E^T A E D^{-1} B^T) S_D^{-1}, @f]
 /// about the energy of the displacement E D^-1 B^T S_D^-1 g that has the jump g. The traces of oscillating
 /// multipliers are small, so that their eigenvalues of S are far below its diagonal, and of those that a soft
-/// side does not see, because it is coarser, by the contrast of the sides. In case that multipliers depend on
-/// each other, a thousandth of what the diagonal would be of bodies that are as stiff as the stiffer one is
-/// added to C.
+/// side does not see, because it is coarser, by the contrast of the sides.
 void SaddlePoint::factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A,
                                  const Epetra_Vector &C)
 {
-  const int most = 50000;                 // they belong to surfaces
-  const double shift = 1e-3, share = 1.5; // a: bodies give way beyond the reach of E
+  const int most = 50000; // they belong to surfaces
   factors.reset();
   of_ties.clear();
-  share_of_ties.clear();
-  added_to_ties.clear();
   for (unsigned int i = 0; i < traits.size(); ++i)
     if (!traits[i].is_of_body && weight[i] > 0)
       of_ties.push_back(i);
   const Epetra_Map rows(-1, static_cast<int>(of_ties.size()), 0, B.Comm());
   if (rows.NumGlobalElements() == 0 || rows.NumGlobalElements() > most)
     return;
-  root_of_D = std::make_unique<Epetra_Vector>(diagonal_of_A);
+  scale_ties(B, rows);
+  Epetra_Vector on_interface(diagonal_of_A.Map());
+  add_diagonal(*scaled_ties, on_interface);
+  LinesIntoBodies lines = find_lines_into_bodies(matrix.part(body_part, body_part).trilinos_matrix(),
+                                                 diagonal_of_A, on_interface);
+  extension = std::move(lines.transposed);
+  complete_C(C, lines.stiffness);
+  root_of_D = std::make_unique<Epetra_Vector>(lines.stiffness);
   for (int i = 0; i < root_of_D->MyLength(); ++i)
-    (*root_of_D)[i] = diagonal_of_A[i] > 0 ? std::sqrt(1 / diagonal_of_A[i]) : 0;
-  scaled_ties = std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0);
-  std::vector<int> global;
-  std::vector<double> scaled;
-  const Epetra_Vector diagonal_of_columns = by_columns(B, diagonal_of_A);
-  for (unsigned int k = 0; k < of_ties.size(); ++k) {
-    const unsigned int row = of_ties[k];
-    int n = 0, *columns = nullptr;
-    double *values = nullptr;
-    B.ExtractMyRowView(row, n, values, columns);
-    global.resize(n);
-    scaled.assign(values, values + n);
-    double square = 0, stiffest = 0;
-    for (int i = 0; i < n; ++i) {
-      global[i] = B.GCID(columns[i]);
-      scaled[i] *= std::sqrt(share) * scale[row];
-      if (scaled[i] != 0)
-        stiffest = std::max(stiffest, diagonal_of_columns[columns[i]]);
-      square += scaled[i] * scaled[i];
-    }
-    const double scaled_C = C[row] * scale[row] * scale[row];
-    added_to_ties.push_back(scaled_C + (stiffest > 0 ? shift * square / stiffest : 0));
-    share_of_ties.push_back(1 - scaled_C * weight[row]);
-    scaled_ties->InsertGlobalValues(rows.GID(k), n, scaled.data(), global.data());
-  }
-  scaled_ties->FillComplete(B.DomainMap(), rows);
+    (*root_of_D)[i] = (*root_of_D)[i] > 0 ? std::sqrt(1 / (*root_of_D)[i]) : 0;
   scaled_ties->RightScale(*root_of_D);
-  factorise_by_diagonal();
-}
-
-/// S_D, and E
-void SaddlePoint::factorise_by_diagonal()
-{
-  const Epetra_CrsMatrix &A = matrix.part(body_part, body_part).trilinos_matrix();
   auto S = product_with_transposed(*scaled_ties);
-  Epetra_Vector diagonal(scaled_ties->RowMap()), diagonal_of_A(A.RowMap()), on_interface(A.RowMap());
+  Epetra_Vector diagonal(scaled_ties->RowMap());
   S->ExtractDiagonalCopy(diagonal);
   for (unsigned int k = 0; k < of_ties.size(); ++k)
     diagonal[k] += added_to_ties[k];
   S->ReplaceDiagonalValues(diagonal);
   factors = std::make_unique<Factors>(std::move(S));
-  A.ExtractDiagonalCopy(diagonal_of_A);
-  add_diagonal(*scaled_ties, on_interface);
-  extension = extension_along_lines(A, diagonal_of_A, on_interface);
+}
+
+/// a^1/2 B, scaled
+void SaddlePoint::scale_ties(const Epetra_CrsMatrix &B, const Epetra_Map &rows)
+{
+  const double share = 1.5; // a: bodies give way beyond the reach of E
+  scaled_ties = std::make_unique<Epetra_CrsMatrix>(Copy, rows, 0);
+  std::vector<int> global;
+  std::vector<double> scaled;
+  for (unsigned int k = 0; k < of_ties.size(); ++k) {
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    B.ExtractMyRowView(of_ties[k], n, values, columns);
+    global.resize(n);
+    scaled.resize(n);
+    for (int i = 0; i < n; ++i) {
+      global[i] = B.GCID(columns[i]);
+      scaled[i] = values[i] * std::sqrt(share) * scale[of_ties[k]];
+    }
+    scaled_ties->InsertGlobalValues(rows.GID(k), n, scaled.data(), global.data());
+  }
+  scaled_ties->FillComplete(B.DomainMap(), rows);
+}
+
+/// In case that multipliers depend on each other, a thousandth of what the diagonal would be of bodies that
+/// are as stiff as the stiffer one is added to C.
+void SaddlePoint::complete_C(const Epetra_Vector &C, const Epetra_Vector &stiffness)
+{
+  const double shift = 1e-3;
+  added_to_ties.clear();
+  share_of_ties.clear();
+  const Epetra_Vector of_columns = by_columns(*scaled_ties, stiffness);
+  for (unsigned int k = 0; k < of_ties.size(); ++k) {
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    scaled_ties->ExtractMyRowView(k, n, values, columns);
+    double square = 0, stiffest = 0;
+    for (int i = 0; i < n; ++i) {
+      if (values[i] != 0)
+        stiffest = std::max(stiffest, of_columns[columns[i]]);
+      square += values[i] * values[i];
+    }
+    const unsigned int row = of_ties[k];
+    const double scaled_C = C[row] * scale[row] * scale[row];
+    added_to_ties.push_back(scaled_C + (stiffest > 0 ? shift * square / stiffest : 0));
+    share_of_ties.push_back(1 - scaled_C * weight[row]);
+  }
 }
 
 void SaddlePoint::solve_schur_complement(double *const z, const double *const r) const

@@ -70,7 +70,8 @@ public:
 private:
   bool is_augmented() const { return augmented.added_rows() != nullptr; } ///< there is B
   void factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A, const Epetra_Vector &C);
-  void factorise_by_diagonal();
+  void scale_ties(const Epetra_CrsMatrix &B, const Epetra_Map &rows);
+  void complete_C(const Epetra_Vector &C, const Epetra_Vector &stiffness);
 
   const BlockMatrix &matrix;
   const MergedMatrix &all;
@@ -81,7 +82,7 @@ private:
   std::vector<double> scale, schur, weight;         ///< of the own multipliers; the latter two scaled
   std::vector<unsigned int> of_ties;                ///< own multipliers whose S is factorised
   std::vector<double> share_of_ties, added_to_ties; ///< of these: 1 - C W, and scaled C with a shift
-  std::unique_ptr<Epetra_Vector> root_of_D;         ///< diag(A)^-1/2
+  std::unique_ptr<Epetra_Vector> root_of_D;         ///< D^-1/2
   std::unique_ptr<Epetra_CrsMatrix> scaled_ties;    ///< rows of B, scaled, times that and a^1/2
   std::unique_ptr<Epetra_CrsMatrix> extension;      ///< E^T
   std::unique_ptr<Factors> factors;                 ///< of S_D, scaled

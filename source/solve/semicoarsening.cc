@@ -502,12 +502,27 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 
 namespace {
 
-bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const int n_modes,
+/// Mean of all nodes: how many modes a node has, of those that a body has for itself only these. Collective.
+double modes_of_nodes(const Epetra_MultiVector &modes, const LevelNodes &nodes)
+{
+  std::array<double, 2> counts{}, sums{}; // of modes that are not zero at a node, and of nodes
+  for (unsigned int i = 0; i < nodes.size(); ++i)
+    for (int mode = 0; mode < modes.NumVectors(); ++mode)
+      counts[0] += std::any_of(modes[mode] + nodes.first_row[i], modes[mode] + nodes.first_row[i + 1],
+                               [](const double value) { return value != 0; })
+                       ? 1
+                       : 0;
+  counts[1] = nodes.size();
+  modes.Comm().SumAll(counts.data(), sums.data(), counts.size());
+  return sums[0] / std::max(sums[1], 1.);
+}
+
+bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epetra_MultiVector &modes,
                    const Semicoarsen when)
 {
   const double least_share = 0.1, largest_cheap = 0.55;
   const Couplings couplings(A, nodes);
-  const bool is_cheap = n_modes < largest_cheap * couplings.rows_together;
+  const bool is_cheap = modes_of_nodes(modes, nodes) < largest_cheap * couplings.rows_together;
   return couplings.share_of_far > least_share && (is_cheap || when == Semicoarsen::if_stretched);
 }
 
@@ -524,7 +539,7 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Ep
   if (all_have != 0) {
     LevelNodes nodes = nodes_of_rows(places);
     places = std::vector<GroupFacts::Place>(); // = {} would keep the memory
-    if (when == Semicoarsen::always || are_stretched(A, nodes, modes->NumVectors(), when))
+    if (when == Semicoarsen::always || are_stretched(A, nodes, *modes, when))
       return std::make_unique<Semicoarsening>(std::move(finest), *modes, std::move(nodes), if_semicoarsened);
   }
   return std::make_unique<SmoothedAggregation>(std::move(finest), std::move(modes), make_smoother);

@@ -31,7 +31,7 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
   if (group.mesh_levels)
-    all_facts.mesh_levels = [this]() { return mesh_levels(); };
+    all_facts.mesh_levels = [this](const bool with_parents) { return mesh_levels(with_parents); };
   if (group.positions)
     all_facts.places = [this](const Selection *rows) { return places(rows); };
 }
@@ -294,14 +294,14 @@ RowSums GroupSystem::linear_part() const
   return sums;
 }
 
-MeshLevels GroupSystem::mesh_levels() const
+MeshLevels GroupSystem::mesh_levels(const bool with_parents) const
 {
   MeshLevels result;
   for (const unsigned int block : group.blocks) {
-    MeshLevels of_block = group.mesh_levels(block);
+    MeshLevels of_block = group.mesh_levels(block, with_parents);
     result.step.insert(result.step.end(), of_block.step.begin(), of_block.step.end());
     result.means.append(std::move(of_block.means));
-    result.has_parents = result.has_parents || of_block.has_parents;
+    result.has_parts = result.has_parts || of_block.has_parts;
   }
   renumber(result.means);
   return result;

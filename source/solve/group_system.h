@@ -47,7 +47,7 @@ private:
   Modes near_null_space(const Selection *rows) const;
   Selection of_block(unsigned int i, const Selection &rows) const;
   RowSums linear_part() const;
-  MeshLevels mesh_levels() const;
+  MeshLevels mesh_levels(bool with_parents) const;
   void renumber(RowSums &sums) const;
   std::vector<int> field_of_block() const;
   std::vector<int> field_of_row() const;

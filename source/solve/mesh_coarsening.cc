@@ -82,7 +82,7 @@ int sum_of_ranks(const Epetra_Comm &communicator, int here)
 } // namespace
 
 std::vector<MeshStep> make_mesh_steps(const MeshLevels &levels, const RowSums &sums, const Epetra_Map &rows,
-                                      Selection finest)
+                                      Selection finest, const bool needs_parts)
 {
   const int few = 2000;
   const double largest_share = 0.5; // of the unknowns of the finer mesh
@@ -96,10 +96,11 @@ std::vector<MeshStep> make_mesh_steps(const MeshLevels &levels, const RowSums &s
       return sums.is_only(row, rows.GID(row)) && (levels.step[row] == 0 || levels.step[row] > step);
     });
     const int n_fine = sum_of_ranks(ranks, finest.size()), n_coarse = sum_of_ranks(ranks, coarser.size());
-    if (n_fine <= few || n_coarse == 0 || n_coarse > largest_share * n_fine)
+    const bool has_parts = step == 1 && levels.has_parts, is_needed = has_parts && needs_parts;
+    if (n_fine <= few || n_coarse == 0 || (!is_needed && n_coarse > largest_share * n_fine))
       break;
     result.push_back(make_mesh_step(sums_after(step, levels, sums, rows), sums, rows, finest, coarser));
-    result.back().may_be_stretched = !levels.has_parents;
+    result.back().may_be_stretched = has_parts;
     if (most_of_ranks(ranks, result.back().has_circles) != 0)
       return {};
     finest = std::move(coarser);

@@ -34,8 +34,9 @@ struct MeshStep
 /// all constraints. There are no steps where rows follow each other in a circle. Collective.
 /// @param sums of each own row, as GroupFacts::linear_part has them
 /// @param finest own rows that are unknowns of the first level
+/// @param needs_parts the hexahedra of MeshLevels::has_parts serve, however many unknowns others have
 std::vector<MeshStep> make_mesh_steps(const MeshLevels &levels, const RowSums &sums, const Epetra_Map &rows,
-                                      Selection finest);
+                                      Selection finest, bool needs_parts = false);
 
 /// The cycle that @p make_coarse makes for the coarsest mesh, and above it a level for each step, with
 /// @f[ A_{l-1} = P^T A_l P. @f]

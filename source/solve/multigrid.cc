@@ -165,20 +165,21 @@ void Multigrid::make_levels()
     means = Means::semicoarsening;
 }
 
-/// At degree one, of vector fields. Where parents turn out to be slow, aggregates serve. The vertices of
-/// hexahedra that were divided serve wherever cells are stretched, scalars as well.
+/// At degree one, of vector fields. Where these are slow, aggregates take the place of parents. The vertices
+/// of hexahedra that were divided serve wherever cells are stretched, scalars as well.
 std::vector<MeshStep> Multigrid::mesh_steps() const
 {
   if (!facts.mesh_levels || !facts.linear_part || is_mixed || added_rows != nullptr)
     return {};
-  if (means == Means::usual && modes->NumVectors() == 1)
+  const bool is_usual = means == Means::usual;
+  if (is_usual && modes->NumVectors() == 1)
     return {};
-  const MeshLevels levels = facts.mesh_levels();
-  if (means != Means::usual && levels.has_parents)
+  const MeshLevels levels = facts.mesh_levels(is_usual);
+  if (!is_usual && !levels.has_parts)
     return {};
   Selection all(matrix->NumMyRows());
   std::iota(all.begin(), all.end(), 0u);
-  return make_mesh_steps(levels, facts.linear_part(), finest->rows(), std::move(all));
+  return make_mesh_steps(levels, facts.linear_part(), finest->rows(), std::move(all), true);
 }
 
 bool Multigrid::is_stretched() const

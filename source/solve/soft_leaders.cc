@@ -388,7 +388,7 @@ std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const G
       is_within_bodies ? make_cycle_within_bodies : DegreeCoarsening::make_usual_coarse;
   if (leaders)
     return leaders->coarsen(A, facts, make_modes, std::move(smoother), make_coarse);
-  const MeshLevels levels = facts.mesh_levels ? facts.mesh_levels() : MeshLevels();
+  const MeshLevels levels = facts.mesh_levels ? facts.mesh_levels(false) : MeshLevels();
   return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother),
                                             make_coarse, facts.mesh_levels ? &levels : nullptr);
 }

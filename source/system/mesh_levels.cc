@@ -238,7 +238,6 @@ template <int dim>
 MeshLevels Parents<dim>::levels() const
 {
   MeshLevels result;
-  result.has_parents = true;
   std::array<unsigned int, dim + 1> weights{}; // of a mean of 2^k
   for (unsigned int k = 1; k <= dim; ++k)
     weights[k] = result.means.add_weights(std::vector<double>(1u << k, 1. / (1u << k)));
@@ -260,42 +259,50 @@ MeshLevels Parents<dim>::levels() const
   return result;
 }
 
-/// Of tetrahedra that are parts of hexahedra.
+/// Calls @p visit(dof, column) for each owned unknown of a vertex that was added, and each vertex beside it
+/// that was not. These are the vertices of a face, some of them several times.
 /// @param is_added by vertex
-template <int dim>
-MeshLevels levels_of_parts(const Domain<dim> &domain, const Block &block, const std::vector<bool> &is_added)
+template <int dim, typename Visit>
+void for_parts(const Domain<dim> &domain, const Block &block, const std::vector<bool> &is_added,
+               const Visit &visit)
 {
-  using Dof = dealii::types::global_dof_index;
   const Field &field = domain.fields()[block.field_index];
-  std::vector<std::vector<Dof>> around(block.owned.n_elements()); // an added vertex
-  std::vector<Dof> dofs;
-  const auto dof = [&](const unsigned int v, const unsigned int c) {
-    return dofs[domain.layout().index(field.first_component + c, v)];
-  };
+  std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &cell : domain.dof_handler().active_cell_iterators()) {
     if (cell->is_artificial())
       continue;
     domain.cell_dofs(cell, dofs);
-    for (unsigned int c = 0; c < field.n_components; ++c)
+    for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
       for (const unsigned int v : cell->vertex_indices()) {
-        if (!is_added[cell->vertex_index(v)] || !block.owned.is_element(dof(v, c) - block.begin))
-          continue;
-        auto &of_vertex = around[block.owned.index_within_set(dof(v, c) - block.begin)];
-        for (const unsigned int w : cell->vertex_indices())
-          if (!is_added[cell->vertex_index(w)] &&
-              std::find(of_vertex.begin(), of_vertex.end(), dof(w, c)) == of_vertex.end())
-            of_vertex.push_back(dof(w, c));
+        const auto dof = dofs[domain.layout().index(c, v)] - block.begin;
+        if (is_added[cell->vertex_index(v)] && block.owned.is_element(dof))
+          for (const unsigned int w : cell->vertex_indices())
+            if (!is_added[cell->vertex_index(w)])
+              visit(block.owned.index_within_set(dof), dofs[domain.layout().index(c, w)]);
       }
   }
+}
+
+/// Of tetrahedra that are parts of hexahedra. The vertex in the middle of a face is the mean of its four.
+template <int dim>
+MeshLevels levels_of_parts(const Domain<dim> &domain, const Block &block, const std::vector<bool> &is_added)
+{
+  using Dof = dealii::types::global_dof_index;
+  const unsigned int n = 4;
+  const Dof none = dealii::numbers::invalid_dof_index;
   MeshLevels result;
-  std::map<unsigned int, unsigned int> weights; // of a mean of so many
-  for (const auto &given : around) {
-    const auto [found, is_new] = weights.try_emplace(given.size(), 0);
-    if (is_new && !given.empty())
-      found->second = result.means.add_weights(std::vector<double>(given.size(), 1. / given.size()));
-    result.step.push_back(given.empty() ? 0 : 1);
-    std::copy(given.begin(), given.end(), result.means.add_row(given.size(), found->second));
-  }
+  result.has_parts = true;
+  result.step.assign(block.owned.n_elements(), 0);
+  for_parts(domain, block, is_added, [&](const unsigned int i, Dof) { result.step[i] = 1; });
+  const unsigned int weights = result.means.add_weights(std::vector<double>(n, 1. / n));
+  for (const unsigned char step : result.step)
+    std::fill_n(result.means.add_row(n * step, weights), n * step, none);
+  for_parts(domain, block, is_added, [&](const unsigned int i, const Dof dof) {
+    Dof *const found = result.means.columns_of(i);
+    Dof *const place = std::find_if(found, found + n, [&](const Dof d) { return d == dof || d == none; });
+    AssertThrow(place != found + n, dealii::ExcInternalError());
+    *place = dof;
+  });
   return result;
 }
 
@@ -308,13 +315,14 @@ bool has_coarser_meshes(const Mesh<dim> &mesh)
 }
 
 template <int dim>
-MeshLevels mesh_levels(const Domain<dim> &domain, const Block &block, const MPI_Comm &communicator)
+MeshLevels mesh_levels(const Domain<dim> &domain, const Block &block, const bool with_parents,
+                       const MPI_Comm &communicator)
 {
   const Field &field = domain.fields()[block.field_index];
   const bool has_vertices = domain.layout().is_continuous(field.first_component);
   if (has_vertices && added_vertices(domain.mesh()) != nullptr)
     return levels_of_parts(domain, block, *added_vertices(domain.mesh()));
-  if (has_vertices && !has_simplices(domain.mesh()) && domain.mesh().n_global_levels() > 1)
+  if (with_parents && has_vertices && !has_simplices(domain.mesh()) && domain.mesh().n_global_levels() > 1)
     return Parents<dim>(domain, block, communicator).levels();
   MeshLevels result;
   result.step.assign(block.owned.n_elements(), 0);
@@ -326,7 +334,7 @@ MeshLevels mesh_levels(const Domain<dim> &domain, const Block &block, const MPI_
 template bool has_coarser_meshes(const Mesh<2> &);
 template bool has_coarser_meshes(const Mesh<3> &);
 
-template MeshLevels mesh_levels(const Domain<2> &, const Block &, const MPI_Comm &);
-template MeshLevels mesh_levels(const Domain<3> &, const Block &, const MPI_Comm &);
+template MeshLevels mesh_levels(const Domain<2> &, const Block &, bool, const MPI_Comm &);
+template MeshLevels mesh_levels(const Domain<3> &, const Block &, bool, const MPI_Comm &);
 
 } // namespace dovetail

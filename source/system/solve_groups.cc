@@ -197,9 +197,9 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     const auto components = components_of_fields(model, group);
     group.n_components = std::accumulate(components.begin(), components.end(), 0u);
     if (has_useful_levels(model, group))
-      group.mesh_levels = [&model](const unsigned int number) {
+      group.mesh_levels = [&model](const unsigned int number, const bool with_parents) {
         const Block &block = model.numbering->blocks()[number];
-        return mesh_levels(*model.domains[block.domain_index], block, model.communicator);
+        return mesh_levels(*model.domains[block.domain_index], block, with_parents, model.communicator);
       };
     if (dim == 3 && std::all_of(components.begin(), components.end(), [](const auto n) { return n > 1; }))
       group.present_shape = [&model, blocks = group.blocks]() { return shape_of(model, blocks); };

@@ -94,7 +94,9 @@ struct GroupFacts : GroupTraits
   /// degree one; itself if it is an unknown of such a function; none if it is prescribed. May be missing.
   /// Collective.
   std::function<RowSums()> linear_part;
-  std::function<MeshLevels()> mesh_levels;         ///< of the rows of the bodies. May be missing. Collective.
+  /// Of the rows of the bodies; the cells of hexahedra that were divided, and @p with_parents those of cells
+  /// that were refined. May be missing. Collective.
+  std::function<MeshLevels(bool with_parents)> mesh_levels;
   using Sum = std::vector<std::pair<int, double>>; ///< one of them
   /// Of each own row of the bodies: the number of its field, from 0.
   std::function<std::vector<int>()> field_of_row;

@@ -38,8 +38,8 @@ struct SolveGroup : GroupTraits
   /// by a constraint; none if it is prescribed, itself if it is a vertex. Asked for only if a solver does;
   /// may be missing, which costs time only.
   std::function<RowSums(unsigned int block)> linear_part;
-  /// Likewise which of these vertices coarser meshes do not have. Collective. May be missing.
-  std::function<MeshLevels(unsigned int block)> mesh_levels;
+  /// Likewise which of these vertices coarser meshes do not have, as GroupFacts::mesh_levels. May be missing.
+  std::function<MeshLevels(unsigned int block, bool with_parents)> mesh_levels;
   /// Where the nodes of some of this rank's unknowns of a block are. Asked for only if a solver does; may be
   /// missing.
   std::function<std::vector<std::array<double, 3>>(unsigned int block, const Selection *unknowns)> positions;

@@ -18,8 +18,9 @@ struct MeshLevels
 {
   /// Of each own row: the first step after which it is no vertex any more; 0: it remains.
   std::vector<unsigned char> step;
-  RowSums means;            ///< of rows that do not remain; others have none
-  bool has_parents = false; ///< cells that were refined; else hexahedra that were divided into tetrahedra
+  RowSums means; ///< of rows that do not remain; others have none
+  bool has_parts =
+      false; ///< in the first step: hexahedra that were divided into tetrahedra. On all ranks alike
 };
 
 } // namespace dovetail

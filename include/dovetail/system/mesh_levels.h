@@ -19,7 +19,8 @@ namespace dovetail {
 /// they are children of. Where tetrahedra were made of hexahedra, these are the only coarser mesh. Other
 /// meshes of simplices have none. Collective.
 template <int dim>
-MeshLevels mesh_levels(const Domain<dim> &domain, const Block &block, const MPI_Comm &communicator);
+MeshLevels mesh_levels(const Domain<dim> &domain, const Block &block, bool with_parents,
+                       const MPI_Comm &communicator);
 
 /// Whether there are any. On all ranks alike.
 template <int dim>

@@ -19,7 +19,7 @@ std::vector<RowOfOtherRank> rows_of_other_ranks(
     const Epetra_Map &rows, const std::vector<int> &wanted,
     const std::function<void(int row, std::vector<int> &columns, std::vector<double> &values)> &read)
 {
-  /// Row by row, the length before the columns.
+  /// Row by row, the numbers of columns and of values before the columns.
   using Message = std::pair<std::vector<int>, std::vector<double>>;
   const MPI_Comm communicator = dynamic_cast<const Epetra_MpiComm &>(rows.Comm()).Comm();
   const int n = wanted.size();
@@ -35,6 +35,7 @@ std::vector<RowOfOtherRank> rows_of_other_ranks(
       auto &[numbers, values] = answers[asking];
       read(row, own.columns, own.values);
       numbers.push_back(own.columns.size());
+      numbers.push_back(own.values.size());
       numbers.insert(numbers.end(), own.columns.begin(), own.columns.end());
       values.insert(values.end(), own.values.begin(), own.values.end());
     }
@@ -45,11 +46,12 @@ std::vector<RowOfOtherRank> rows_of_other_ranks(
   for (int k = 0; k < n; ++k) {
     const auto &[numbers, values] = answers.at(rank[k]);
     auto &[number, value] = next[rank[k]];
-    const int length = numbers[number++];
-    result[k].columns.assign(numbers.begin() + number, numbers.begin() + number + length);
-    result[k].values.assign(values.begin() + value, values.begin() + value + length);
-    number += length;
-    value += length;
+    const int n_columns = numbers[number], n_values = numbers[number + 1];
+    number += 2;
+    result[k].columns.assign(numbers.begin() + number, numbers.begin() + number + n_columns);
+    result[k].values.assign(values.begin() + value, values.begin() + value + n_values);
+    number += n_columns;
+    value += n_values;
   }
   return result;
 }

@@ -169,16 +169,57 @@ std::vector<double> shortest_couplings(const Epetra_CrsMatrix &A, const LevelNod
   return shortest;
 }
 
+/// By node how many nodes of this rank its line has: those that short couplings connect with it, if they
+/// connect none of them with more than two others. 0 if they do, or if there are no short couplings.
+std::vector<unsigned int> lengths_of_lines(const NodeGraph &near)
+{
+  std::vector<unsigned int> length(near.size(), 0), together;
+  std::vector<bool> is_seen(near.size(), false);
+  for (unsigned int node = 0; node < near.size(); ++node) {
+    if (is_seen[node] || near[node].empty())
+      continue;
+    together = {node};
+    is_seen[node] = true;
+    bool is_line = true;
+    for (unsigned int i = 0; i < together.size(); ++i) {
+      is_line = is_line && near[together[i]].size() <= 2;
+      for (const unsigned int neighbour : near[together[i]])
+        if (neighbour < near.size() && !is_seen[neighbour]) {
+          is_seen[neighbour] = true;
+          together.push_back(neighbour);
+        }
+    }
+    for (const unsigned int i : together)
+      length[i] = is_line ? together.size() : 0;
+  }
+  return length;
+}
+
 /// By node the aggregate that it belongs to, or none if nothing is coupled with it; and the root of each.
 struct Aggregates
 {
-  explicit Aggregates(const NodeGraph &near, const NodeGraph &all);
+  /// @param line_length whole lines are aggregates where it is not 0
+  Aggregates(const NodeGraph &near, const NodeGraph &all, const std::vector<unsigned int> &line_length);
 
   std::vector<unsigned int> of_node, root;
 
 private:
   void begin(unsigned int node, const NodeGraph &near);
+  void begin_line(unsigned int node, const NodeGraph &near);
 };
+
+void Aggregates::begin_line(const unsigned int node, const NodeGraph &near)
+{
+  std::vector<unsigned int> line = {node};
+  of_node[node] = root.size();
+  for (unsigned int i = 0; i < line.size(); ++i)
+    for (const unsigned int neighbour : near[line[i]])
+      if (of_node[neighbour] == none) {
+        of_node[neighbour] = root.size();
+        line.push_back(neighbour);
+      }
+  root.push_back(node);
+}
 
 void Aggregates::begin(const unsigned int node, const NodeGraph &near)
 {
@@ -189,9 +230,15 @@ void Aggregates::begin(const unsigned int node, const NodeGraph &near)
   root.push_back(node);
 }
 
-/// Neighbourhoods that are free; then what is left joins the aggregate next to it of which it sees most.
-Aggregates::Aggregates(const NodeGraph &near, const NodeGraph &all) : of_node(near.size(), none)
+/// Lines, and neighbourhoods that are free; then what is left joins the aggregate next to it of which it sees
+/// most.
+Aggregates::Aggregates(const NodeGraph &near, const NodeGraph &all,
+                       const std::vector<unsigned int> &line_length)
+    : of_node(near.size(), none)
 {
+  for (unsigned int node = 0; node < near.size(); ++node)
+    if (of_node[node] == none && line_length[node] > 0)
+      begin_line(node, near);
   for (unsigned int node = 0; node < near.size(); ++node)
     if (of_node[node] == none && !near[node].empty() &&
         std::all_of(near[node].begin(), near[node].end(),
@@ -452,7 +499,7 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   SeenNodes seen(A, nodes);
   all = graph_of(A, nodes, seen);
   const std::vector<double> shortest = shortest_couplings(A, nodes, seen, all);
-  std::array<double, 3> counts{}, sums{}; // of nodes that see a far one, of all, and of rows together
+  std::array<double, 5> counts{}, sums{}; // of nodes that see a far one, of all, of rows together, in lines
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[2] += nodes.first_row[i + 1] - nodes.first_row[i];
     bool sees_far = false;
@@ -469,9 +516,16 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
     }
     counts[0] += sees_far ? 1 : 0;
   }
+  line_length = lengths_of_lines(near);
+  for (unsigned int i = 0; i < nodes.size(); ++i) {
+    counts[3] += line_length[i] > 0 ? 1 : 0;
+    counts[4] += line_length[i] * (nodes.first_row[i + 1] - nodes.first_row[i]);
+  }
   counts[1] = nodes.size();
   A.Comm().SumAll(counts.data(), sums.data(), counts.size());
   share_of_far = sums[1] > 0 ? sums[0] / sums[1] : 0;
+  share_in_lines = sums[1] > 0 ? sums[3] / sums[1] : 0;
+  rows_of_line = sums[3] > 0 ? sums[4] / sums[3] : 0;
   rows_together = sums[1] > 0 ? sums[2] / sums[1] : 0;
   n_nodes = seen.body.size();
   node_of_column = std::move(seen.of_column);
@@ -502,6 +556,9 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 
 namespace {
 
+const double largest_cheap = 0.55; // modes beside the rows that are together
+const double most_nodes = 0.9;     // are in lines
+
 /// Mean of all nodes: how many modes a node has, of those that a body has for itself only these. Collective.
 double modes_of_nodes(const Epetra_MultiVector &modes, const LevelNodes &nodes)
 {
@@ -520,9 +577,12 @@ double modes_of_nodes(const Epetra_MultiVector &modes, const LevelNodes &nodes)
 bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epetra_MultiVector &modes,
                    const Semicoarsen when)
 {
-  const double least_share = 0.1, largest_cheap = 0.55;
+  const double least_share = 0.1;
   const Couplings couplings(A, nodes);
-  const bool is_cheap = modes_of_nodes(modes, nodes) < largest_cheap * couplings.rows_together;
+  const double n_modes = modes_of_nodes(modes, nodes);
+  const bool is_cheap =
+      n_modes < largest_cheap * couplings.rows_together ||
+      (couplings.share_in_lines > most_nodes && n_modes < largest_cheap * couplings.rows_of_line);
   return couplings.share_of_far > least_share && (is_cheap || when == Semicoarsen::if_stretched);
 }
 
@@ -540,7 +600,8 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Ep
     LevelNodes nodes = nodes_of_rows(places);
     places = std::vector<GroupFacts::Place>(); // = {} would keep the memory
     if (when == Semicoarsen::always || are_stretched(A, nodes, *modes, when))
-      return std::make_unique<Semicoarsening>(std::move(finest), *modes, std::move(nodes), if_semicoarsened);
+      return std::make_unique<Semicoarsening>(std::move(finest), *modes, std::move(nodes), if_semicoarsened,
+                                              when != Semicoarsen::always);
   }
   return std::make_unique<SmoothedAggregation>(std::move(finest), std::move(modes), make_smoother);
 }
@@ -583,16 +644,22 @@ bool has_mixed_bodies(const GroupFacts &facts)
 }
 
 Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,
-                               const MakeSmoother &make_smoother)
+                               const MakeSmoother &make_smoother, const bool whole_lines)
     : Cycle(std::move(A))
 {
   const Epetra_MultiVector *modes = &given_modes;
   std::unique_ptr<Epetra_MultiVector> owned_modes;
+  int largest = largest_coarse;
   int n_unknowns = coarsest().NumGlobalRows(); // without the rows of vectors of bases that are zero
-  while (n_unknowns > largest_coarse) {
+  while (n_unknowns > largest) {
     const Epetra_CrsMatrix &matrix = coarsest();
-    const Couplings couplings(matrix, nodes);
-    const Aggregates aggregates(own_part(couplings.near), couplings.all);
+    Couplings couplings(matrix, nodes);
+    if (whole_lines && couplings.share_in_lines > most_nodes &&
+        modes_of_nodes(*modes, nodes) >= largest_cheap * couplings.rows_together)
+      largest = largest_of_lines;
+    else
+      couplings.line_length.assign(nodes.size(), 0);
+    const Aggregates aggregates(own_part(couplings.near), couplings.all, couplings.line_length);
     Aggregation aggregation = make_bases(aggregate_of_rows(matrix, nodes, aggregates),
                                          static_cast<int>(aggregates.root.size()), *modes);
     const int n_coarse = size_of_basis(aggregation);

@@ -43,8 +43,11 @@ struct Couplings
   NodeGraph all, near;
   std::vector<unsigned int> node_of_column; ///< of A
   unsigned int n_nodes = 0;                 ///< of this rank, and those of other ranks
-  double share_of_far = 0;                  ///< of the nodes of all ranks: with a long one within a body
+  std::vector<unsigned int> line_length; ///< by node of this rank: of how many its line is; 0 if it has none
+  double share_of_far = 0;               ///< of the nodes of all ranks: with a long one within a body
+  double share_in_lines = 0;             ///< of the nodes of all ranks
   double rows_together = 0; ///< mean of all ranks: of a node and those that short couplings connect with it
+  double rows_of_line = 0;  ///< mean of the nodes in lines
 };
 
 /// A V-cycle for a symmetric positive definite matrix A by smoothed aggregation whose aggregates follow short
@@ -63,9 +66,14 @@ class Semicoarsening : public Cycle
 {
 public:
   /// @param modes near-null space of A
+  /// @param whole_lines where short couplings connect lines, an aggregate is a whole line: the smoothers
+  /// solve along lines
   Semicoarsening(Finest A, const Epetra_MultiVector &modes, LevelNodes nodes,
-                 const MakeSmoother &make_smoother);
+                 const MakeSmoother &make_smoother, bool whole_lines);
   bool is_semicoarsening() const override { return true; }
+
+private:
+  static constexpr int largest_of_lines = 100000; ///< as largest_coarse; their ends make a surface
 };
 
 /// Whether more than a quarter of the nodes are coupled in their body with another one that is five times as

@@ -12,7 +12,8 @@
 
 namespace dovetail {
 
-/// Numbers and values of a row, in the order in which its owner gives them, perhaps several values per number.
+/// Numbers and values of a row, in the order in which its owner gives them, perhaps several values per
+/// number.
 struct RowOfOtherRank
 {
   std::vector<int> columns;

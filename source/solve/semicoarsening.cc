@@ -559,7 +559,7 @@ namespace {
 const double largest_cheap = 0.55; // modes beside the rows that are together
 const double most_nodes = 0.9;     // are in lines
 
-/// Mean of all nodes: how many modes a node has, of those that a body has for itself only these. Collective.
+/// Mean of all nodes: how many modes are not zero there. A body may have modes for itself. Collective.
 double modes_of_nodes(const Epetra_MultiVector &modes, const LevelNodes &nodes)
 {
   std::array<double, 2> counts{}, sums{}; // of modes that are not zero at a node, and of nodes

@@ -169,11 +169,21 @@ std::vector<double> shortest_couplings(const Epetra_CrsMatrix &A, const LevelNod
   return shortest;
 }
 
-/// By node how many nodes of this rank its line has: those that short couplings connect with it, if they
-/// connect none of them with more than two others. 0 if they do, or if there are no short couplings.
-std::vector<unsigned int> lengths_of_lines(const NodeGraph &near)
+/// Of nodes that short couplings connect: half of the lengths of these couplings, and the shortest one of all
+/// others in the body.
+struct Lengths
 {
-  std::vector<unsigned int> length(near.size(), 0), together;
+  double half_of_near = 0, shortest_far = std::numeric_limits<double>::infinity();
+};
+
+/// By node how many nodes of this rank its line has: those that short couplings connect with it, if they
+/// connect none of them with more than two others. 0 if they do, if there are no short couplings, or if the
+/// line is much longer than the nodes beside it are far: bodies that are as slender bend along their lines,
+/// with too little resistance of single ones.
+std::vector<unsigned int> lengths_of_lines(const NodeGraph &near, const std::vector<Lengths> &lengths)
+{
+  const double largest_ratio = 5;
+  std::vector<unsigned int> n_nodes(near.size(), 0), together;
   std::vector<bool> is_seen(near.size(), false);
   for (unsigned int node = 0; node < near.size(); ++node) {
     if (is_seen[node] || near[node].empty())
@@ -181,18 +191,22 @@ std::vector<unsigned int> lengths_of_lines(const NodeGraph &near)
     together = {node};
     is_seen[node] = true;
     bool is_line = true;
+    double length = 0, width = 0;
     for (unsigned int i = 0; i < together.size(); ++i) {
       is_line = is_line && near[together[i]].size() <= 2;
+      length += lengths[together[i]].half_of_near;
+      width += lengths[together[i]].shortest_far;
       for (const unsigned int neighbour : near[together[i]])
         if (neighbour < near.size() && !is_seen[neighbour]) {
           is_seen[neighbour] = true;
           together.push_back(neighbour);
         }
     }
+    is_line = is_line && length <= largest_ratio * width / together.size();
     for (const unsigned int i : together)
-      length[i] = is_line ? together.size() : 0;
+      n_nodes[i] = is_line ? together.size() : 0;
   }
-  return length;
+  return n_nodes;
 }
 
 /// By node the aggregate that it belongs to, or none if nothing is coupled with it; and the root of each.
@@ -499,24 +513,24 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   SeenNodes seen(A, nodes);
   all = graph_of(A, nodes, seen);
   const std::vector<double> shortest = shortest_couplings(A, nodes, seen, all);
+  std::vector<Lengths> lengths(nodes.size());
   std::array<double, 5> counts{}, sums{}; // of nodes that see a far one, of all, of rows together, in lines
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[2] += nodes.first_row[i + 1] - nodes.first_row[i];
-    bool sees_far = false;
     for (const unsigned int j : all[i]) {
+      const double its_distance = distance(seen.position[i], seen.position[j]);
       if (seen.body[i] != seen.body[j])
         continue;
-      const bool is_near =
-          distance(seen.position[i], seen.position[j]) <= largest_ratio * std::max(shortest[i], shortest[j]);
-      sees_far = sees_far || !is_near;
-      if (is_near) {
+      if (its_distance <= largest_ratio * std::max(shortest[i], shortest[j])) {
         near[i].push_back(j);
         counts[2] += seen.n_rows[j];
-      }
+        lengths[i].half_of_near += its_distance / 2;
+      } else
+        lengths[i].shortest_far = std::min(lengths[i].shortest_far, its_distance);
     }
-    counts[0] += sees_far ? 1 : 0;
+    counts[0] += std::isfinite(lengths[i].shortest_far) ? 1 : 0;
   }
-  line_length = lengths_of_lines(near);
+  line_length = lengths_of_lines(near, lengths);
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[3] += line_length[i] > 0 ? 1 : 0;
     counts[4] += line_length[i] * (nodes.first_row[i + 1] - nodes.first_row[i]);

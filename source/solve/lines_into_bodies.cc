@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 namespace dovetail {
@@ -19,19 +18,25 @@ namespace dovetail {
 namespace {
 
 /// Rows that follow each other, by their global numbers, from the interface on. Of each of them its diagonal
-/// entry, and the couplings with the rows before it.
+/// entry, and the coupling with the row before it.
 struct LineOfRows
 {
+  struct Coupling
+  {
+    unsigned int later, earlier;
+    double entry;
+  };
+
   std::vector<int> rows;
-  std::vector<double> diagonal;
-  std::vector<std::vector<double>> couplings; ///< of a row with each one before it
+  std::vector<double> diagonal, coupling;
+  std::vector<Coupling> further; ///< of rows that do not follow each other
   bool is_open = true;
 
-  void append(const int row, const double its_diagonal)
+  void append(const int row, const double its_diagonal, const double its_coupling)
   {
     rows.push_back(row);
     diagonal.push_back(its_diagonal);
-    couplings.emplace_back(rows.size() - 1, 0.);
+    coupling.push_back(its_coupling);
   }
   void go_on(const RowOfOtherRank &tip);
   std::vector<double> weights() const;
@@ -44,23 +49,22 @@ void LineOfRows::go_on(const RowOfOtherRank &tip)
 {
   const double strong = 0.3; // 1/2 in cells that are thin, 1/4 in squares of two triangles
   double largest = strong;
+  const unsigned int n = rows.size();
   unsigned int next = tip.columns.size();
   for (unsigned int k = 0; k < tip.columns.size(); ++k) {
     const double entry = tip.values[2 * k], its_diagonal = tip.values[2 * k + 1];
     const unsigned int place = std::find(rows.begin(), rows.end(), tip.columns[k]) - rows.begin();
     const double strength = its_diagonal > 0 ? -entry / std::sqrt(diagonal.back() * its_diagonal) : 0;
-    if (place + 1 < rows.size())
-      couplings.back()[place] = entry;
-    else if (place == rows.size() && strength > largest) {
+    if (place + 2 < n && entry != 0)
+      further.push_back({n - 1, place, entry});
+    else if (place == n && strength > largest) {
       largest = strength;
       next = k;
     }
   }
   is_open = next < tip.columns.size();
-  if (is_open) {
-    append(tip.columns[next], tip.values[2 * next + 1]);
-    couplings.back().back() = tip.values[2 * next];
-  }
+  if (is_open)
+    append(tip.columns[next], tip.values[2 * next + 1], tip.values[2 * next]);
 }
 
 /// One on the interface, and from there on what the line minimises its energy with.
@@ -69,9 +73,8 @@ std::vector<double> LineOfRows::weights() const
   std::vector<double> ratio(rows.size(), 1.); // to the weight before
   double pivot = 0;
   for (unsigned int l = rows.size(); l-- > 1;) {
-    const double coupling = couplings[l].back();
-    pivot = diagonal[l] + (l + 1 < rows.size() ? couplings[l + 1].back() * ratio[l + 1] : 0);
-    ratio[l] = pivot > -coupling ? -coupling / pivot : 1;
+    pivot = diagonal[l] + (l + 1 < rows.size() ? coupling[l + 1] * ratio[l + 1] : 0);
+    ratio[l] = pivot > -coupling[l] ? -coupling[l] / pivot : 1;
   }
   for (unsigned int l = 1; l < ratio.size(); ++l)
     ratio[l] *= ratio[l - 1];
@@ -80,11 +83,11 @@ std::vector<double> LineOfRows::weights() const
 
 double LineOfRows::energy(const std::vector<double> &weights) const
 {
-  double sum = 0;
-  for (unsigned int l = 0; l < rows.size(); ++l)
-    sum +=
-        weights[l] * (diagonal[l] * weights[l] +
-                      2 * std::inner_product(couplings[l].begin(), couplings[l].end(), weights.begin(), 0.));
+  double sum = weights[0] * diagonal[0] * weights[0];
+  for (unsigned int l = 1; l < rows.size(); ++l)
+    sum += weights[l] * (diagonal[l] * weights[l] + 2 * coupling[l] * weights[l - 1]);
+  for (const Coupling &c : further)
+    sum += 2 * weights[c.later] * c.entry * weights[c.earlier];
   return sum;
 }
 
@@ -98,7 +101,7 @@ std::vector<LineOfRows> find_lines(const Epetra_CrsMatrix &A, const Epetra_Vecto
     if (on_interface[row] > 0) {
       may_follow[row] = 0;
       lines.emplace_back();
-      lines.back().append(A.GRID(row), diagonal[row]);
+      lines.back().append(A.GRID(row), diagonal[row], 0.);
       lines.back().is_open = diagonal[row] > 0;
     } else if (A.NumMyEntries(row) <= 1) // it follows others, or is prescribed
       may_follow[row] = 0;

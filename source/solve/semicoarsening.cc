@@ -514,7 +514,7 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   all = graph_of(A, nodes, seen);
   const std::vector<double> shortest = shortest_couplings(A, nodes, seen, all);
   std::vector<Lengths> lengths(nodes.size());
-  std::array<double, 5> counts{}, sums{}; // of nodes that see a far one, of all, of rows together, in lines
+  std::array<double, 6> counts{}, sums{}; // of nodes that see a far one, of all, of rows together, in lines
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[2] += nodes.first_row[i + 1] - nodes.first_row[i];
     for (const unsigned int j : all[i]) {
@@ -534,11 +534,12 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[3] += line_length[i] > 0 ? 1 : 0;
     counts[4] += line_length[i] * (nodes.first_row[i + 1] - nodes.first_row[i]);
+    counts[5] += all[i].empty() ? 0 : 1; // it follows others, or is prescribed
   }
   counts[1] = nodes.size();
   A.Comm().SumAll(counts.data(), sums.data(), counts.size());
   share_of_far = sums[1] > 0 ? sums[0] / sums[1] : 0;
-  share_in_lines = sums[1] > 0 ? sums[3] / sums[1] : 0;
+  share_in_lines = sums[5] > 0 ? sums[3] / sums[5] : 0;
   rows_of_line = sums[3] > 0 ? sums[4] / sums[3] : 0;
   rows_together = sums[1] > 0 ? sums[2] / sums[1] : 0;
   n_nodes = seen.body.size();

@@ -45,7 +45,7 @@ struct Couplings
   unsigned int n_nodes = 0;                 ///< of this rank, and those of other ranks
   std::vector<unsigned int> line_length; ///< by node of this rank: of how many its line is; 0 if it has none
   double share_of_far = 0;               ///< of the nodes of all ranks: with a long one within a body
-  double share_in_lines = 0;             ///< of the nodes of all ranks
+  double share_in_lines = 0;             ///< of the nodes of all ranks that are coupled with others
   double rows_together = 0; ///< mean of all ranks: of a node and those that short couplings connect with it
   double rows_of_line = 0;  ///< mean of the nodes in lines
 };

@@ -19,7 +19,8 @@ namespace dovetail {
 struct LinesIntoBodies
 {
   std::unique_ptr<Epetra_CrsMatrix> transposed; ///< E^T, with the rows and columns of A
-  Epetra_Vector stiffness;                      ///< diag(E^T A E) on the interface, elsewhere diag(A)
+  /// Of each line by itself diag(E^T A E), on the interface; elsewhere diag(A).
+  Epetra_Vector stiffness;
 };
 
 /// @param on_interface positive for the rows of the interface. Collective.

@@ -548,7 +548,7 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
 
 bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 {
-  const unsigned int every = 16; // node
+  const unsigned int every = 16;  // node
   const double least_ratio = 2.8; // 1.7 in cubes
   const std::vector<unsigned int> node = node_of_rows(nodes);
   std::array<int, 2> counts{}, sums{}; // of stretched nodes, and of all

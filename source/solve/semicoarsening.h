@@ -76,7 +76,7 @@ private:
   static constexpr int largest_of_lines = 100000; ///< as largest_coarse; their ends make a surface
 };
 
-/// Whether more than a quarter of the nodes are coupled in their body with another one that is five times as
+/// Whether more than a quarter of the nodes are coupled in their body with another one that is 2.8 times as
 /// far as the next one. By some of the nodes, and what is on their rank. Collective.
 bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes);
 

@@ -49,12 +49,13 @@ std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1,
 
 /// What functions of degree one leave reaches the further down the higher the degree is. Solves in cells see
 /// all functions of the degree.
-std::unique_ptr<ChebyshevSmoother> DegreeCoarsening::usual_smoother(const LevelOperator &A,
-                                                                    const unsigned int degree)
+std::unique_ptr<ChebyshevSmoother>
+DegreeCoarsening::usual_smoother(const LevelOperator &A, const unsigned int degree, const bool is_augmented)
 {
   if (auto M = A.approximation())
     return ChebyshevSmoother::with_approximation(A, std::move(M), {std::max(3u, degree), 7. * degree + 1});
-  return ChebyshevSmoother::with_diagonal(A, {degree + 1, 12.5 * degree - 10});
+  const unsigned int times = is_augmented ? 2 : 1;
+  return ChebyshevSmoother::with_diagonal(A, {times * (degree + 1), times * (12.5 * degree - 10)});
 }
 
 void DegreeCoarsening::find_coarse_rows(const RowSums &sums)

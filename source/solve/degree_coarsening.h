@@ -59,8 +59,9 @@ public:
                    const GroupFacts &facts, std::unique_ptr<Smoother> smoother,
                    const MakeCoarse &make_coarse = make_usual_coarse, const MeshLevels *levels = nullptr);
 
-  /// Around A.approximation() or diag(A), for functions of this degree.
-  static std::unique_ptr<ChebyshevSmoother> usual_smoother(const LevelOperator &A, unsigned int degree);
+  /// Around A.approximation() or diag(A), for functions of this degree. @param is_augmented A has B^T W B
+  static std::unique_ptr<ChebyshevSmoother> usual_smoother(const LevelOperator &A, unsigned int degree,
+                                                           bool is_augmented);
 
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
 

@@ -135,7 +135,7 @@ void MatrixFree::make(const GroupOperator &K)
     cycle = coarsen_degree(
         *level, facts,
         [this](const Epetra_Map &map, const Selection *rows) { return make_modes(facts, map, rows); },
-        DegreeCoarsening::usual_smoother(*level, facts.degree), is_within_bodies);
+        DegreeCoarsening::usual_smoother(*level, facts.degree, false), is_within_bodies);
   });
 }
 

@@ -142,7 +142,7 @@ void Multigrid::make_levels()
     return rows != nullptr ? select_rows(*modes, map, *rows) : std::make_unique<Epetra_MultiVector>(*modes);
   };
   if (facts.degree > 1 && facts.linear_part) {
-    auto smoother = DegreeCoarsening::usual_smoother(*finest, facts.degree);
+    auto smoother = DegreeCoarsening::usual_smoother(*finest, facts.degree, added_rows != nullptr);
     of_finest = smoother.get();
     if (means != Means::usual)
       of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
@@ -195,8 +195,8 @@ Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetr
                                     std::vector<GroupFacts::Place> places, const bool is_finest) const
 {
   const auto with_diagonal = [this](const LevelEntries &level, const double known_eigenvalue, double) {
-    const ChebyshevSmoother::Range usual{2, 10}, of_mixed{4, 20}, with_ties{5, 20}; // which B^T W B stiffens
-    const auto range = added_rows != nullptr ? with_ties : is_mixed ? of_mixed : usual;
+    const ChebyshevSmoother::Range usual{2, 10}, of_mixed{4, 20}, augmented{10, 40};
+    const auto range = added_rows != nullptr ? augmented : is_mixed ? of_mixed : usual;
     return ChebyshevSmoother::with_diagonal(level, range, known_eigenvalue);
   };
   if (means == Means::usual && is_mixed)

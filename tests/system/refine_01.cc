@@ -80,7 +80,8 @@ void run(const std::string &type, const unsigned int degree)
   system->set_up(1);
   Vector x = system->owned_vector();
   interpolate(model, polynomial, x);
-  for (unsigned int cycle = 0; cycle < (dim == 2 ? 3 : 3 - degree); ++cycle) {
+  const unsigned int n_cycles = dim == 3 ? 3 - degree : degree == 1 ? 3 : 2;
+  for (unsigned int cycle = 0; cycle < n_cycles; ++cycle) {
     std::vector<std::vector<bool>> marked;
     for (const auto &domain : model.domains) {
       marked.emplace_back(domain->mesh().n_active_cells(), false);

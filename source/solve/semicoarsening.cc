@@ -514,7 +514,8 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   all = graph_of(A, nodes, seen);
   const std::vector<double> shortest = shortest_couplings(A, nodes, seen, all);
   std::vector<Lengths> lengths(nodes.size());
-  std::array<double, 6> counts{}, sums{}; // of nodes that see a far one, of all, of rows together, in lines
+  // Of nodes that see a far one, of all, of rows together, of nodes and of rows in lines, of coupled nodes.
+  std::array<double, 6> counts{}, sums{};
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[2] += nodes.first_row[i + 1] - nodes.first_row[i];
     for (const unsigned int j : all[i]) {

@@ -146,9 +146,10 @@ namespace {
 /// @p result: any vector of owned unknowns
 template <int dim, typename Assemble>
 Vector sum_in_nodes_of_solids(const Model<dim> &model, const Vector &ghosted, Vector result,
-                              const Assemble &assemble)
+                              const GhostExchange &exchange, const Assemble &assemble)
 {
-  result = 0;
+  SharedSums sums;
+  sums.begin(exchange);
   std::vector<dealii::types::global_dof_index> dofs;
   for (const auto &domain : model.domains) {
     const Field *field = solid_field(*domain);
@@ -165,10 +166,10 @@ Vector sum_in_nodes_of_solids(const Model<dim> &model, const Vector &ghosted, Ve
           continue;
         for (unsigned int c = field->first_component; c < field->first_component + dim; ++c)
           for (unsigned int a = 0; a < layout.n_nodes(c); ++a)
-            result(dofs[layout.index(c, a)]) += of_cell[layout.index(c, a)];
+            sums(dofs[layout.index(c, a)]) += of_cell[layout.index(c, a)];
       }
   }
-  result.compress(dealii::VectorOperation::add);
+  sums.finish(result);
   return result;
 }
 
@@ -176,11 +177,13 @@ Vector sum_in_nodes_of_solids(const Model<dim> &model, const Vector &ghosted, Ve
 
 /// Of sources and conditions.
 template <int dim>
-Vector EnergyBalance<dim>::loads(const double t, const Vector &x, const Vector &ghosted) const
+Vector EnergyBalance<dim>::loads(const double t, const Vector &x, const Vector &ghosted,
+                                 const GhostExchange &exchange) const
 {
   std::vector<double> boundary;
   return sum_in_nodes_of_solids(
-      model, ghosted, x, [&](CellTerms<dim> &terms, const auto &cell, const auto &unknowns, auto &of_cell) {
+      model, ghosted, x, exchange,
+      [&](CellTerms<dim> &terms, const auto &cell, const auto &unknowns, auto &of_cell) {
         boundary.resize(unknowns.size());
         terms.assemble_given(cell, t, of_cell);
         terms.assemble_boundary(cell, t, unknowns, boundary);
@@ -192,7 +195,8 @@ Vector EnergyBalance<dim>::loads(const double t, const Vector &x, const Vector &
 
 /// M w of solids.
 template <int dim>
-Vector EnergyBalance<dim>::product_with_mass(const Vector &ghosted, const Vector &ghosted_rate) const
+Vector EnergyBalance<dim>::product_with_mass(const Vector &ghosted, const Vector &ghosted_rate,
+                                             const GhostExchange &exchange) const
 {
   Rates rates;
   rates.rest = ghosted_rate; // of what stores by first rates, which does not count
@@ -200,7 +204,7 @@ Vector EnergyBalance<dim>::product_with_mass(const Vector &ghosted, const Vector
   rates.weights = {0};
   rates.past = {ghosted};
   return sum_in_nodes_of_solids(
-      model, ghosted, last.x,
+      model, ghosted, last.x, exchange,
       [&](CellTerms<dim> &terms, const auto &cell, const auto &unknowns, auto &of_cell) {
         terms.set_rates(&rates);
         return terms.assemble_storage(cell, 0, unknowns, of_cell);
@@ -209,11 +213,12 @@ Vector EnergyBalance<dim>::product_with_mass(const Vector &ghosted, const Vector
 
 /// The forces just after the beginning of a step. @p of_support: at its end
 template <int dim>
-void EnergyBalance<dim>::start_anew(const Vector &of_support, const Vector &ghosted, const StepOfMotion &step)
+void EnergyBalance<dim>::start_anew(const Vector &of_support, const Vector &ghosted, const StepOfMotion &step,
+                                    const GhostExchange &exchange)
 {
   Vector ghosted_before = ghosted;
-  ghosted_before = last.x;
-  last.forces = loads(*step.new_start, last.x, ghosted_before);
+  exchange.update(ghosted_before, last.x);
+  last.forces = loads(*step.new_start, last.x, ghosted_before, exchange);
   if (!step.second_rates_at_start) {
     last.forces += of_support;
     last.scheme.reset();
@@ -225,7 +230,8 @@ void EnergyBalance<dim>::start_anew(const Vector &of_support, const Vector &ghos
 }
 
 template <int dim>
-void EnergyBalance<dim>::add_scheme(const Vector &change, const Vector &ghosted, const StepOfMotion &step)
+void EnergyBalance<dim>::add_scheme(const Vector &change, const Vector &ghosted, const StepOfMotion &step,
+                                    const GhostExchange &exchange)
 {
   if (!step.second_rates_at_end || last.acceleration.n_blocks() == 0 || !last.scheme) {
     last.scheme.reset();
@@ -235,8 +241,8 @@ void EnergyBalance<dim>::add_scheme(const Vector &change, const Vector &ghosted,
                             const int sign) {
     owned_sum.sadd(0.5, 0.5, other);
     Vector mean = ghosted;
-    mean = owned_sum;
-    *last.scheme += sign * (product_with_mass(ghosted, mean) * change_of_other);
+    exchange.update(mean, owned_sum);
+    *last.scheme += sign * (product_with_mass(ghosted, mean, exchange) * change_of_other);
   };
   Vector change_of_velocity = *step.rates_at_end;
   change_of_velocity -= last.velocity;
@@ -252,7 +258,8 @@ nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reacti
                                                     const StepOfMotion &step)
 {
   const Vector of_support = forces_of_supports(model, reactions, x);
-  Vector now = loads(reactions.forces().t, x, ghosted), change = x;
+  const GhostExchange &exchange = *reactions.forces().exchange;
+  Vector now = loads(reactions.forces().t, x, ghosted, exchange), change = x;
   now += of_support;
   const bool is_first = last.x.n_blocks() == 0; // a run that goes on from one without
   if (is_first)
@@ -260,10 +267,10 @@ nlohmann::ordered_json EnergyBalance<dim>::add_step(const Reactions<dim> &reacti
   if (last.forces.n_blocks() == 0)
     last.forces = now;
   if (step.new_start)
-    start_anew(of_support, ghosted, step);
+    start_anew(of_support, ghosted, step, exchange);
   change -= last.x;
   last.work += (now * change + last.forces * change) / 2;
-  add_scheme(change, ghosted, step);
+  add_scheme(change, ghosted, step, exchange);
   last.forces = std::move(now);
   last.x = x;
   const Energies present = energies(ghosted, velocity, reactions.forces().t);

@@ -33,14 +33,26 @@ bool begins_with(const std::string &file, const std::string &beginning)
 }
 
 /// A renamed file is lost with the power unless its folder is on the disk as well. Not all systems can do it.
-void bring_folder_to_disk(const std::string &name)
+void bring_folder_to_disk(const std::string &folder)
 {
-  const std::string folder = folder_of(name);
   const int descriptor = open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0)
     return;
   fsync(descriptor);
   close(descriptor);
+}
+
+/// Names of files that only the system has so far.
+std::set<std::string> &files_of_system()
+{
+  static std::set<std::string> files;
+  return files;
+}
+
+/// errno, or 0
+int flush_to_disk(const int descriptor)
+{
+  return fsync(descriptor) == 0 || errno == EINVAL ? 0 : errno; // EINVAL: there is no disk
 }
 
 } // namespace
@@ -145,10 +157,11 @@ void NewFile::append(const char *bytes, std::size_t n_bytes)
   }
 }
 
-Obstacle NewFile::finish()
+Obstacle NewFile::finish(const OnDisk on_disk)
 {
-  if (!obstacle && fsync(descriptor) != 0 && errno != EINVAL) // where there is no disk
-    give_up(errno);
+  if (!obstacle && on_disk == OnDisk::at_once)
+    if (const int error = flush_to_disk(descriptor))
+      give_up(error);
   if (descriptor >= 0 && close(descriptor) != 0)
     give_up(errno);
   descriptor = -1;
@@ -156,16 +169,53 @@ Obstacle NewFile::finish()
     give_up(errno);
   if (!obstacle) {
     unfinished.clear();
-    bring_folder_to_disk(name);
+    if (on_disk == OnDisk::later)
+      files_of_system().insert(name);
+    else
+      bring_folder_to_disk(folder_of(name));
   }
   return obstacle;
 }
 
-Obstacle write_file(const std::string &name, const std::string &beginning, const std::string &text)
+Obstacle write_file(const std::string &name, const std::string &beginning, const std::string &text,
+                    const OnDisk on_disk)
 {
   NewFile file(name, beginning);
   file.append(text);
-  return file.finish();
+  return file.finish(on_disk);
+}
+
+bool append_to_file(const std::string &name, const std::size_t size, const std::string &lines)
+{
+  const int descriptor = open(name.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0)
+    return false;
+  struct stat status;
+  const bool is_as_left = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
+                          static_cast<std::size_t>(status.st_size) == size;
+  const bool is_done = is_as_left && (lines.empty() || ::write(descriptor, lines.data(), lines.size()) ==
+                                                           static_cast<ssize_t>(lines.size()));
+  files_of_system().insert(name);
+  return close(descriptor) == 0 && is_done;
+}
+
+Obstacle bring_to_disk()
+{
+  Obstacle obstacle;
+  std::set<std::string> folders;
+  for (const std::string &name : files_of_system()) {
+    const int descriptor = open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0)
+      continue; // taken away meanwhile
+    if (const int error = flush_to_disk(descriptor); error != 0 && !obstacle)
+      obstacle = obstacle_of_system(name, error);
+    close(descriptor);
+    folders.insert(folder_of(name));
+  }
+  files_of_system().clear();
+  for (const std::string &folder : folders)
+    bring_folder_to_disk(folder);
+  return obstacle;
 }
 
 void remove_file(const std::string &name, const std::string &beginning)

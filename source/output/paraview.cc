@@ -332,7 +332,7 @@ void Paraview<dim>::write_index_of_step() const
                << file_of(blocks[b].stem, last, ".vtu") << "\"/>\n";
   step_index << "</vtkMultiBlockDataSet>\n</VTKFile>\n";
   check(write_on_first_rank(directory + "/steps/" + file_of("step", last, ".vtm"), beginning_of_index,
-                            step_index.str(), model.communicator));
+                            step_index.str(), model.communicator, OnDisk::later));
 }
 
 template <int dim>
@@ -344,8 +344,8 @@ void Paraview<dim>::write_series() const
     series << "<DataSet timestep=\"" << times[step] << "\" file=\"steps/" << file_of("step", step, ".vtm")
            << "\"/>\n";
   series << "</Collection>\n</VTKFile>\n";
-  check(
-      write_on_first_rank(directory + "/solution.pvd", beginning_of_index, series.str(), model.communicator));
+  check(write_on_first_rank(directory + "/solution.pvd", beginning_of_index, series.str(), model.communicator,
+                            OnDisk::later));
 }
 
 template class Paraview<2>;

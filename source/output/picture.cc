@@ -47,7 +47,7 @@ Obstacle write_vtu(const std::string &file, const PieceOfPicture &piece,
   SharedFile shared(file, beginning_of_vtu, communicator);
   shared.append(header + (piece.is_empty && (shows_something || !is_first) ? "" : piece.text));
   shared.append(footer.str());
-  return shared.finish();
+  return shared.finish(OnDisk::later);
 }
 
 } // namespace dovetail

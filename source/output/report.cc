@@ -77,7 +77,8 @@ void Report::write()
   content["peak memory MiB"] = dealii::Utilities::MPI::sum(peak_memory_of_process(), communicator);
   const std::string text =
       content.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-  if (const Obstacle obstacle = write_on_first_rank(file_name, "{\n  \"version\":", text, communicator))
+  if (const Obstacle obstacle =
+          write_on_first_rank(file_name, "{\n  \"version\":", text, communicator, OnDisk::later))
     obstacle.raise(set_another_directory);
 }
 

@@ -45,6 +45,12 @@ void check_columns(const Probes<dim> &probes, const std::vector<std::string> &ot
       }
 }
 
+template <int dim>
+bool is_first_rank(const Model<dim> &model)
+{
+  return dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0;
+}
+
 std::string read_directory(const Section &output, const SceneText &text)
 {
   const auto directory = output.read<std::string>(
@@ -130,8 +136,8 @@ template <int dim>
 void Results<dim>::begin(const Plan &plan)
 {
   prepare_directory(plan);
-  report().write(); // so that an interrupted run does not look like the one before it
-  if (dealii::Utilities::MPI::this_mpi_process(model.communicator) == 0) { // likewise
+  report().write();           // so that an interrupted run does not look like the one before it
+  if (is_first_rank(model)) { // likewise
     remove_file(directory + "/" + StepTable::file, StepTable::first_word);
     remove_file(checkpoint_file(), RecordFile::first_words);
   }
@@ -213,6 +219,7 @@ void Results<dim>::write_checkpoint(SavedState &state)
       state.vectors["acceleration"] = memory.acceleration;
     }
   }
+  bring_files_to_disk(); // the pictures that it tells of
   try_to_write([&]() {
     if (const Obstacle obstacle = dovetail::write_checkpoint(checkpoint_file(), text, model, state))
       obstacle.raise(set_another_directory);
@@ -226,8 +233,8 @@ void Results<dim>::write_used() const
   std::ostringstream used;
   used << first_line << "the next run into this directory replaces this file.\n\n";
   text.print_used(used);
-  if (const Obstacle obstacle =
-          write_on_first_rank(directory + "/used.prm", first_line, used.str(), model.communicator))
+  if (const Obstacle obstacle = write_on_first_rank(directory + "/used.prm", first_line, used.str(),
+                                                    model.communicator, OnDisk::later))
     obstacle.raise(set_another_directory);
 }
 
@@ -368,17 +375,28 @@ void Results<dim>::record_step(const Solution<dim> &solution)
                  {in_brackets(probes, "s"), [this](const std::string &field) {
                     return in_brackets(probes, units_of_field(field).resultant);
                   }});
-  if (step_table.is_due())
-    write_step_table();
+  write_step_table();
 }
 
 template <int dim>
 void Results<dim>::write_step_table()
 {
   try_to_write([&]() {
-    if (const Obstacle obstacle = write_on_first_rank(
-            directory + "/" + StepTable::file, StepTable::first_word, step_table.text(), model.communicator))
-      obstacle.raise(set_another_directory);
+    const Obstacle obstacle =
+        is_first_rank(model) ? step_table.write(directory + "/" + StepTable::file) : Obstacle();
+    if (const Obstacle agreed = agree(obstacle, model.communicator))
+      agreed.raise(set_another_directory);
+  });
+}
+
+/// What the run has written so far.
+template <int dim>
+void Results<dim>::bring_files_to_disk()
+{
+  try_to_write([&]() {
+    const Obstacle obstacle = is_first_rank(model) ? bring_to_disk() : Obstacle();
+    if (const Obstacle agreed = agree(obstacle, model.communicator))
+      agreed.raise(set_another_directory);
   });
 }
 
@@ -478,6 +496,7 @@ void Results<dim>::finish(const bool is_converged, const Plan &plan, const nlohm
   try_to_write([&]() { report().write(); });
   if (!step_table.is_empty())
     write_step_table();
+  bring_files_to_disk();
   log.finish(report().all(), directory);
   notes.repeat();
 }

@@ -56,13 +56,15 @@ void SharedFile::receive(const int other)
   }
 }
 
-Obstacle SharedFile::finish()
+Obstacle SharedFile::finish(const OnDisk on_disk)
 {
-  return agree(rank == 0 ? file->finish() : Obstacle(), communicator);
+  return agree(rank == 0 ? file->finish(on_disk) : Obstacle(), communicator);
 }
 
 Obstacle agree(const Obstacle &found, const MPI_Comm &communicator)
 {
+  if (!dealii::Utilities::MPI::broadcast(communicator, static_cast<bool>(found))) // as a rule, so no texts
+    return {};
   return {dealii::Utilities::MPI::broadcast(communicator, found.text),
           dealii::Utilities::MPI::broadcast(communicator, found.is_of_place)};
 }
@@ -77,10 +79,10 @@ std::string first_problem(const std::string &own, const MPI_Comm &communicator)
 }
 
 Obstacle write_on_first_rank(const std::string &name, const std::string &beginning, const std::string &text,
-                             const MPI_Comm &communicator)
+                             const MPI_Comm &communicator, const OnDisk on_disk)
 {
   const bool is_first = dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
-  return agree(is_first ? write_file(name, beginning, text) : Obstacle(), communicator);
+  return agree(is_first ? write_file(name, beginning, text, on_disk) : Obstacle(), communicator);
 }
 
 } // namespace dovetail

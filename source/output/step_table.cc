@@ -62,6 +62,7 @@ void StepTable::restore(const ordered_json &saved)
 {
   header = saved["header"];
   rows = saved["rows"];
+  n_kept = 0;
 }
 
 /// Earlier rows get its columns: what they do not have stays empty.
@@ -84,6 +85,7 @@ void StepTable::set_header(const std::string &line)
                                  old_names = header.empty() ? names : cells_of(header);
   header = line;
   rows.clear();
+  n_kept = 0;
   for (std::string row; std::getline(earlier, row);) {
     const std::vector<std::string> cells = cells_of(row + "\n");
     for (const std::string &name : names) {
@@ -95,13 +97,13 @@ void StepTable::set_header(const std::string &line)
   }
 }
 
-bool StepTable::is_due()
+Obstacle StepTable::write(const std::string &name)
 {
-  const std::size_t some = 20000;
-  if (rows.size() > some && rows.size() < n_kept + n_kept / 100)
-    return false;
-  n_kept = rows.size();
-  return true;
+  const bool is_added = n_kept > 0 && append_to_file(name, header.size() + n_kept, rows.substr(n_kept));
+  const Obstacle obstacle =
+      is_added ? Obstacle() : write_file(name, first_word, header + rows, OnDisk::later);
+  n_kept = obstacle ? 0 : rows.size();
+  return obstacle;
 }
 
 } // namespace dovetail

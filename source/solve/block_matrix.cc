@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/solve/block_matrix.h>
+#include <dovetail/solve/ghost_exchange.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/affine_constraints.templates.h>
@@ -64,6 +65,13 @@ struct RowView
   int n = 0, *columns = nullptr; ///< local, ascending
   double *values = nullptr;
 };
+
+/// As an assignment, but for its search of entries that are on their way to other ranks: there are none since
+/// the last compress().
+void set_entries(dealii::TrilinosWrappers::SparseMatrix &part, const double value)
+{
+  const_cast<Epetra_CrsMatrix &>(part.trilinos_matrix()).PutScalar(value);
+}
 
 } // namespace
 
@@ -189,7 +197,7 @@ BlockMatrix &BlockMatrix::operator=(const double zero)
 {
   for (const auto &part_row : parts)
     for (const auto &[column, part] : part_row)
-      *part = zero;
+      set_entries(*part, zero);
   return *this;
 }
 
@@ -198,7 +206,7 @@ void BlockMatrix::set_zero(const std::vector<bool> &rows)
   for (unsigned int p = 0; p < parts.size(); ++p)
     if (rows[numberings[p].blocks()[0]])
       for (const auto &[column, part] : parts[p])
-        *part = 0;
+        set_entries(*part, 0);
 }
 
 void BlockMatrix::copy_from(const BlockMatrix &other)
@@ -574,10 +582,11 @@ bool find_rows(const dealii::AffineConstraints<double> &constraints, const std::
 
 } // namespace
 
+template <typename Rows>
 void distribute_local_to_global(const dealii::AffineConstraints<double> &constraints,
                                 const dealii::FullMatrix<double> &local_matrix,
                                 const dealii::Vector<double> &local_vector, const std::vector<Index> &dofs,
-                                BlockMatrix &matrix, BlockMatrix::Vector &vector)
+                                BlockMatrix &matrix, Rows &vector)
 {
   thread_local std::vector<std::pair<unsigned int, Index>> rows;
   if (!find_rows(constraints, dofs, matrix, rows)) {
@@ -593,5 +602,12 @@ void distribute_local_to_global(const dealii::AffineConstraints<double> &constra
   for (unsigned int i = 0; i < dofs.size(); ++i)
     vector(dofs[i]) += local_vector[i];
 }
+
+template void distribute_local_to_global(const dealii::AffineConstraints<double> &,
+                                         const dealii::FullMatrix<double> &, const dealii::Vector<double> &,
+                                         const std::vector<Index> &, BlockMatrix &, BlockMatrix::Vector &);
+template void distribute_local_to_global(const dealii::AffineConstraints<double> &,
+                                         const dealii::FullMatrix<double> &, const dealii::Vector<double> &,
+                                         const std::vector<Index> &, BlockMatrix &, SharedSums &);
 
 } // namespace dovetail

@@ -40,7 +40,7 @@ std::string name_of_multipliers(const std::string &interface, const std::string 
 template <int dim>
 BlockSystem<dim>::BlockSystem(Model<dim> &model, const Form form)
     : model(model), stages(model), entries(model, stages, form), constraints(model, form == Form::transposed),
-      sizes(*model.numbering), sums(model, stages, entries, constraints, matrix, right_hand_side)
+      sizes(*model.numbering), sums(model, stages, entries, constraints, matrix, negative_sums)
 {
   for (const auto &group : model.field_groups())
     fields.insert(fields.end(), group.begin(), group.end());
@@ -78,7 +78,14 @@ void BlockSystem<dim>::set_up(const double t)
   constraints.set_up(t);
   make_sparsity(t);
   right_hand_side = owned_vector();
-  ghosted_scratch = ghosted_vector();
+  const Numbering &numbering = *model.numbering;
+  ghosts = std::make_shared<GhostExchange>(
+      numbering.split(numbering.owned), numbering.split(constraints.relevant_unknowns()),
+      [&](const unsigned int block, const auto index) {
+        return numbering.owner(numbering.blocks()[block].begin + index);
+      },
+      model.communicator);
+  ghosted_scratch = ghosts->ghosted_vector();
 }
 
 template <int dim>
@@ -215,15 +222,14 @@ Vector BlockSystem<dim>::owned_vector() const
 template <int dim>
 Vector BlockSystem<dim>::ghosted_vector() const
 {
-  return Vector(model.numbering->split(model.numbering->owned),
-                model.numbering->split(constraints.relevant_unknowns()), model.communicator);
+  return ghosts->ghosted_vector();
 }
 
 template <int dim>
 Vector BlockSystem<dim>::ghosted(const Vector &owned) const
 {
-  Vector copy = ghosted_scratch.n_blocks() > 0 ? ghosted_scratch : ghosted_vector(); // its layout is known
-  copy = owned;
+  Vector copy = ghosted_scratch; // its layout is known
+  ghosts->update(copy, owned);
   return copy;
 }
 
@@ -270,7 +276,7 @@ void BlockSystem<dim>::begin_step(const double t, const Vector &x)
       });
   if (model.interfaces.empty() && !has_weak_values)
     return;
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   for (const auto &domain : model.domains)
     freeze_weak_penalties<dim>(*domain, t, ghosted_values());
   dealii::Timer timer;
@@ -288,7 +294,7 @@ void BlockSystem<dim>::keep_last_good(const double t, const Vector &x)
   for (const auto &domain : model.domains) {
     if (!domain->has_conditions_by_fields() || !domain->last_good.begin_step(t))
       continue;
-    ghosted_scratch = x;
+    ghosts->update(ghosted_scratch, x);
     for (const auto &cell : domain->dof_handler().active_cell_iterators())
       if (cell->is_locally_owned() && cell->at_boundary()) {
         domain->cell_dofs(cell, dofs);
@@ -327,7 +333,7 @@ bool BlockSystem<dim>::update_penalties(const double t, const Vector &x)
   if (model.is_linear() || model.interfaces.empty())
     return false;
   dealii::Timer timer;
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   const bool is_any_outdated = change_active_ties(model, t, [&](const auto &interface) {
     return interface.tie().update_penalties(interface, t, ghosted_values(), model.communicator);
   });
@@ -341,7 +347,7 @@ bool BlockSystem<dim>::adapt_ties(const double t, const Vector &x)
   if (model.interfaces.empty())
     return false;
   dealii::Timer timer;
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   const bool is_any_adapted = change_active_ties(model, t, [&](const auto &interface) {
     PointTerms<dim> *terms = interface.tie().parts().point_terms;
     return terms != nullptr && terms->adapt(interface, t, ghosted_values(), model.communicator);
@@ -383,7 +389,7 @@ template <int dim>
 bool BlockSystem<dim>::assemble_by_products(const Vector &x)
 {
   ++n_assemblies.residuals_by_products;
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   constraints.move_from(ghosted_scratch, share);
   std::exception_ptr fault;
   try {
@@ -428,11 +434,11 @@ bool BlockSystem<dim>::is_as_integrated(const Vector &x)
   const Vector by_products = right_hand_side;
   const ForceSizes sizes_of_products = sizes;
   const unsigned int n_blocks = field_of_block.size();
-  ghosted_scratch = x;
-  right_hand_side = 0;
+  ghosts->update(ghosted_scratch, x);
+  negative_sums.begin(*ghosts);
   sizes.begin();
   assemble_all(false);
-  right_hand_side.compress(dealii::VectorOperation::add);
+  negative_sums.finish(right_hand_side);
   if (share < 1)
     right_hand_side.add(share - 1, held_back);
   sizes.finish([](unsigned int) { return false; }, model.communicator);
@@ -453,9 +459,9 @@ void BlockSystem<dim>::find_summands()
   Rates without;
   std::swap(without, step_rates); // cells see them
   matrix = 0;
+  negative_sums.begin(*ghosts);
   assemble_all(true);
   matrix.compress(dealii::VectorOperation::add);
-  right_hand_side.compress(dealii::VectorOperation::add);
   std::swap(without, step_rates);
   summands[0].copy_from(matrix);
   for (unsigned int order = 1; order <= model.order_in_time(); ++order) {
@@ -510,9 +516,9 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const 
       return true;
   }
   ++(with_tangent ? n_assemblies.tangents : n_assemblies.residuals_alone);
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   constraints.move_from(ghosted_scratch, share);
-  right_hand_side = 0;
+  negative_sums.begin(*ghosts);
   ask_for(of_blocks.empty() && !with_tangent ? residual_of : of_blocks, residual_of);
   if (with_tangent)
     begin_tangent();
@@ -524,12 +530,12 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const 
   bool is_defined = true;
   try {
     is_defined = assemble_all(with_tangent);
-  } catch (...) { // perhaps of this rank alone: the others wait in compress()
+  } catch (...) { // perhaps of this rank alone: the others wait for its sums
     fault = std::current_exception();
   }
   if (with_tangent)
     matrix.compress(dealii::VectorOperation::add);
-  right_hand_side.compress(dealii::VectorOperation::add);
+  negative_sums.finish(right_hand_side);
   if (with_tangent)
     for (const auto &[part, cells] : cellwise)
       if (stages.asks_tangent(matrix.numbering(part).blocks()[0])) {
@@ -801,7 +807,7 @@ NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x)
     if (const Flows *flows = cell_terms[d]->given_flows(); flows != nullptr && time == time_of_given)
       given[d] = *flows;
   return NodalForces<dim>(model, constraints.lines(), constraints.of_update(), ghosted(x), time, step_rates,
-                          products, given);
+                          products, given, ghosts);
 }
 
 template <int dim>
@@ -822,7 +828,7 @@ NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x, const double t,
 template <int dim>
 void BlockSystem<dim>::find_multipliers(const Vector &x, const NodalForces<dim> &forces)
 {
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   for (const auto &interface : model.interfaces)
     if (FluxRecovery<dim> *recovery = interface->tie().parts().flux_recovery;
         recovery != nullptr && interface->is_active(time))
@@ -914,7 +920,7 @@ bool BlockSystem<dim>::remember(const double t, const Vector &x)
 {
   if (!has_to_remember(model))
     return true;
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   return dovetail::remember(model, cell_terms, t, ghosted_values());
 }
 
@@ -923,35 +929,35 @@ void BlockSystem<dim>::look_at_start(const Vector &x)
 {
   if (!has_to_look_at_start(model))
     return;
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   dovetail::look_at_start(model, cell_terms, ghosted_values());
 }
 
 template <int dim>
 void BlockSystem<dim>::distribute(Vector &dx)
 {
-  ghosted_scratch = dx;
+  ghosts->update(ghosted_scratch, dx);
   constraints.distribute(dx, ghosted_scratch);
 }
 
 template <int dim>
 void BlockSystem<dim>::distribute_rate(Vector &rate, const bool what_is_prescribed)
 {
-  ghosted_scratch = rate;
+  ghosts->update(ghosted_scratch, rate);
   constraints.distribute_rate(rate, ghosted_scratch, what_is_prescribed);
 }
 
 template <int dim>
 void BlockSystem<dim>::follow(Vector &x)
 {
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   constraints.follow(x, ghosted_scratch);
 }
 
 template <int dim>
 void BlockSystem<dim>::constrain(Vector &x)
 {
-  ghosted_scratch = x;
+  ghosts->update(ghosted_scratch, x);
   constraints.constrain(x, ghosted_scratch);
 }
 

@@ -232,7 +232,7 @@ template <int dim>
 bool KeptPositions<dim>::add(const unsigned int cell_index, const std::vector<Index> &dofs,
                              const dealii::AffineConstraints<double> &constraints,
                              const dealii::FullMatrix<double> &local_matrix,
-                             const std::vector<double> &local_residual, BlockMatrix::Vector &right_hand_side)
+                             const std::vector<double> &local_residual, SharedSums &right_hand_side)
 {
   thread_local Prescribed of_thread;
   thread_local std::vector<double> rest_of_thread;
@@ -274,7 +274,7 @@ bool KeptPositions<dim>::add(const unsigned int cell_index, const std::vector<In
       }
     }
   for (const BlockOfDofs &block : blocks) {
-    double *const values = right_hand_side.block(block.number).trilinos_vector()[0] - block.first_row;
+    double *const values = right_hand_side.owned_rows(block.number) - block.first_row;
     for (unsigned int i = 0; i < n_local; ++i)
       if (dofs[i] >= block.begin && dofs[i] < block.end)
         values[row_of_dof[i]] -= rest[i];

@@ -35,17 +35,33 @@ std::vector<bool> vertices_at_boundary(const Domain<dim> &domain)
   return at_boundary;
 }
 
+/// Of each vector, over all ranks.
+std::vector<double> largest_entries(const std::vector<const Vector *> &vectors, const MPI_Comm &communicator)
+{
+  std::vector<double> largest;
+  for (const Vector *vector : vectors) {
+    largest.push_back(0);
+    for (unsigned int b = 0; b < vector->n_blocks(); ++b)
+      for (const double entry : vector->block(b))
+        largest.back() = std::max(largest.back(), std::abs(entry));
+  }
+  dealii::Utilities::MPI::max(largest, communicator, largest);
+  return largest;
+}
+
 } // namespace
 
 template <int dim>
 NodalForces<dim>::NodalForces(const Model<dim> &model, const std::shared_ptr<const ConstraintLines> &lines,
                               const dealii::AffineConstraints<double> &constraints, const Vector &solution,
                               const double t, const Rates &rates, AffineResidual<dim> *products,
-                              std::vector<std::optional<Flows>> given_flows)
-    : t(t), rates(rates), model(model), lines(lines), constraints(constraints),
+                              std::vector<std::optional<Flows>> given_flows,
+                              const std::shared_ptr<const GhostExchange> &exchange)
+    : t(t), rates(rates), exchange(exchange), model(model), lines(lines), constraints(constraints),
       all_given(std::move(given_flows))
 {
-  Vector residual(model.numbering->split(model.numbering->owned), model.communicator);
+  SharedSums residual;
+  residual.begin(*exchange);
   if (products != nullptr)
     take_from(*products, solution, residual);
   for (const auto &domain : model.domains)
@@ -59,8 +75,9 @@ NodalForces<dim>::NodalForces(const Model<dim> &model, const std::shared_ptr<con
       add_terms(*interface, solution, residual);
     }
   }
-  residual.compress(products != nullptr ? dealii::VectorOperation::insert : dealii::VectorOperation::add);
-  force = passed_on(residual);
+  Vector of_constrained(model.numbering->split(model.numbering->owned), model.communicator);
+  residual.finish(of_constrained);
+  force = passed_on(of_constrained);
   is_defined = dealii::Utilities::MPI::min(is_defined ? 1 : 0, model.communicator) == 1;
   const double undefined = std::numeric_limits<double>::quiet_NaN();
   if (!is_defined)
@@ -70,7 +87,7 @@ NodalForces<dim>::NodalForces(const Model<dim> &model, const std::shared_ptr<con
 }
 
 template <int dim>
-void NodalForces<dim>::take_from(AffineResidual<dim> &products, const Vector &solution, Vector &residual)
+void NodalForces<dim>::take_from(AffineResidual<dim> &products, const Vector &solution, SharedSums &residual)
 {
   for (const auto &entry : *lines)
     residual(entry.first) = products.residual()(entry.first);
@@ -82,7 +99,7 @@ void NodalForces<dim>::take_from(AffineResidual<dim> &products, const Vector &so
 
 template <int dim>
 void NodalForces<dim>::add_at_constrained(const std::vector<Index> &dofs, const std::vector<double> &values,
-                                          Vector &residual) const
+                                          SharedSums &residual) const
 {
   for (unsigned int i = 0; i < dofs.size(); ++i)
     if (values[i] != 0 && constraints.is_constrained(dofs[i]))
@@ -90,7 +107,7 @@ void NodalForces<dim>::add_at_constrained(const std::vector<Index> &dofs, const 
 }
 
 template <int dim>
-void NodalForces<dim>::add_cells(const Domain<dim> &domain, const Vector &solution, Vector &residual)
+void NodalForces<dim>::add_cells(const Domain<dim> &domain, const Vector &solution, SharedSums &residual)
 {
   const std::vector<bool> at_boundary = vertices_at_boundary(domain);
   const bool has_hanging_nodes = domain.mesh().has_hanging_nodes();
@@ -117,7 +134,8 @@ void NodalForces<dim>::add_cells(const Domain<dim> &domain, const Vector &soluti
 }
 
 template <int dim>
-void NodalForces<dim>::add_groups(const Interface<dim> &interface, const Vector &solution, Vector &residual)
+void NodalForces<dim>::add_groups(const Interface<dim> &interface, const Vector &solution,
+                                  SharedSums &residual)
 {
   PointTerms<dim> &terms = *interface.tie().parts().point_terms;
   std::vector<Index> dofs;
@@ -145,7 +163,7 @@ void NodalForces<dim>::add_groups(const Interface<dim> &interface, const Vector 
 
 template <int dim>
 void NodalForces<dim>::add_terms(const Interface<dim> &interface, const Vector &solution,
-                                 Vector &residual) const
+                                 SharedSums &residual) const
 {
   const Multipliers<dim> *multipliers = interface.tie().parts().multipliers;
   std::vector<double> unknowns, term_forces;
@@ -163,21 +181,22 @@ void NodalForces<dim>::add_terms(const Interface<dim> &interface, const Vector &
 template <int dim>
 Vector NodalForces<dim>::passed_on(const Vector &residual) const
 {
-  Vector total = residual, passed = residual, previous = residual;
+  Vector total = residual, previous = residual;
+  SharedSums passed;
   const unsigned int longest_chain = 100;
   for (unsigned int link = 0; link < longest_chain; ++link) {
-    passed = 0;
+    passed.begin(*exchange);
     for (const auto &[dof, line] : *lines) {
       const double constrained_force = line.entries.empty() ? 0. : total(dof);
       for (const auto &[other, weight] : line.entries)
         passed(other) += weight * constrained_force;
     }
-    passed.compress(dealii::VectorOperation::add);
     previous = total;
-    total = residual;
-    total += passed;
+    passed.finish(total);
+    total += residual;
     previous -= total;
-    if (!(previous.linfty_norm() > 1e-15 * total.linfty_norm()))
+    const std::vector<double> largest = largest_entries({&previous, &total}, model.communicator);
+    if (!(largest[0] > 1e-15 * largest[1]))
       break;
   }
   return total;

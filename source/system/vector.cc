@@ -7,6 +7,15 @@
 
 namespace dovetail {
 
+void keep_owned_values(Vector &x)
+{
+  for (unsigned int b = 0; b < x.n_blocks(); ++b) {
+    x.block(b).trilinos_vector().setIgnoreNonLocalEntries(true);
+    x.block(b).compress(dealii::VectorOperation::insert);
+    x.block(b).trilinos_vector().setIgnoreNonLocalEntries(false);
+  }
+}
+
 template <int dim>
 dealii::TrilinosWrappers::MPI::Vector domain_vector(const Domain<dim> &domain, const Vector &ghosted)
 {

@@ -55,6 +55,22 @@ void replace_what_is_not_ours()
             << std::filesystem::exists("directory") << std::endl;
 }
 
+/// Lines are added only behind what this process has left there.
+void add_lines()
+{
+  const std::string first = "ours, first\n", second = "second\n";
+  write_file("grows", "ours", first, OnDisk::later);
+  std::filesystem::create_symlink("grows", "link to it");
+  std::cout << "added: " << append_to_file("grows", first.size(), second)
+            << append_to_file("grows", first.size(), second) // its size is another one
+            << append_to_file("link to it", first.size() + second.size(), second)
+            << append_to_file("not there", 0, second) << append_to_file("pipe", 0, second)
+            << append_to_file("grows", first.size() + second.size(), "") << ' ' << contents("grows");
+  write_file("taken away", "ours", first, OnDisk::later);
+  std::filesystem::remove("taken away");
+  std::cout << "on the disk: " << !bring_to_disk() << !bring_to_disk() << ' ' << contents("grows");
+}
+
 /// A file of all ranks with more than one message of each, and one that outgrows what the system allows.
 void write_together(const std::string &name, const std::size_t n_bytes, const bool speaks)
 {
@@ -95,8 +111,10 @@ int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   const bool speaks = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD) == 0;
-  if (speaks)
+  if (speaks) {
     replace_what_is_not_ours();
+    add_lines();
+  }
   write_together("together", 20000000, speaks);
 
   // as if the disk were full
@@ -111,5 +129,7 @@ int main(int argc, char **argv)
               << (problem.empty() == (dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD) == 1))
               << std::endl;
     print_what_is_left();
+    std::cout << "added to a full disk: "
+              << append_to_file("together", std::filesystem::file_size("together"), "a") << std::endl;
   }
 }

@@ -79,10 +79,13 @@ private:
   void add_domain(const Domain<dim> &domain, const Vector &x, const Vector *velocity, double t,
                   Energies &sums) const;
   void add_interface(const Interface<dim> &interface, const Vector &x, double t, Energies &sums) const;
-  void start_anew(const Vector &of_support, const Vector &ghosted, const StepOfMotion &step);
-  void add_scheme(const Vector &change, const Vector &ghosted, const StepOfMotion &step);
-  Vector product_with_mass(const Vector &ghosted, const Vector &ghosted_rate) const;
-  Vector loads(double t, const Vector &x, const Vector &ghosted) const;
+  void start_anew(const Vector &of_support, const Vector &ghosted, const StepOfMotion &step,
+                  const GhostExchange &exchange);
+  void add_scheme(const Vector &change, const Vector &ghosted, const StepOfMotion &step,
+                  const GhostExchange &exchange);
+  Vector product_with_mass(const Vector &ghosted, const Vector &ghosted_rate,
+                           const GhostExchange &exchange) const;
+  Vector loads(double t, const Vector &x, const Vector &ghosted, const GhostExchange &exchange) const;
 
   const Model<dim> &model;
   Memory last;

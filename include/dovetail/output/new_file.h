@@ -33,9 +33,12 @@ struct Obstacle
 /// Of errno.
 Obstacle obstacle_of_system(const std::string &file, int error);
 
-/// A file is written beside its place under a name that begins with unfinished_prefix, brought to the disk
-/// and then renamed, so that whoever looks finds the old one or the new one, whole. Errors wait until
-/// finish().
+/// When a file has come to the disk, where it outlives a loss of power: it stands under its name, or the next
+/// bring_to_disk() returns. A disk takes milliseconds for that, as long as a step of a small scene.
+enum class OnDisk { at_once, later };
+
+/// A file is written beside its place under a name that begins with unfinished_prefix and then renamed, so
+/// that whoever looks finds the old one or the new one, whole. Errors wait until finish().
 class NewFile
 {
 public:
@@ -49,7 +52,7 @@ public:
   void append(const char *bytes, std::size_t n_bytes);
   void append(const std::string &bytes) { append(bytes.data(), bytes.size()); }
   /// From now on the file stands under its name, if nothing is returned.
-  Obstacle finish();
+  Obstacle finish(OnDisk on_disk = OnDisk::at_once);
 
 private:
   void give_up(int error);
@@ -74,7 +77,16 @@ constexpr const char *set_another_directory =
 /// What stands at @p name and may not be replaced by a file that begins so.
 Obstacle obstacle_to_replacing(const std::string &name, const std::string &beginning);
 
-Obstacle write_file(const std::string &name, const std::string &beginning, const std::string &text);
+Obstacle write_file(const std::string &name, const std::string &beginning, const std::string &text,
+                    OnDisk on_disk = OnDisk::at_once);
+
+/// Add whole lines to a file that this process has written, until bring_to_disk().
+/// @param size bytes that it had then
+/// @return false if it is not as it was left or not all could be written: write_file() it anew
+bool append_to_file(const std::string &name, std::size_t size, const std::string &lines);
+
+/// All files of this process that may come later.
+Obstacle bring_to_disk();
 
 /// Take away a file of this kind, if there is one.
 void remove_file(const std::string &name, const std::string &beginning);

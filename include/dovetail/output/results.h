@@ -108,6 +108,7 @@ private:
   std::string checkpoint_file() const { return directory + "/checkpoint.bin"; }
   void write_used() const;
   void write_step_table();
+  void bring_files_to_disk();
   const NodalForces<dim> &nodal_forces(const Solution<dim> &solution);
   std::vector<Columns> columns_of_probes(const Vector &ghosted, const Reactions<dim> &reactions);
   double last_residual() const;

@@ -24,7 +24,7 @@ public:
   /// Collective: the parts in the order of the ranks.
   void append(const char *bytes, std::size_t n_bytes);
   void append(const std::string &bytes) { append(bytes.data(), bytes.size()); }
-  Obstacle finish(); ///< Collective, and the same on all ranks.
+  Obstacle finish(OnDisk on_disk = OnDisk::at_once); ///< Collective, and the same on all ranks.
 
 private:
   void receive(int rank);
@@ -43,6 +43,6 @@ std::string first_problem(const std::string &own, const MPI_Comm &communicator);
 
 /// As write_file(), by the first rank. Collective, and the same result on all ranks.
 Obstacle write_on_first_rank(const std::string &name, const std::string &beginning, const std::string &text,
-                             const MPI_Comm &communicator);
+                             const MPI_Comm &communicator, OnDisk on_disk = OnDisk::at_once);
 
 } // namespace dovetail

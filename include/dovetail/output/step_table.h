@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include <dovetail/output/new_file.h>
+
 #include <nlohmann/json.hpp>
 
 #include <functional>
@@ -37,10 +39,9 @@ public:
            const std::string &axes, const UnitsOfColumns &units);
 
   bool is_empty() const { return rows.empty(); }
-  std::string text() const { return header + rows; }
-  /// Whether text() should be kept, for a run that is killed: each time until there are some, then at each
-  /// hundredth part more, so that long runs do not write the table over and over.
-  bool is_due();
+  /// What has come since the last time is added to the file; where this is not as it was left, all is written
+  /// anew. On the disk later.
+  Obstacle write(const std::string &name);
   static constexpr const char *first_word = "time", *file = "probes.csv";
 
   /// For a run that goes on. Its columns may be others.
@@ -51,7 +52,7 @@ private:
   void set_header(const std::string &line);
 
   std::string header, rows;
-  std::size_t n_kept = 0; ///< letters of rows
+  std::size_t n_kept = 0; ///< letters of rows in the file; 0 if it has another header
 };
 
 } // namespace dovetail

@@ -135,10 +135,12 @@ private:
 };
 
 /// Add a local matrix and vector on constraints, as AffineConstraints::distribute_local_to_global.
+/// @tparam Rows BlockMatrix::Vector or SharedSums
+template <typename Rows>
 void distribute_local_to_global(const dealii::AffineConstraints<double> &constraints,
                                 const dealii::FullMatrix<double> &local_matrix,
                                 const dealii::Vector<double> &local_vector,
                                 const std::vector<BlockMatrix::size_type> &dofs, BlockMatrix &matrix,
-                                BlockMatrix::Vector &vector);
+                                Rows &vector);
 
 } // namespace dovetail

@@ -8,6 +8,7 @@
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/scene/undefined.h>
 #include <dovetail/solve/block_matrix.h>
+#include <dovetail/solve/ghost_exchange.h>
 #include <dovetail/system/cellwise_tangent.h>
 #include <dovetail/system/force_sizes.h>
 #include <dovetail/system/free_pressures.h>
@@ -237,6 +238,7 @@ private:
   BlockMatrix matrix;
   Vector right_hand_side;
   ForceSizes sizes;
+  SharedSums negative_sums; ///< of the right-hand side, in an assembly
   LocalToGlobal<dim> sums;
   std::map<unsigned int, std::shared_ptr<CellwiseTangent<dim>>> cellwise; ///< by part of the matrix
   bool has_tangent = false;                                               ///< since set_up
@@ -249,6 +251,7 @@ private:
   std::array<double, 2> rates_of_tangent{};    ///< derivatives of the rates in the last tangent
   Undefined problem, problem_here;             ///< over all ranks; on this one, in the present assembly
   Assemblies n_assemblies;
+  std::shared_ptr<const GhostExchange> ghosts; ///< since set_up
   Vector ghosted_scratch;
   std::vector<std::unique_ptr<CellTerms<dim>>> cell_terms;
   std::optional<double> time_of_given;                 ///< that of their given_flows(), if these are complete

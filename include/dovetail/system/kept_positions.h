@@ -7,6 +7,7 @@
 
 #include <dovetail/domain/domain.h>
 #include <dovetail/solve/block_matrix.h>
+#include <dovetail/solve/ghost_exchange.h>
 
 #include <cstdint>
 #include <vector>
@@ -32,7 +33,7 @@ public:
   bool add(unsigned int cell_index, const std::vector<BlockMatrix::size_type> &dofs,
            const dealii::AffineConstraints<double> &constraints,
            const dealii::FullMatrix<double> &local_matrix, const std::vector<double> &local_residual,
-           BlockMatrix::Vector &right_hand_side);
+           SharedSums &right_hand_side);
 
   /// Asks for the memory to which the next add() of this cell goes, which takes longer than the sums.
   void prefetch(unsigned int cell_index) const;

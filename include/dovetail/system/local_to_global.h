@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dovetail/solve/block_matrix.h>
+#include <dovetail/solve/ghost_exchange.h>
 #include <dovetail/system/kept_positions.h>
 #include <dovetail/system/stages.h>
 #include <dovetail/system/tangent_entries.h>
@@ -31,7 +32,7 @@ public:
 
   /// All by reference.
   LocalToGlobal(const Model<dim> &model, const Stages<dim> &stages, const TangentEntries<dim> &entries,
-                const UpdateConstraints<dim> &constraints, BlockMatrix &matrix, Vector &right_hand_side)
+                const UpdateConstraints<dim> &constraints, BlockMatrix &matrix, SharedSums &right_hand_side)
       : model(model), stages(stages), entries(entries), constraints(constraints), matrix(matrix),
         right_hand_side(right_hand_side)
   {
@@ -70,7 +71,7 @@ private:
   const TangentEntries<dim> &entries;
   const UpdateConstraints<dim> &constraints;
   BlockMatrix &matrix;
-  Vector &right_hand_side;
+  SharedSums &right_hand_side;
   std::vector<Positions> positions;                       ///< by domain
   dealii::FullMatrix<double> tangent_of_share, transpose; // scratch
   std::vector<double> residual_of_share;

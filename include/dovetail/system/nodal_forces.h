@@ -8,6 +8,7 @@
 #include <dovetail/domain/constraint_lines.h>
 #include <dovetail/domain/flows.h>
 #include <dovetail/interface/transmission.h>
+#include <dovetail/solve/ghost_exchange.h>
 #include <dovetail/system/model.h>
 #include <dovetail/system/vector.h>
 #include <dovetail/time/rates.h>
@@ -42,11 +43,13 @@ public:
   /// @param solution ghosted
   /// @param rates ghosted, too; kept by reference
   /// @param products if not nullptr, evaluated at the solution: then no law is asked
-  /// @param given_flows by domain, CellTerms::given_flows() of that time, where they are known. Collective.
+  /// @param given_flows by domain, CellTerms::given_flows() of that time, where they are known
+  /// @param exchange of the relevant unknowns. Collective.
   NodalForces(const Model<dim> &model, const std::shared_ptr<const ConstraintLines> &lines,
               const dealii::AffineConstraints<double> &constraints, const Vector &solution, double t,
               const Rates &rates, AffineResidual<dim> *products,
-              std::vector<std::optional<Flows>> given_flows);
+              std::vector<std::optional<Flows>> given_flows,
+              const std::shared_ptr<const GhostExchange> &exchange);
 
   /// At an owned unknown that is constrained; NaN if a law is not defined somewhere.
   double operator()(const dealii::types::global_dof_index dof) const
@@ -114,12 +117,13 @@ public:
 
   const double t;
   const Rates &rates;
+  const std::shared_ptr<const GhostExchange> exchange;
 
 private:
-  void take_from(AffineResidual<dim> &products, const Vector &solution, Vector &residual);
-  void add_cells(const Domain<dim> &domain, const Vector &solution, Vector &residual);
-  void add_groups(const Interface<dim> &interface, const Vector &solution, Vector &residual);
-  void add_terms(const Interface<dim> &interface, const Vector &solution, Vector &residual) const;
+  void take_from(AffineResidual<dim> &products, const Vector &solution, SharedSums &residual);
+  void add_cells(const Domain<dim> &domain, const Vector &solution, SharedSums &residual);
+  void add_groups(const Interface<dim> &interface, const Vector &solution, SharedSums &residual);
+  void add_terms(const Interface<dim> &interface, const Vector &solution, SharedSums &residual) const;
   void magnitudes(const Vector &solution, const std::vector<dealii::types::global_dof_index> &dofs,
                   std::vector<double> &sizes) const;
   double rounding_of_cells(const Domain<dim> &domain, const Field &field, const Vector &solution) const;
@@ -127,7 +131,7 @@ private:
   double sum_of_groups(const Interface<dim> &interface, const TiedField &tied, const Vector &solution) const;
   Vector passed_on(const Vector &residual) const;
   void add_at_constrained(const std::vector<dealii::types::global_dof_index> &dofs,
-                          const std::vector<double> &values, Vector &residual) const;
+                          const std::vector<double> &values, SharedSums &residual) const;
 
   const Model<dim> &model;
   const std::shared_ptr<const ConstraintLines> lines;

@@ -15,6 +15,10 @@ namespace dovetail {
 /// partners' unknowns) are read only; the two are never mixed.
 using Vector = dealii::TrilinosWrappers::MPI::BlockVector;
 
+/// As compress(insert) on all ranks, each of which has written to what it owns and to nothing else: none
+/// waits for another.
+void keep_owned_values(Vector &x);
+
 /// The part of a ghosted vector of all unknowns that belongs to one domain, in the numbering of its
 /// DoFHandler, with ghosts.
 template <int dim>

@@ -3,6 +3,8 @@
 
 #include <dovetail/solve/column_exchange.h>
 
+#include <Epetra_MpiComm.h>
+
 #include <algorithm>
 
 namespace dovetail {
@@ -25,18 +27,27 @@ ColumnExchange::ColumnExchange(const Epetra_CrsMatrix &A)
 {
 }
 
-ColumnExchange::ColumnExchange(const Epetra_Map &own, const std::vector<int> &others) : own_columns(own)
+ColumnExchange::ColumnExchange(const Epetra_Map &own, const std::vector<int> &others)
+    : own_columns(own), communicator(dynamic_cast<const Epetra_MpiComm &>(own.Comm()).Comm())
 {
   auto map = std::make_shared<Epetra_Map>(-1, static_cast<int>(others.size()), others.data(), 0, own.Comm());
   if (map->NumGlobalElements() == 0)
     return;
   other_columns = std::move(map);
-  import = std::make_shared<Epetra_Import>(*other_columns, own_columns);
+  const unsigned int n = others.size();
+  std::vector<int> ranks(n), indices(n);
+  own_columns.RemoteIDList(n, others.data(), ranks.data(), indices.data());
+  Partners asked;
+  for (unsigned int i = 0; i < n; ++i) {
+    asked[ranks[i]].push_back({0, static_cast<unsigned int>(indices[i])});
+    taken[ranks[i]].push_back({0, own_columns.NumMyElements() + i});
+  }
+  given = find_who_asks(asked, communicator);
 }
 
 unsigned int ColumnExchange::n_columns() const
 {
-  return own_columns.NumMyElements() + (import ? other_columns->NumMyElements() : 0);
+  return own_columns.NumMyElements() + (other_columns ? other_columns->NumMyElements() : 0);
 }
 
 int ColumnExchange::number(const int global) const
@@ -55,23 +66,20 @@ int ColumnExchange::global(const int number) const
 
 const double *ColumnExchange::of_columns(const Epetra_Vector &x, std::vector<double> &buffer) const
 {
-  if (!import)
+  if (!other_columns)
     return x.Values();
-  Epetra_Vector others(*other_columns, false);
-  others.Import(x, *import, Insert);
-  buffer.assign(x.Values(), x.Values() + x.MyLength());
-  buffer.insert(buffer.end(), others.Values(), others.Values() + others.MyLength());
+  buffer.resize(n_columns());
+  std::copy_n(x.Values(), x.MyLength(), buffer.data());
+  exchange_numbers({buffer.data()}, given, taken, communicator,
+                   [](double &value, const double received) { value = received; });
   return buffer.data();
 }
 
-void ColumnExchange::add_up(const std::vector<double> &sums, Epetra_Vector &y) const
+void ColumnExchange::add_up(std::vector<double> &sums, Epetra_Vector &y) const
 {
+  exchange_numbers({sums.data()}, taken, given, communicator,
+                   [](double &sum, const double received) { sum += received; });
   std::copy_n(sums.begin(), y.MyLength(), y.Values());
-  if (import) {
-    Epetra_Vector others(*other_columns, false);
-    std::copy(sums.begin() + y.MyLength(), sums.end(), others.Values());
-    y.Export(others, *import, Add);
-  }
 }
 
 } // namespace dovetail

@@ -93,10 +93,10 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
   bool is_same = false;
   missing.clear();
   ++preparations.made;
-  if (!factors || factors->are_symmetric() != facts.is_positive_definite())
+  if (!factors || !factors->suit(A.NumGlobalRows(), facts.is_positive_definite()))
     ranks.run("factorisation", [&]() {
-      factors = std::make_unique<MumpsFactors>(ranks.communicator, facts.is_positive_definite(),
-                                               facts.has_multipliers);
+      factors = std::make_unique<MumpsFactors>(ranks.communicator, A.NumGlobalRows(),
+                                               facts.is_positive_definite(), facts.has_multipliers);
     });
   ranks.run("entries", [&]() { is_same = factors->take(A); });
   if (dealii::Utilities::MPI::min(static_cast<int>(is_same), ranks.communicator) == 0) {

@@ -37,7 +37,8 @@ void Factors::factorise()
   if (A.NumGlobalRows() > most_of_klu) {
     const bool is_symmetric = true, has_small_pivots = false;
     const Agreement ranks{dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm(), {}};
-    mumps = std::make_unique<MumpsFactors>(ranks.communicator, is_symmetric, has_small_pivots);
+    mumps =
+        std::make_unique<MumpsFactors>(ranks.communicator, A.NumGlobalRows(), is_symmetric, has_small_pivots);
     ranks.run("entries", [this]() { mumps->take(A); });
     mumps->analyse();
     mumps->factorise();

@@ -41,48 +41,20 @@ GhostExchange::Vector GhostExchange::ghosted_vector() const
   return Vector(owned, relevant, communicator);
 }
 
-/// @p values at the places of @p from go to other ranks; @p take gets a value and what comes for it, at the
-/// places of @p to, rank by rank.
-template <typename Take>
-void GhostExchange::send(const Pointers &values, const Partners &from, const Partners &to,
-                         const Take &take) const
-{
-  const int tag = 3141;
-  std::vector<MPI_Request> requests;
-  std::vector<std::vector<double>> messages;
-  messages.reserve(to.size() + from.size());
-  for (const auto &[rank, places] : to) {
-    std::vector<double> &message = messages.emplace_back(places.size());
-    MPI_Irecv(message.data(), message.size(), MPI_DOUBLE, rank, tag, communicator, &requests.emplace_back());
-  }
-  for (const auto &[rank, places] : from) {
-    std::vector<double> &message = messages.emplace_back();
-    message.reserve(places.size());
-    for (const Place &place : places)
-      message.push_back(values[place.block][place.index]);
-    MPI_Isend(message.data(), message.size(), MPI_DOUBLE, rank, tag, communicator, &requests.emplace_back());
-  }
-  MPI_Waitall(requests.size(), requests.data(), MPI_STATUSES_IGNORE);
-  auto message = messages.begin();
-  for (const auto &[rank, places] : to) {
-    for (unsigned int i = 0; i < places.size(); ++i)
-      take(values[places[i].block][places[i].index], (*message)[i]);
-    ++message;
-  }
-}
-
 void GhostExchange::update(Vector &ghosted, const Vector &owned_values) const
 {
-  Pointers values;
+  std::vector<double *> values;
   for (unsigned int b = 0; b < owned.size(); ++b) {
     const Epetra_MultiVector &of_block = owned_values.block(b).trilinos_vector();
     Epetra_MultiVector &result = ghosted.block(b).trilinos_vector();
-    AssertDimension(of_block.MyLength(), static_cast<int>(owned[b].n_elements()));
-    AssertDimension(result.MyLength(), static_cast<int>(relevant[b].n_elements()));
+    AssertThrow(of_block.MyLength() == static_cast<int>(owned[b].n_elements()) &&
+                    result.MyLength() == static_cast<int>(relevant[b].n_elements()),
+                dealii::ExcMessage("vectors of other unknowns"));
     values.push_back(result[0]);
     std::copy_n(of_block[0], of_block.MyLength(), values[b] + first_owned[b]);
   }
-  send(values, given, ghosts, [](double &value, const double received) { value = received; });
+  exchange_numbers(values, given, ghosts, communicator,
+                   [](double &value, const double received) { value = received; });
 }
 
 void SharedSums::begin(const GhostExchange &of_unknowns)
@@ -102,11 +74,11 @@ double &SharedSums::operator()(const Index row)
 
 void SharedSums::finish(GhostExchange::Vector &owned)
 {
-  GhostExchange::Pointers pointers;
+  std::vector<double *> pointers;
   for (std::vector<double> &of_block : values)
     pointers.push_back(of_block.data());
-  exchange->send(pointers, exchange->ghosts, exchange->given,
-                 [](double &sum, const double received) { sum += received; });
+  exchange_numbers(pointers, exchange->ghosts, exchange->given, exchange->communicator,
+                   [](double &sum, const double received) { sum += received; });
   for (unsigned int b = 0; b < values.size(); ++b) {
     Epetra_MultiVector &result = owned.block(b).trilinos_vector();
     std::copy_n(owned_rows(b), result.MyLength(), result[0]);

@@ -11,6 +11,13 @@ namespace dovetail {
 
 namespace {
 
+/// More ranks send each other messages for longer than one of them computes.
+bool are_few(const int n_rows, const MPI_Comm &communicator)
+{
+  const int few = 2000;
+  return n_rows <= few && dealii::Utilities::MPI::n_mpi_processes(communicator) > 1;
+}
+
 /// ICNTL(@p k) and the like are numbered from 1.
 int &control(DMUMPS_STRUC_C &mumps, const int k)
 {
@@ -19,12 +26,14 @@ int &control(DMUMPS_STRUC_C &mumps, const int k)
 
 } // namespace
 
-MumpsFactors::MumpsFactors(const MPI_Comm &communicator, const bool is_symmetric, const bool has_small_pivots)
+MumpsFactors::MumpsFactors(const MPI_Comm &communicator, const int n_rows, const bool is_symmetric,
+                           const bool has_small_pivots)
     : communicator(communicator), is_symmetric(is_symmetric),
-      is_first(dealii::Utilities::MPI::this_mpi_process(communicator) == 0)
+      is_first(dealii::Utilities::MPI::this_mpi_process(communicator) == 0),
+      is_small(are_few(n_rows, communicator)), takes_part(is_first || !is_small)
 {
   const int symmetric = 2, with_this_rank = 1, silent = -1, distributed = 3;
-  mumps.comm_fortran = MPI_Comm_c2f(communicator);
+  mumps.comm_fortran = MPI_Comm_c2f(is_small ? MPI_COMM_SELF : communicator);
   mumps.sym = is_symmetric ? symmetric : 0;
   mumps.par = with_this_rank;
   call(-1);
@@ -35,6 +44,30 @@ MumpsFactors::MumpsFactors(const MPI_Comm &communicator, const bool is_symmetric
   control(mumps, 18) = distributed;
   control(mumps, 14) =
       has_small_pivots ? 100 : 20; // more than estimated, in per cent, for pivots off the diagonal
+}
+
+bool MumpsFactors::suit(const int n_rows, const bool symmetric) const
+{
+  return symmetric == is_symmetric && are_few(n_rows, communicator) == is_small;
+}
+
+int MumpsFactors::global_result(const int k) const
+{
+  return is_small ? dealii::Utilities::MPI::broadcast(communicator, mumps.infog[k - 1]) : mumps.infog[k - 1];
+}
+
+/// Those of all ranks, on the first one.
+template <typename Number>
+std::vector<Number> MumpsFactors::gather(const std::vector<Number> &own, const MPI_Datatype type) const
+{
+  const int n = own.size();
+  std::vector<int> n_of(n_of_rank.size()), first(1, 0);
+  MPI_Gather(&n, 1, MPI_INT, n_of.data(), 1, MPI_INT, 0, communicator);
+  for (const int n_there : n_of)
+    first.push_back(first.back() + n_there);
+  std::vector<Number> all(is_first ? first.back() : 0);
+  MPI_Gatherv(own.data(), n, type, all.data(), n_of.data(), first.data(), type, 0, communicator);
+  return all;
 }
 
 bool MumpsFactors::take(const Epetra_CrsMatrix &A)
@@ -71,6 +104,13 @@ void MumpsFactors::analyse()
   first_of_rank.assign(1, 0);
   for (const int n : n_of_rank)
     first_of_rank.push_back(first_of_rank.back() + n);
+  if (is_small) {
+    all_rows = gather(rows, MPI_INT);
+    all_columns = gather(columns, MPI_INT);
+    mumps.nnz_loc = all_rows.size();
+    mumps.irn_loc = all_rows.data();
+    mumps.jcn_loc = all_columns.data();
+  }
   call(1);
   check();
   is_analysed = true;
@@ -79,14 +119,22 @@ void MumpsFactors::analyse()
 void MumpsFactors::factorise()
 {
   const int workspace_is_too_small = -9, integers_are_too_small = -8;
+  if (is_small) {
+    all_entries = gather(entries, MPI_DOUBLE);
+    mumps.nnz_loc = all_entries.size();
+    mumps.irn_loc = all_rows.data();
+    mumps.jcn_loc = all_columns.data();
+    mumps.a_loc = all_entries.data();
+  }
   for (unsigned int attempt = 0; attempt < 3; ++attempt) {
     call(2);
-    const int error = mumps.infog[0];
+    const int error = global_result(1);
     if (error != workspace_is_too_small && error != integers_are_too_small)
       break;
     control(mumps, 14) *= 10;
   }
   check();
+  n_negative = global_result(12);
 }
 
 void MumpsFactors::solve(double *x, const double *b)

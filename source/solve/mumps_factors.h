@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The factors of a matrix of all ranks by MUMPS.
+// The factors of a matrix of all ranks by MUMPS, those of a small one on the first rank alone.
 
 #pragma once
 
@@ -19,7 +19,7 @@ namespace dovetail {
 class MumpsFactors
 {
 public:
-  MumpsFactors(const MPI_Comm &communicator, bool is_symmetric, bool has_small_pivots);
+  MumpsFactors(const MPI_Comm &communicator, int n_rows, bool is_symmetric, bool has_small_pivots);
   ~MumpsFactors() { call(-2); }
   MumpsFactors(const MumpsFactors &) = delete;
   MumpsFactors &operator=(const MumpsFactors &) = delete;
@@ -29,30 +29,38 @@ public:
   bool take(const Epetra_CrsMatrix &A);
   void analyse();
   bool are_symmetric() const { return is_symmetric; } ///< L D L^T
+  bool suit(int n_rows, bool symmetric) const;        ///< and are not to be made anew
   /// What factorise() will need on this rank, in MiB, estimated from above. @pre analyse()
-  double memory() const { return (mumps.info[14] + 1) * 1e6 / (1024 * 1024); }
+  double memory() const { return takes_part ? (mumps.info[14] + 1) * 1e6 / (1024 * 1024) : 0; }
   void factorise();
   void solve(double *x, const double *b);
   /// Of D, as many as eigenvalues of the matrix are negative (Sylvester). @pre are_symmetric()
-  unsigned long n_negative_pivots() const { return mumps.infog[11]; }
+  unsigned long n_negative_pivots() const { return n_negative; }
 
 private:
   void call(const int job)
   {
     mumps.job = job;
-    dmumps_c(&mumps);
+    if (takes_part)
+      dmumps_c(&mumps);
   }
+  int global_result(int k) const; ///< INFOG(k)
   void check() const
   {
-    if (mumps.infog[0] < 0)
-      throw std::runtime_error("MUMPS gives error " + std::to_string(mumps.infog[0]));
+    if (const int error = global_result(1); error < 0)
+      throw std::runtime_error("MUMPS gives error " + std::to_string(error));
   }
+  template <typename Number>
+  std::vector<Number> gather(const std::vector<Number> &own, MPI_Datatype type) const;
 
   MPI_Comm communicator;
-  bool is_symmetric, is_first, is_analysed = false;
+  bool is_symmetric, is_first, is_small, takes_part, is_analysed = false;
   DMUMPS_STRUC_C mumps = {};
   std::vector<int> rows, columns; ///< from 1, of the entries; of a symmetric matrix the upper triangle
   std::vector<double> entries;
+  std::vector<int> all_rows, all_columns; ///< of a small matrix, on the first rank
+  std::vector<double> all_entries;
+  unsigned long n_negative = 0;
   int n_own = 0; ///< rows
   std::vector<int> n_of_rank, first_of_rank;
 };

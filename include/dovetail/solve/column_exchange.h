@@ -5,8 +5,9 @@
 
 #pragma once
 
+#include <dovetail/solve/partners.h>
+
 #include <Epetra_CrsMatrix.h>
-#include <Epetra_Import.h>
 #include <Epetra_Map.h>
 #include <Epetra_Vector.h>
 
@@ -30,13 +31,14 @@ public:
   unsigned int n_columns() const;
   int number(int global) const; ///< of a column; -1: none of this rank
   int global(int number) const;
-  /// y = the sums of all ranks. Collective.
-  void add_up(const std::vector<double> &sums, Epetra_Vector &y) const;
+  /// y = the sums of all ranks. @p sums: of this rank, changed. Collective.
+  void add_up(std::vector<double> &sums, Epetra_Vector &y) const;
 
 private:
   Epetra_Map own_columns;
   std::shared_ptr<const Epetra_Map> other_columns; ///< nullptr if no rank has any
-  std::shared_ptr<const Epetra_Import> import;     ///< of them
+  MPI_Comm communicator;
+  Partners given, taken; ///< among the values at the columns: own ones of others' columns, and others' ones
 };
 
 } // namespace dovetail

@@ -5,13 +5,14 @@
 
 #pragma once
 
+#include <dovetail/solve/partners.h>
+
 #include <deal.II/base/index_set.h>
 #include <deal.II/lac/block_indices.h>
 #include <deal.II/lac/trilinos_parallel_block_vector.h>
 #include <deal.II/lac/vector.h>
 
 #include <functional>
-#include <map>
 #include <vector>
 
 namespace dovetail {
@@ -39,24 +40,11 @@ public:
 private:
   friend class SharedSums;
 
-  /// By block, as in a ghosted vector.
-  using Pointers = std::vector<double *>;
-  /// One of the relevant unknowns of a block.
-  struct Place
-  {
-    unsigned int block, index;
-  };
-  /// What is shared with each of the other ranks, in the same order there.
-  using Partners = std::map<unsigned int, std::vector<Place>>;
-
-  template <typename Take>
-  void send(const Pointers &values, const Partners &from, const Partners &to, const Take &take) const;
-
   std::vector<dealii::IndexSet> owned, relevant; ///< by block
   std::vector<std::size_t> first_owned;          ///< by block, its place among the relevant ones
   dealii::BlockIndices blocks;
   MPI_Comm communicator;
-  Partners given, ghosts; ///< owned here and a ghost there, and the other way round
+  Partners given, ghosts; ///< owned here and a ghost there, and the other way round; by block
 };
 
 /// Sums in the rows of unknowns, of which each rank adds parts to relevant rows, owned or not. For

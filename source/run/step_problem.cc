@@ -279,6 +279,22 @@ void StepProblem<dim>::centre_pressures(const Vector &x, Vector &dx) const
     dx.add(-(pressure.mean(x) + pressure.mean(dx)), pressure.mode);
 }
 
+/// Whether what the last update has to move keeps the volumes of bodies whose pressure has a free constant:
+/// with K z = 0, K dx = b needs z.b = 0. Else the laws leave some of b whatever dx is, and a small correction
+/// means nothing.
+template <int dim>
+bool StepProblem<dim>::are_volumes_kept() const
+{
+  return std::all_of(free_pressures.begin(), free_pressures.end(), [this](const auto &pressure) {
+    Vector parts = pressure.mode;
+    parts.scale(update_loads);
+    double size = 0;
+    for (unsigned int b = 0; b < parts.n_blocks(); ++b)
+      size += parts.block(b).l1_norm();
+    return std::abs(pressure.mode * update_loads) <= usual_linear_residual * size;
+  });
+}
+
 /// How exact an update has to be, relative to its residual: such that what is left of the residual is a tenth
 /// of what Newton's method will leave if it converges quadratically (Eisenstat and Walker 1996, choice 2). 0:
 /// exact, because one iteration solves the stage or because the residual says nothing of the update: while
@@ -341,7 +357,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   const bool is_rounded = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual;
   if (n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()))
     *n_iterations += refine_by_laws(x, dx, is_rounded, is_refined);
-  if (is_rounded && !is_refined)
+  if (is_rounded && !(is_refined && are_volumes_kept()))
     explain_linear_residual();
   else if (is_rounded) // what the laws leave is less than what K dx shows
     residual_of_solver = usual_linear_residual;

@@ -117,6 +117,7 @@ private:
   void learn_scales(const Vector &x, const Vector &dx);
   void check_is_held() const;
   void centre_pressures(const Vector &x, Vector &dx) const;
+  bool are_volumes_kept() const;
   void make_other_tangent(const Vector &x);
   void give_tangent(); ///< to the linear solver, if it is new
   bool is_scalar(unsigned int block) const;

@@ -97,6 +97,7 @@ void CellwiseTangent<dim>::collect_columns()
     columns = std::make_shared<Epetra_Map>(-1, static_cast<int>(all.size()), all.data(), 0, communicator);
   }
   import = std::make_shared<Epetra_Import>(*columns, *own_rows);
+  exchange = std::make_shared<ColumnExchange>(*own_rows, std::vector<int>(others.begin(), others.end()));
   for (auto &[d, cells] : operators)
     cells->number([&](const auto dof) { return columns->LID(row(dof)); });
   for (const auto &tie : ties)
@@ -183,11 +184,10 @@ void CellwiseTangent<dim>::multiply_cells(const Kind kind, const Epetra_Vector &
     multiply_here(kind, all_values.Values(), y.Values());
     return;
   }
-  Epetra_Vector x_of_columns(*columns, false), y_of_columns(*columns);
-  x_of_columns.Import(all_values, *import, Insert);
-  std::copy_n(y.Values(), y.MyLength(), y_of_columns.Values()); // own rows are the first of the columns
-  multiply_here(kind, x_of_columns.Values(), y_of_columns.Values());
-  y.Export(y_of_columns, *import, Add); // to own rows without adding what they had
+  std::vector<double> buffer, sums(y.Values(), y.Values() + y.MyLength());
+  sums.resize(exchange->n_columns()); // own rows are the first of the columns
+  multiply_here(kind, exchange->of_columns(all_values, buffer), sums.data());
+  exchange->add_up(sums, y);
 }
 
 /// y = C^T y, where the rows of unknowns that follow others become @p replacement, or zero.
@@ -319,20 +319,20 @@ class CellwiseApproximation : public Approximation
 {
 public:
   /// @param solves by indices of the columns
-  CellwiseApproximation(std::shared_ptr<const Epetra_Map> own_rows, std::shared_ptr<const Epetra_Map> columns,
-                        std::shared_ptr<const Epetra_Import> import,
+  CellwiseApproximation(std::shared_ptr<const Epetra_Map> own_rows,
+                        std::shared_ptr<const ColumnExchange> exchange,
                         std::vector<std::unique_ptr<CellSolves>> solves, std::vector<double> weights,
                         std::vector<double> inverse)
-      : own_rows(std::move(own_rows)), columns(std::move(columns)), import(std::move(import)),
-        solves(std::move(solves)), weights(std::move(weights)), inverse(std::move(inverse))
+      : own_rows(std::move(own_rows)), exchange(std::move(exchange)), solves(std::move(solves)),
+        weights(std::move(weights)), inverse(std::move(inverse))
   {
   }
 
   void vmult(double *z, const double *r) const override;
 
 private:
-  std::shared_ptr<const Epetra_Map> own_rows, columns;
-  std::shared_ptr<const Epetra_Import> import;
+  std::shared_ptr<const Epetra_Map> own_rows;
+  std::shared_ptr<const ColumnExchange> exchange;
   std::vector<std::unique_ptr<CellSolves>> solves;
   std::vector<double> weights, inverse; ///< by own row
 };
@@ -346,11 +346,11 @@ void CellwiseApproximation::vmult(double *const z, const double *const r) const
     for (const auto &of_domain : solves)
       of_domain->add_solutions(weighted.Values(), sum.Values());
   else {
-    Epetra_Vector of_columns(*columns), solutions(*columns);
-    of_columns.Import(weighted, *import, Insert);
+    std::vector<double> buffer, solutions(exchange->n_columns(), 0.);
+    const double *const of_columns = exchange->of_columns(weighted, buffer);
     for (const auto &of_domain : solves)
-      of_domain->add_solutions(of_columns.Values(), solutions.Values());
-    sum.Export(solutions, *import, Add);
+      of_domain->add_solutions(of_columns, solutions.data());
+    exchange->add_up(solutions, sum);
   }
   for (unsigned int i = 0; i < weights.size(); ++i)
     z[i] = weights[i] * sum[i] + inverse[i] * r[i];
@@ -413,8 +413,8 @@ CellwiseTangent<dim>::cellwise_approximation(const Epetra_Vector &all_diagonal,
     weights.push_back(held[i] == 0 ? std::sqrt(share / n_cells[i]) : 0.);
     inverse.push_back(held[i] != 0 && all_diagonal[i] > 0 ? 1 / all_diagonal[i] : 0.);
   }
-  return std::make_unique<CellwiseApproximation>(own_rows, columns, import, std::move(solves),
-                                                 std::move(weights), std::move(inverse));
+  return std::make_unique<CellwiseApproximation>(own_rows, exchange, std::move(solves), std::move(weights),
+                                                 std::move(inverse));
 }
 
 namespace {

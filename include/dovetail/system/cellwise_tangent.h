@@ -7,6 +7,7 @@
 
 #include <dovetail/domain/cell_operator.h>
 #include <dovetail/interface/tie_operator.h>
+#include <dovetail/solve/column_exchange.h>
 #include <dovetail/solve/part_operator.h>
 #include <dovetail/solve/row_numbering.h>
 #include <dovetail/system/model.h>
@@ -94,9 +95,11 @@ private:
   const RowNumbering &rows;
   std::map<unsigned int, std::unique_ptr<CellOperator<dim>>> operators; ///< by domain
   std::vector<std::unique_ptr<TieOperator<dim>>> ties;
-  std::vector<unsigned int> place_of_block;      ///< among those of the part
-  std::shared_ptr<Epetra_Map> own_rows, columns; ///< the own ones first, then those of cells on other ranks
-  std::shared_ptr<Epetra_Import> import;
+  std::vector<unsigned int> place_of_block;       ///< among those of the part
+  std::shared_ptr<Epetra_Map> own_rows, columns;  ///< the own ones first, then those of cells on other ranks
+  std::shared_ptr<Epetra_Import> import;          ///< for what happens once
+  std::shared_ptr<const ColumnExchange> exchange; ///< for products, of the same columns
+
   std::vector<int> constrained;             ///< local rows
   std::shared_ptr<Epetra_CrsMatrix> follow; ///< a row for each of them: those it follows
   std::vector<bool> is_condensed;

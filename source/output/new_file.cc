@@ -192,9 +192,11 @@ bool append_to_file(const std::string &name, const std::size_t size, const std::
     return false;
   struct stat status;
   const bool is_as_left = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
-                          static_cast<std::size_t>(status.st_size) == size;
-  const bool is_done = is_as_left && (lines.empty() || ::write(descriptor, lines.data(), lines.size()) ==
-                                                           static_cast<ssize_t>(lines.size()));
+                          status.st_nlink == 1 && static_cast<std::size_t>(status.st_size) == size;
+  const ssize_t n_written = is_as_left ? ::write(descriptor, lines.data(), lines.size()) : -1;
+  const bool is_done = n_written == static_cast<ssize_t>(lines.size());
+  if (n_written > 0 && !is_done && ftruncate(descriptor, size) != 0) // a part of a number is another one
+    unlink(name.c_str());
   files_of_system().insert(name);
   return close(descriptor) == 0 && is_done;
 }
@@ -205,11 +207,12 @@ Obstacle bring_to_disk()
   std::set<std::string> folders;
   for (const std::string &name : files_of_system()) {
     const int descriptor = open(name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    if (descriptor < 0)
-      continue; // taken away meanwhile
-    if (const int error = flush_to_disk(descriptor); error != 0 && !obstacle)
+    const int error = descriptor < 0 ? errno : flush_to_disk(descriptor);
+    if (descriptor >= 0)
+      close(descriptor);
+    const bool is_taken_away = descriptor < 0 && (error == ENOENT || error == ENOTDIR || error == ELOOP);
+    if (error != 0 && !is_taken_away && !obstacle)
       obstacle = obstacle_of_system(name, error);
-    close(descriptor);
     folders.insert(folder_of(name));
   }
   files_of_system().clear();

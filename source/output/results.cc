@@ -489,13 +489,14 @@ void Results<dim>::finish(const bool is_converged, const Plan &plan, const nlohm
   report()["counters"] = counters;
   report()["seconds"] = phases.largest_of_ranks(model.communicator);
   report()["memory by phase MiB"] = phases.memory(model.communicator);
+  if (!step_table.is_empty())
+    write_step_table();
+  bring_files_to_disk(); // what the disk does not take, the notes tell
   report()["notes"] = notes.texts();
   report()["names of notes"] = notes.names();
   for (const std::string &name : notes.silenced())
     report().leave_out("notes of the name " + name + ": silenced");
   try_to_write([&]() { report().write(); });
-  if (!step_table.is_empty())
-    write_step_table();
   bring_files_to_disk();
   log.finish(report().all(), directory);
   notes.repeat();

@@ -68,8 +68,9 @@ void SharedSums::begin(const GhostExchange &of_unknowns)
 double &SharedSums::operator()(const Index row)
 {
   const auto [block, index] = exchange->blocks.global_to_local(row);
-  Assert(exchange->relevant[block].is_element(index), dealii::ExcMessage("not a relevant row"));
-  return values[block][exchange->relevant[block].index_within_set(index)];
+  const auto place = exchange->relevant[block].index_within_set(index);
+  AssertThrow(place < values[block].size(), dealii::ExcMessage("a row that is not relevant here"));
+  return values[block][place];
 }
 
 void SharedSums::finish(GhostExchange::Vector &owned)

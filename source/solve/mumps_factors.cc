@@ -5,6 +5,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <new>
 #include <utility>
 
 namespace dovetail {
@@ -65,7 +66,15 @@ std::vector<Number> MumpsFactors::gather(const std::vector<Number> &own, const M
   MPI_Gather(&n, 1, MPI_INT, n_of.data(), 1, MPI_INT, 0, communicator);
   for (const int n_there : n_of)
     first.push_back(first.back() + n_there);
-  std::vector<Number> all(is_first ? first.back() : 0);
+  std::vector<Number> all;
+  bool has_memory = true;
+  try {
+    all.resize(is_first ? first.back() : 0);
+  } catch (const std::bad_alloc &) {
+    has_memory = false;
+  }
+  if (!dealii::Utilities::MPI::broadcast(communicator, has_memory))
+    throw std::bad_alloc();
   MPI_Gatherv(own.data(), n, type, all.data(), n_of.data(), first.data(), type, 0, communicator);
   return all;
 }

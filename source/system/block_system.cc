@@ -460,9 +460,15 @@ void BlockSystem<dim>::find_summands()
   std::swap(without, step_rates); // cells see them
   matrix = 0;
   negative_sums.begin(*ghosts);
-  assemble_all(true);
+  std::exception_ptr fault;
+  try {
+    assemble_all(true);
+  } catch (...) { // perhaps of this rank alone
+    fault = std::current_exception();
+  }
   matrix.compress(dealii::VectorOperation::add);
   std::swap(without, step_rates);
+  throw_on_all_ranks(fault, model.communicator);
   summands[0].copy_from(matrix);
   for (unsigned int order = 1; order <= model.order_in_time(); ++order) {
     summands[order].copy_from(matrix);

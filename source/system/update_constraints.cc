@@ -129,11 +129,6 @@ void UpdateConstraints<dim>::make(ConstraintLines all_lines)
   for (const auto &line : constraints.get_lines())
     prescribed.push_back(line.inhomogeneity);
   relevant.add_indices(constraints.get_local_lines()); // those that lines refer to, too
-  std::set<dealii::types::global_dof_index> others;
-  for (const auto &[dof, line] : *lines_of_x) // before they are resolved, likewise
-    for (const auto &[other, weight] : line.entries)
-      others.insert(other);
-  relevant.add_indices(others.begin(), others.end());
   relevant.compress();
 }
 

@@ -131,5 +131,8 @@ int main(int argc, char **argv)
     print_what_is_left();
     std::cout << "added to a full disk: "
               << append_to_file("together", std::filesystem::file_size("together"), "a") << std::endl;
+    const auto size = std::filesystem::file_size("grows");
+    std::cout << "a part of it: " << append_to_file("grows", size, std::string(100000, 'a'))
+              << (std::filesystem::file_size("grows") == size) << std::endl;
   }
 }

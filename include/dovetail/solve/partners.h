@@ -33,19 +33,22 @@ void exchange_numbers(const std::vector<double *> &arrays, const Partners &from,
                       const MPI_Comm &communicator, const Take &take)
 {
   const int tag = 3141;
-  std::vector<MPI_Request> requests;
-  std::vector<std::vector<double>> messages;
-  messages.reserve(to.size() + from.size());
+  std::vector<MPI_Request> requests(to.size() + from.size());
+  std::vector<std::vector<double>> messages; // all memory is taken before MPI gets any of it
+  messages.reserve(requests.size());
+  for (const auto *partners : {&to, &from})
+    for (const auto &[rank, places] : *partners)
+      messages.emplace_back(places.size());
+  unsigned int k = 0;
   for (const auto &[rank, places] : to) {
-    std::vector<double> &message = messages.emplace_back(places.size());
-    MPI_Irecv(message.data(), message.size(), MPI_DOUBLE, rank, tag, communicator, &requests.emplace_back());
+    MPI_Irecv(messages[k].data(), messages[k].size(), MPI_DOUBLE, rank, tag, communicator, &requests[k]);
+    ++k;
   }
   for (const auto &[rank, places] : from) {
-    std::vector<double> &message = messages.emplace_back();
-    message.reserve(places.size());
-    for (const SharedNumber &place : places)
-      message.push_back(arrays[place.array][place.index]);
-    MPI_Isend(message.data(), message.size(), MPI_DOUBLE, rank, tag, communicator, &requests.emplace_back());
+    for (unsigned int i = 0; i < places.size(); ++i)
+      messages[k][i] = arrays[places[i].array][places[i].index];
+    MPI_Isend(messages[k].data(), messages[k].size(), MPI_DOUBLE, rank, tag, communicator, &requests[k]);
+    ++k;
   }
   MPI_Waitall(requests.size(), requests.data(), MPI_STATUSES_IGNORE);
   auto message = messages.begin();

@@ -394,9 +394,8 @@ template <int dim>
 void Results<dim>::bring_files_to_disk()
 {
   try_to_write([&]() {
-    const Obstacle obstacle = is_first_rank(model) ? bring_to_disk() : Obstacle();
-    if (const Obstacle agreed = agree(obstacle, model.communicator))
-      agreed.raise(set_another_directory);
+    if (const Obstacle obstacle = bring_to_disk(model.communicator))
+      obstacle.raise(set_another_directory);
   });
 }
 

@@ -85,4 +85,10 @@ Obstacle write_on_first_rank(const std::string &name, const std::string &beginni
   return agree(is_first ? write_file(name, beginning, text, on_disk) : Obstacle(), communicator);
 }
 
+Obstacle bring_to_disk(const MPI_Comm &communicator)
+{
+  const bool is_first = dealii::Utilities::MPI::this_mpi_process(communicator) == 0;
+  return agree(is_first ? bring_to_disk() : Obstacle(), communicator);
+}
+
 } // namespace dovetail

@@ -45,4 +45,7 @@ std::string first_problem(const std::string &own, const MPI_Comm &communicator);
 Obstacle write_on_first_rank(const std::string &name, const std::string &beginning, const std::string &text,
                              const MPI_Comm &communicator, OnDisk on_disk = OnDisk::at_once);
 
+/// As bring_to_disk(), by the first rank, which writes all files. Collective, likewise.
+Obstacle bring_to_disk(const MPI_Comm &communicator);
+
 } // namespace dovetail

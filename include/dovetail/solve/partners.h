@@ -24,9 +24,8 @@ using Partners = std::map<unsigned int, std::vector<SharedNumber>>;
 /// @param asked by rank, places in its arrays. Collective. @return by rank, what it asks for here
 Partners find_who_asks(const Partners &asked, const MPI_Comm &communicator);
 
-/// Numbers at the places of @p from go to other ranks, one message to each; @p take gets each of the places
-/// of
-/// @p to, rank by rank, and the number that comes for it. Nobody waits for a rank that is no partner: an
+/// Numbers at the places of @p from go to other ranks, one message to each; @p take gets the numbers at the
+/// places of @p to, rank by rank, and what comes for them. Nobody waits for a rank that is no partner: an
 /// import of Trilinos has all ranks wait for each other first.
 template <typename Take>
 void exchange_numbers(const std::vector<double *> &arrays, const Partners &from, const Partners &to,

@@ -34,21 +34,8 @@ CellwiseTangent<dim>::CellwiseTangent(const Model<dim> &model, const RowNumberin
     operators[block.domain_index] = CellOperator<dim>::make(domain, domain.fields()[block.field_index]);
   }
   for (const auto &[interface, field] : given_ties)
-    ties.push_back(std::make_unique<TieOperator<dim>>(*interface, *field));
+    ties.emplace_back(*interface, *field);
   collect_columns();
-}
-
-template <int dim>
-CellwiseTangent<dim>::CellwiseTangent(const CellwiseTangent &other)
-    : PartOperator(other), model(other.model), rows(other.rows), place_of_block(other.place_of_block),
-      own_rows(other.own_rows), columns(other.columns), import(other.import), constrained(other.constrained),
-      follow(other.follow), is_condensed(other.is_condensed), block_pairs(other.block_pairs),
-      diagonal(other.diagonal)
-{
-  for (const auto &[d, cells] : other.operators)
-    operators[d] = cells->copy();
-  for (const auto &tie : other.ties)
-    ties.push_back(tie->copy());
 }
 
 template <int dim>
@@ -63,7 +50,7 @@ void CellwiseTangent<dim>::add(const double factor, const PartOperator &other)
   for (auto &[d, cells] : operators)
     cells->add_tangent(factor, *dynamic_cast<const CellwiseTangent &>(other).operators.at(d));
   for (unsigned int i = 0; i < ties.size(); ++i)
-    ties[i]->add_tangent(factor, *dynamic_cast<const CellwiseTangent &>(other).ties[i]);
+    ties[i].add_tangent(factor, dynamic_cast<const CellwiseTangent &>(other).ties[i]);
   find_diagonal();
 }
 
@@ -87,7 +74,7 @@ void CellwiseTangent<dim>::collect_columns()
   for (const auto &[d, cells] : operators)
     cells->for_each_unknown(collect);
   for (const auto &tie : ties)
-    tie->for_each_unknown(collect);
+    tie.for_each_unknown(collect);
   if (communicator.NumProc() == 1)
     columns = own_rows; // of consecutive numbers, which takes no memory
   else {
@@ -100,8 +87,8 @@ void CellwiseTangent<dim>::collect_columns()
   exchange = std::make_shared<ColumnExchange>(*own_rows, std::vector<int>(others.begin(), others.end()));
   for (auto &[d, cells] : operators)
     cells->number([&](const auto dof) { return columns->LID(row(dof)); });
-  for (const auto &tie : ties)
-    tie->number([&](const auto dof) { return columns->LID(row(dof)); });
+  for (auto &tie : ties)
+    tie.number([&](const auto dof) { return columns->LID(row(dof)); });
 }
 
 template <int dim>
@@ -110,8 +97,8 @@ void CellwiseTangent<dim>::begin(const dealii::AffineConstraints<double> &constr
   make_constraint_matrix(constraints);
   for (auto &[d, cells] : operators)
     cells->begin_tangent();
-  for (const auto &tie : ties)
-    tie->begin_tangent();
+  for (auto &tie : ties)
+    tie.begin_tangent();
 }
 
 template <int dim>
@@ -146,7 +133,7 @@ void CellwiseTangent<dim>::make_constraint_matrix(const dealii::AffineConstraint
     std::array<std::vector<unsigned int>, 2> blocks; // of each side
     for (const unsigned int side : {source, destination})
       for (const unsigned int b : rows.blocks())
-        if (model.domains[model.numbering->blocks()[b].domain_index].get() == tie->tied().sides[side].domain)
+        if (model.domains[model.numbering->blocks()[b].domain_index].get() == tie.tied().sides[side].domain)
           blocks[side].push_back(b);
     for (const unsigned int b : blocks[source])
       for (const unsigned int other : blocks[destination])
@@ -173,7 +160,7 @@ void CellwiseTangent<dim>::multiply_here(const Kind kind, const double *const x,
     else
       cells->add_product(x, y, kind == symmetric);
   for (const auto &tie : ties)
-    tie->add_product(x, y, kind != exact);
+    tie.add_product(x, y, kind != exact);
 }
 
 template <int dim>
@@ -280,8 +267,8 @@ void CellwiseTangent<dim>::finish()
 {
   for (const auto &[d, cells] : operators)
     cells->finish_tangent();
-  for (const auto &tie : ties)
-    tie->finish_tangent();
+  for (auto &tie : ties)
+    tie.finish_tangent();
   find_diagonal();
 }
 
@@ -292,7 +279,7 @@ void CellwiseTangent<dim>::find_diagonal()
   for (const auto &[d, cells] : operators)
     cells->add_diagonal(of_cells.Values());
   for (const auto &tie : ties)
-    tie->add_diagonal(of_cells.Values());
+    tie.add_diagonal(of_cells.Values());
   own.Export(of_cells, *import, Add);
   Epetra_CrsMatrix squares(*follow);
   for (int k = 0; k < squares.NumMyRows(); ++k) {
@@ -574,7 +561,7 @@ std::unique_ptr<Epetra_CrsMatrix> CellwiseTangent<dim>::restricted(const Prolong
   std::vector<FurtherRow> further = rows_of(summand, sum);
   std::vector<typename TieOperator<dim>::Restriction> of_ties;
   for (const auto &tie : ties) {
-    of_ties.push_back(tie->restricted(row_of_P));
+    of_ties.push_back(tie.restricted(row_of_P));
     for (unsigned int i = 0; i < of_ties.back().rows.size(); ++i)
       further.push_back(
           {of_ties.back().rows[i], std::move(of_ties.back().columns[i]), of_ties.back().values[i].data()});

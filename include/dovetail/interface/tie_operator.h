@@ -12,7 +12,6 @@
 
 #include <array>
 #include <functional>
-#include <memory>
 #include <vector>
 
 namespace dovetail {
@@ -34,7 +33,6 @@ public:
 
   /// @pre is_possible()
   TieOperator(const Interface<dim> &interface, const TiedField &field);
-  std::unique_ptr<TieOperator> copy() const { return std::make_unique<TieOperator>(*this); }
 
   const Interface<dim> &tied() const { return *interface; }
   const TiedField &of_field() const { return *field; }

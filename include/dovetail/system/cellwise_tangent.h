@@ -44,9 +44,9 @@ public:
   /// nullptr: its terms are no part of K.
   TieOperator<dim> *of_tie(const Interface<dim> &interface, const TiedField &field)
   {
-    for (const auto &tie : ties)
-      if (&tie->tied() == &interface && &tie->of_field() == &field)
-        return tie.get();
+    for (auto &tie : ties)
+      if (&tie.tied() == &interface && &tie.of_field() == &field)
+        return &tie;
     return nullptr;
   }
 
@@ -80,7 +80,18 @@ public:
 private:
   enum Kind { exact, symmetric, rough }; ///< of a product
 
-  CellwiseTangent(const CellwiseTangent &other);
+  /// By domain; a copy has its own.
+  struct CellOperators : std::map<unsigned int, std::unique_ptr<CellOperator<dim>>>
+  {
+    CellOperators() = default;
+    CellOperators(const CellOperators &other) : std::map<unsigned int, std::unique_ptr<CellOperator<dim>>>()
+    {
+      for (const auto &[d, cells] : other)
+        this->emplace(d, cells->copy());
+    }
+  };
+
+  CellwiseTangent(const CellwiseTangent &other) = default;
   int row(dealii::types::global_dof_index dof) const; ///< global
   void collect_columns();
   void make_constraint_matrix(const dealii::AffineConstraints<double> &constraints);
@@ -93,8 +104,8 @@ private:
 
   const Model<dim> &model;
   const RowNumbering &rows;
-  std::map<unsigned int, std::unique_ptr<CellOperator<dim>>> operators; ///< by domain
-  std::vector<std::unique_ptr<TieOperator<dim>>> ties;
+  CellOperators operators;
+  std::vector<TieOperator<dim>> ties;
   std::vector<unsigned int> place_of_block;       ///< among those of the part
   std::shared_ptr<Epetra_Map> own_rows, columns;  ///< the own ones first, then those of cells on other ranks
   std::shared_ptr<Epetra_Import> import;          ///< for what happens once

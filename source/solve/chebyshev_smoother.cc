@@ -82,6 +82,33 @@ double estimate_largest_eigenvalue(const LevelProducts &A, const Approximation &
   return std::isfinite(largest) ? largest : 0;
 }
 
+/// Of a step d = direction d + correction M^-1 r, x += d.
+struct StepFactors
+{
+  double direction, correction;
+};
+
+std::vector<StepFactors> factors_of_steps(const ChebyshevSmoother::Range range,
+                                          const double largest_eigenvalue)
+{
+  std::vector<StepFactors> result;
+  if (range.ratio == ChebyshevSmoother::fourth_kind) {
+    for (unsigned int k = 0; k < range.degree; ++k)
+      result.push_back({(2. * k - 1) / (2. * k + 3), (8. * k + 4) / (2. * k + 3) / largest_eigenvalue});
+    return result;
+  }
+  const double middle = largest_eigenvalue * (1 + 1 / range.ratio) / 2,
+               half = largest_eigenvalue * (1 - 1 / range.ratio) / 2;
+  result.push_back({0., 1 / middle});
+  double rho = half / middle;
+  while (result.size() < range.degree) {
+    const double next = 1 / (2 * middle / half - rho);
+    result.push_back({next * rho, 2 * next / half});
+    rho = next;
+  }
+  return result;
+}
+
 } // namespace
 
 Diagonal::Diagonal(const LevelProducts &A) : inverse(A.rows().NumMyElements())
@@ -174,10 +201,8 @@ void ChebyshevSmoother::smooth(double *x, const double *b, const bool starts_fro
 {
   const int n = A.rows().NumMyElements();
   Epetra_Vector solution(View, A.rows(), x), residual(A.rows(), false), direction(A.rows(), false);
-  const double middle = largest_eigenvalue * (1 + 1 / range.ratio) / 2,
-               half = largest_eigenvalue * (1 - 1 / range.ratio) / 2;
-  double rho = half / middle;
   double *const d = direction.Values(), *const r = residual.Values();
+  const std::vector<StepFactors> factors = factors_of_steps(range, largest_eigenvalue);
   for (unsigned int k = 0; k < range.degree; ++k) {
     if (k == 0 && starts_from_zero) {
       std::fill(x, x + n, 0.);
@@ -188,13 +213,8 @@ void ChebyshevSmoother::smooth(double *x, const double *b, const bool starts_fro
         r[i] = b[i] - r[i];
     }
     M->vmult(r, r);
-    const double next = 1 / (2 * middle / half - rho);
-    const double correction_factor = k == 0 ? 1 / middle : 2 * next / half,
-                 direction_factor = k == 0 ? 0 : next * rho;
-    if (k > 0)
-      rho = next;
     for (int i = 0; i < n; ++i) {
-      d[i] = (k == 0 ? 0 : direction_factor * d[i]) + correction_factor * r[i];
+      d[i] = (k == 0 ? 0 : factors[k].direction * d[i]) + factors[k].correction * r[i];
       x[i] += d[i];
     }
   }

@@ -13,6 +13,7 @@
 #include <Epetra_Vector.h>
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -30,18 +31,25 @@ private:
   double unit = 0;            ///< the largest one
 };
 
-/// Chebyshev iteration with M^-1 A on the upper part of its spectrum, [lambda / ratio, lambda]: symmetric,
-/// and positive definite as long as no eigenvalue exceeds lambda (1 + 1 / ratio). M is diag(A), solves
-/// in cells (LevelProducts::approximation), or the incomplete factorisation with the smallest of some shifts
-/// with which it is definite. The factorisation solves along the strong couplings of stretched cells, which
-/// the diagonal hardly smooths.
+/// Chebyshev iteration with M^-1 A, whose largest eigenvalue is lambda: symmetric, and positive definite as
+/// long as no eigenvalue exceeds lambda (1 + 1 / ratio). M is diag(A), solves in cells
+/// (LevelProducts::approximation), or the incomplete factorisation with the smallest of some shifts with
+/// which it is definite. The factorisation solves along the strong couplings of stretched cells, which the
+/// diagonal hardly smooths.
+///
+/// Of an error of eigenvalue t, k steps leave p(t). With polynomials of the first kind, |p| is the same at
+/// their extrema in [lambda / ratio, lambda]. With those of the fourth kind (Lottes 2023), which know no
+/// lower end,
+/// @f[ |p(t)| \le \frac{1}{2 k + 1} \sqrt{\lambda / t}, @f]
+/// so that least is left near lambda, where most eigenvalues of a factorisation are.
 class ChebyshevSmoother : public Smoother
 {
 public:
+  static constexpr double fourth_kind = std::numeric_limits<double>::infinity(); ///< for a ratio
   struct Range
   {
     unsigned int degree;
-    double ratio;
+    double ratio = fourth_kind;
   };
   /// @param known_eigenvalue the largest one of diag(A)^-1 A, from below; 0: to be estimated
   static std::unique_ptr<ChebyshevSmoother> with_diagonal(const LevelProducts &A, Range range,

@@ -35,10 +35,9 @@ Epetra_Map on_fewer_ranks(const Epetra_Map &rows, const int n_ranks, const int n
 } // namespace
 
 void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_CrsMatrix> P,
-                      const MakeMatrix &make_coarse, const double known_eigenvalue)
+                      const MakeMatrix &make_coarse, const LevelFacts &facts)
 {
   Level level;
-  const double share_of_next = double(P->NumGlobalCols()) / P->NumGlobalRows();
   level.P = std::make_unique<CompactMatrix>(std::move(P), false); // although it may be square
   give_back_freed_memory();
   level.A = last.owned ? std::make_unique<LevelEntries>(CompactMatrix(std::move(last.owned)))
@@ -46,7 +45,7 @@ void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_
   give_back_freed_memory();
   last = Finest(make_coarse());
   give_back_freed_memory();
-  level.smoother = make_smoother(*level.A, known_eigenvalue, share_of_next);
+  level.smoother = make_smoother(*level.A, facts);
   levels.push_back(std::move(level));
 }
 

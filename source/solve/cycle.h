@@ -28,11 +28,14 @@ namespace dovetail {
 class Cycle
 {
 public:
+  struct LevelFacts
+  {
+    double known_eigenvalue = 0; ///< the largest one of diag(A)^-1 A, from below; 0: not known
+    double share_of_next = 1;    ///< unknowns of the next level, beside those of this one
+  };
   /// Makes the smoother of the matrix of a level, which is referred to.
-  /// @param known_eigenvalue the largest one of diag(A)^-1 A, from below; 0: not known
-  /// @param share_of_next how many columns the prolongation to A has, beside its rows
-  using MakeSmoother = std::function<std::unique_ptr<ChebyshevSmoother>(
-      const LevelEntries &A, double known_eigenvalue, double share_of_next)>;
+  using MakeSmoother =
+      std::function<std::unique_ptr<ChebyshevSmoother>(const LevelEntries &A, const LevelFacts &facts)>;
 
   /// The finest matrix: which somebody else holds, or which nobody else needs.
   class Finest
@@ -70,7 +73,7 @@ protected:
   /// Below the last one: with @p P from its unknowns, and its matrix P^T A P, which @p make_coarse gives when
   /// A and P are not there any more.
   void add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_CrsMatrix> P,
-                 const MakeMatrix &make_coarse, double known_eigenvalue = 0);
+                 const MakeMatrix &make_coarse, const LevelFacts &facts);
   /// Gives the rows of ranks that follow each other to the first one of them where the ranks with rows have
   /// few each: aggregates do not cross ranks, so that many ranks could not coarsen any further.
   /// @return how to bring what belongs to the rows there; nullptr if they stay where they are. Collective.

@@ -3,6 +3,7 @@
 
 #include "energy_gmres.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace dovetail {
@@ -24,8 +25,9 @@ double EnergyGmres::append(const GroupVector &w)
   return norm;
 }
 
-void EnergyGmres::update(GroupVector &x) const
+void EnergyGmres::update(GroupVector &x)
 {
+  was_asked = true;
   x = begin;
   if (projected.n_columns() == 0)
     return;
@@ -46,13 +48,27 @@ void EnergyGmres::start(const GroupVector &x)
   projected = LeastSquares();
 }
 
-EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverControl &control)
+/// Where @p control has asked for x and is not content: whether its residual is far above @p claimed, but
+/// much less than the one that the vectors began with. What is left is found from it, not among the vectors.
+bool EnergyGmres::is_left_behind(const GroupVector &x, const GroupVector &b, const double claimed,
+                                 const double at_begin) const
+{
+  const double far = 10, much = 0.5;
+  GroupVector rest(b);
+  K.vmult(rest, x);
+  rest.sadd(-1., 1., b);
+  const double size = rest.l2_norm();
+  return size > far * claimed && size < much * at_begin;
+}
+
+EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, const GroupVector &x, const GroupVector &b,
+                                          dealii::SolverControl &control)
 {
   const unsigned int most_vectors = 100;
   const double half_of_digits = 1e-8, still = 0.9;
   State state = State::iterate;
   projected = LeastSquares(append(r));
-  const double first = projected.residual();
+  const double first = projected.residual(), norm_of_r = r.l2_norm();
   bool is_lost = false;                  // rounding hides what is left, as of motions of stiff bodies
   GroupVector direction(basis[0]), w(r); // of the residual
   double size = first * direction.l2_norm();
@@ -72,24 +88,31 @@ EnergyGmres::State EnergyGmres::solve_for(const GroupVector &r, dealii::SolverCo
     const auto [cosine, sine] = projected.last_rotation();
     direction.sadd(-sine, cosine, basis.back());
     size = projected.residual() * direction.l2_norm();
+    was_asked = false;
     state = control.check(++n, size);
-    is_lost = before < half_of_digits * first && projected.residual() > still * before &&
-              size > still * size_before;
+    looks_again = was_asked && state == State::iterate && is_left_behind(x, b, size, norm_of_r);
+    const bool stands_still = before < half_of_digits * first && projected.residual() > still * before &&
+                              size > still * size_before;
+    is_lost = stands_still || looks_again;
   }
   return state;
 }
 
 bool EnergyGmres::solve(GroupVector &x, const GroupVector &b, dealii::SolverControl &control)
 {
+  const double share_of_residual = 1e-3; // at the next look
   GroupVector r(b);
   State state = State::iterate;
   while (state == State::iterate && has_only_positive) {
     start(x);
     K.vmult(r, x);
     r.sadd(-1., 1., b);
+    if (looks_again) // which the goal takes for much smaller
+      control.set_tolerance(std::max(control.tolerance(), share_of_residual * r.l2_norm()));
+    looks_again = false;
     state = control.check(n, r.l2_norm());
     if (state == State::iterate)
-      state = solve_for(r, control);
+      state = solve_for(r, x, b, control);
     update(x);
   }
   if (state == State::failure)

@@ -33,18 +33,22 @@ public:
   /// @throw dealii::SolverControl::NoConvergence
   bool solve(GroupVector &x, const GroupVector &b, dealii::SolverControl &control);
   /// @p x becomes what is reached; for where @p control is asked.
-  void update(GroupVector &x) const;
+  void update(GroupVector &x);
 
 private:
   using State = dealii::SolverControl::State;
 
   void start(const GroupVector &x);
-  State solve_for(const GroupVector &r, dealii::SolverControl &control);
+  State solve_for(const GroupVector &r, const GroupVector &x, const GroupVector &b,
+                  dealii::SolverControl &control);
+  bool is_left_behind(const GroupVector &x, const GroupVector &b, double claimed, double at_begin) const;
   double append(const GroupVector &w);
 
   const GroupOperator &K;
   const Apply apply;
   bool has_only_positive = true;           ///< so far, r^T H r
+  bool was_asked = false;                  ///< for x, in the present iteration
+  bool looks_again = false;                ///< soon after it starts again
   unsigned int n = 0;                      ///< iterations
   GroupVector begin;                       ///< x where the vectors begin
   std::vector<GroupVector> basis, times_H; ///< v and H v, orthonormal to each other

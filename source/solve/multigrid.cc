@@ -194,10 +194,10 @@ std::unique_ptr<Cycle>
 Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetra_MultiVector> its_modes,
                                     std::vector<GroupFacts::Place> places, const bool is_finest) const
 {
-  const auto with_diagonal = [this](const LevelEntries &level, const double known_eigenvalue, double) {
+  const auto with_diagonal = [this](const LevelEntries &level, const Cycle::LevelFacts &of_level) {
     const ChebyshevSmoother::Range usual{2, 10}, of_mixed{4, 20}, augmented{10, 40};
     const auto range = added_rows != nullptr ? augmented : is_mixed ? of_mixed : usual;
-    return ChebyshevSmoother::with_diagonal(level, range, known_eigenvalue);
+    return ChebyshevSmoother::with_diagonal(level, range, of_level.known_eigenvalue);
   };
   if (means == Means::usual && is_mixed)
     return make_cycle(std::move(A), std::move(its_modes), std::move(places), Semicoarsen::always,

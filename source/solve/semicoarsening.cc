@@ -629,16 +629,15 @@ std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
                                                       std::vector<GroupFacts::Place> places,
                                                       const Semicoarsen when, const bool is_finest)
 {
-  using Range = ChebyshevSmoother::Range;
   const double large_share = 1. / 3, small_share = 1. / 5;
   const int n_of_finest = is_finest ? A.matrix().NumGlobalRows() : 0;
-  const auto usual = [](const LevelEntries &level, double, double) {
-    return ChebyshevSmoother::with_factorisation(level, {4, 40});
+  const auto usual = [](const LevelEntries &level, const Cycle::LevelFacts &) {
+    return ChebyshevSmoother::with_factorisation(level, {4});
   };
-  const auto if_semicoarsened = [=](const LevelEntries &level, double, const double share_of_next) {
-    const bool is_rich = level.rows().NumGlobalElements() == n_of_finest && share_of_next > large_share;
-    const Range range = is_rich ? Range{1, 4} : share_of_next > small_share ? Range{3, 25} : Range{5, 60};
-    return ChebyshevSmoother::with_factorisation(level, range);
+  const auto if_semicoarsened = [=](const LevelEntries &level, const Cycle::LevelFacts &facts) {
+    const bool is_rich = level.rows().NumGlobalElements() == n_of_finest && facts.share_of_next > large_share;
+    const unsigned int n_steps = is_rich ? 1 : facts.share_of_next > small_share ? 3 : 5;
+    return ChebyshevSmoother::with_factorisation(level, {n_steps});
   };
   return make_cycle(std::move(A), std::move(modes), std::move(places), when, usual, if_semicoarsened);
 }
@@ -647,8 +646,8 @@ std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
                                                 std::shared_ptr<const Epetra_MultiVector> modes,
                                                 std::vector<GroupFacts::Place> places)
 {
-  const auto make_smoother = [](const LevelEntries &level, const double known_eigenvalue, double) {
-    return ChebyshevSmoother::with_diagonal(level, {4, 20}, known_eigenvalue);
+  const auto make_smoother = [](const LevelEntries &level, const Cycle::LevelFacts &facts) {
+    return ChebyshevSmoother::with_diagonal(level, {4, 20}, facts.known_eigenvalue);
   };
   return make_cycle(std::move(A), std::move(modes), std::move(places), Semicoarsen::always, make_smoother,
                     make_smoother);
@@ -681,10 +680,11 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     const int n_coarse = size_of_basis(aggregation);
     if (n_coarse > largest_growth * n_unknowns)
       break;
+    const double share_of_next = double(n_coarse) / n_unknowns;
     n_unknowns = n_coarse;
     auto P = make_prolongation(matrix, nodes, couplings, aggregation, *modes);
     const MakeMatrix make_next = sum_coarse_matrix(matrix, *P, modes->NumVectors());
-    add_level(make_smoother, std::move(P), make_next);
+    add_level(make_smoother, std::move(P), make_next, {0., share_of_next});
     nodes = coarse_nodes(nodes, aggregates, modes->NumVectors());
     owned_modes = std::move(aggregation.modes);
     if (const Epetra_Import *const gather = gather_coarsest()) {

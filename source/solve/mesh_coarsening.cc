@@ -131,7 +131,8 @@ public:
   void add(MeshStep step)
   {
     const MakeMatrix make_coarse = sum_coarse_matrix(coarsest(), *step.P, 1);
-    const ChebyshevSmoother::Range range{step.may_be_stretched ? 3u : 2u};
+    const auto range =
+        step.may_be_stretched ? ChebyshevSmoother::Range{3, 25} : ChebyshevSmoother::Range{2, 10};
     add_level([range](const LevelEntries &A,
                       const LevelFacts &) { return ChebyshevSmoother::with_factorisation(A, range); },
               std::move(step.P), make_coarse, {});

@@ -102,7 +102,7 @@ void check(const std::string &name, const int rows_per_node, const int n_modes)
   for (int mode = 0; mode < n_modes; ++mode)
     for (int row = 0; row < n_own; ++row)
       (*modes)[mode][row] = mode < 2 * rows_per_node && row % rows_per_node == mode % rows_per_node ? 1 : 0;
-  const Inspected M(A, modes, [](const LevelEntries &level, double, double) {
+  const Inspected M(A, modes, [](const LevelEntries &level, const Cycle::LevelFacts &) {
     return ChebyshevSmoother::with_diagonal(level, {2, 10});
   });
 

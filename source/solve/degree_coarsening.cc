@@ -44,7 +44,8 @@ std::unique_ptr<Cycle> DegreeCoarsening::make_usual_coarse(Cycle::Finest A_1,
                                                            std::vector<GroupFacts::Place> places)
 {
   return make_cycle_with_factorisations(std::move(A_1), std::move(modes), std::move(places),
-                                        Semicoarsen::if_cheap, false); // costs little beside the rows of A
+                                        Semicoarsen::if_cheap, false, // costs little beside the rows of A
+                                        Semicoarsening::Lines::whole_if_cheap);
 }
 
 /// What functions of degree one leave reaches the further down the higher the degree is. Solves in cells see

@@ -61,6 +61,7 @@ public:
   }
 
 private:
+  using Lines = Semicoarsening::Lines;
   enum class Means {
     usual,         ///< smoothers made of the diagonal
     factorisation, ///< of incomplete factorisations, and coarsening along short couplings where that is cheap
@@ -72,8 +73,8 @@ private:
   void make_levels();
   std::unique_ptr<Cycle> make_cycle_of_degree_one(Cycle::Finest A,
                                                   std::shared_ptr<const Epetra_MultiVector> modes,
-                                                  std::vector<GroupFacts::Place> places,
-                                                  bool is_finest) const;
+                                                  std::vector<GroupFacts::Place> places, bool is_finest,
+                                                  Lines lines) const;
   std::vector<MeshStep> mesh_steps() const;
   bool is_stretched() const;
   Means means_for(double n_expected) const;
@@ -148,18 +149,18 @@ void Multigrid::make_levels()
       of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
     bool is_within_bodies = is_mixed && means != Means::usual;
     by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother), is_within_bodies);
-  } else if (const auto leaders = SoftLeaders::find(facts, finest->rows()))
+  } else if (const auto leaders = SoftLeaders::find(facts, finest->rows()); leaders && leaders->serve())
     by_degree =
         leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {
-          return make_cycle_of_degree_one(std::move(A_1), std::move(level)..., false);
+          return make_cycle_of_degree_one(std::move(A_1), std::move(level)..., false, Lines::whole_if_cheap);
         });
   else
     cycle = coarsen_mesh(
         added_rows == nullptr ? Cycle::Finest(*matrix) : Cycle::Finest(with_added_rows(*matrix, *added_rows)),
         mesh_steps(), modes,
         means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places(),
-        [this](Cycle::Finest A, auto... level) {
-          return make_cycle_of_degree_one(std::move(A), std::move(level)..., true);
+        [this, lines = leaders ? Lines::whole : Lines::whole_if_cheap](Cycle::Finest A, auto... level) {
+          return make_cycle_of_degree_one(std::move(A), std::move(level)..., true, lines);
         });
   if (means == Means::factorisation && cycle && cycle->is_semicoarsening())
     means = Means::semicoarsening;
@@ -192,7 +193,8 @@ bool Multigrid::is_stretched() const
 
 std::unique_ptr<Cycle>
 Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetra_MultiVector> its_modes,
-                                    std::vector<GroupFacts::Place> places, const bool is_finest) const
+                                    std::vector<GroupFacts::Place> places, const bool is_finest,
+                                    const Lines lines) const
 {
   const auto with_diagonal = [this](const LevelEntries &level, const Cycle::LevelFacts &of_level) {
     const ChebyshevSmoother::Range usual{2, 10}, of_mixed{4, 20}, augmented{10, 40};
@@ -201,12 +203,12 @@ Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetr
   };
   if (means == Means::usual && is_mixed)
     return make_cycle(std::move(A), std::move(its_modes), std::move(places), Semicoarsen::always,
-                      with_diagonal, with_diagonal);
+                      with_diagonal, with_diagonal, Lines::in_parts);
   if (means == Means::usual)
     return std::make_unique<SmoothedAggregation>(std::move(A), std::move(its_modes), with_diagonal);
   return make_cycle_with_factorisations(
       std::move(A), std::move(its_modes), std::move(places),
-      means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap, is_finest);
+      means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap, is_finest, lines);
 }
 
 /// What to go on with where so many iterations are expected with the present means. A set-up costs some

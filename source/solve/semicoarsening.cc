@@ -607,7 +607,8 @@ bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epe
 std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Epetra_MultiVector> modes,
                                   std::vector<GroupFacts::Place> places, const Semicoarsen when,
                                   const Cycle::MakeSmoother &make_smoother,
-                                  const Cycle::MakeSmoother &if_semicoarsened)
+                                  const Cycle::MakeSmoother &if_semicoarsened,
+                                  const Semicoarsening::Lines lines)
 {
   const Epetra_CrsMatrix &A = finest.matrix();
   int has_places = places.size() == static_cast<unsigned int>(A.NumMyRows()), all_have = 0;
@@ -617,7 +618,7 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Ep
     places = std::vector<GroupFacts::Place>(); // = {} would keep the memory
     if (when == Semicoarsen::always || are_stretched(A, nodes, *modes, when))
       return std::make_unique<Semicoarsening>(std::move(finest), *modes, std::move(nodes), if_semicoarsened,
-                                              when != Semicoarsen::always);
+                                              lines);
   }
   return std::make_unique<SmoothedAggregation>(std::move(finest), std::move(modes), make_smoother);
 }
@@ -627,7 +628,8 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Ep
 std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
                                                       std::shared_ptr<const Epetra_MultiVector> modes,
                                                       std::vector<GroupFacts::Place> places,
-                                                      const Semicoarsen when, const bool is_finest)
+                                                      const Semicoarsen when, const bool is_finest,
+                                                      const Semicoarsening::Lines lines)
 {
   const double large_share = 1. / 3, small_share = 1. / 5;
   const int n_of_finest = is_finest ? A.matrix().NumGlobalRows() : 0;
@@ -639,7 +641,15 @@ std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
     const unsigned int n_steps = is_rich ? 1 : facts.share_of_next > small_share ? 3 : 5;
     return ChebyshevSmoother::with_factorisation(level, {n_steps});
   };
-  return make_cycle(std::move(A), std::move(modes), std::move(places), when, usual, if_semicoarsened);
+  return make_cycle(std::move(A), std::move(modes), std::move(places), when, usual, if_semicoarsened, lines);
+}
+
+std::unique_ptr<Cycle> make_cycle_of_whole_lines(Cycle::Finest A_1,
+                                                 std::shared_ptr<const Epetra_MultiVector> modes,
+                                                 std::vector<GroupFacts::Place> places)
+{
+  return make_cycle_with_factorisations(std::move(A_1), std::move(modes), std::move(places),
+                                        Semicoarsen::if_cheap, false, Semicoarsening::Lines::whole);
 }
 
 std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
@@ -650,7 +660,7 @@ std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
     return ChebyshevSmoother::with_diagonal(level, {4, 20}, facts.known_eigenvalue);
   };
   return make_cycle(std::move(A), std::move(modes), std::move(places), Semicoarsen::always, make_smoother,
-                    make_smoother);
+                    make_smoother, Semicoarsening::Lines::in_parts);
 }
 
 bool has_mixed_bodies(const GroupFacts &facts)
@@ -659,7 +669,7 @@ bool has_mixed_bodies(const GroupFacts &facts)
 }
 
 Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,
-                               const MakeSmoother &make_smoother, const bool whole_lines)
+                               const MakeSmoother &make_smoother, const Lines lines)
     : Cycle(std::move(A))
 {
   const Epetra_MultiVector *modes = &given_modes;
@@ -669,8 +679,10 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
   while (n_unknowns > largest) {
     const Epetra_CrsMatrix &matrix = coarsest();
     Couplings couplings(matrix, nodes);
-    if (whole_lines && couplings.share_in_lines > most_nodes &&
-        modes_of_nodes(*modes, nodes) >= largest_cheap * couplings.rows_together)
+    const bool are_whole =
+        lines == Lines::whole || (lines == Lines::whole_if_cheap &&
+                                  modes_of_nodes(*modes, nodes) >= largest_cheap * couplings.rows_together);
+    if (are_whole && couplings.share_in_lines > most_nodes)
       largest = largest_of_lines;
     else
       couplings.line_length.assign(nodes.size(), 0);

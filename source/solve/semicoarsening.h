@@ -65,11 +65,15 @@ struct Couplings
 class Semicoarsening : public Cycle
 {
 public:
+  /// Where short couplings connect lines, an aggregate may be a whole line: the smoothers solve along lines.
+  enum class Lines {
+    in_parts,
+    whole_if_cheap, ///< where the levels of their parts would have about as many unknowns
+    whole ///< where nodes that lead hold many lines: their parts do not find the mean of some leaders
+  };
   /// @param modes near-null space of A
-  /// @param whole_lines where short couplings connect lines, an aggregate is a whole line: the smoothers
-  /// solve along lines
   Semicoarsening(Finest A, const Epetra_MultiVector &modes, LevelNodes nodes,
-                 const MakeSmoother &make_smoother, bool whole_lines);
+                 const MakeSmoother &make_smoother, Lines lines);
   bool is_semicoarsening() const override { return true; }
 
 private:
@@ -92,13 +96,17 @@ enum class Semicoarsen {
 std::unique_ptr<Cycle> make_cycle(Cycle::Finest A, std::shared_ptr<const Epetra_MultiVector> modes,
                                   std::vector<GroupFacts::Place> places, Semicoarsen when,
                                   const Cycle::MakeSmoother &make_smoother,
-                                  const Cycle::MakeSmoother &if_semicoarsened);
+                                  const Cycle::MakeSmoother &if_semicoarsened, Semicoarsening::Lines lines);
 /// With smoothers made of incomplete factorisations.
 /// @param is_finest no level above A makes an iteration dearer, so that one more costs less than many steps
 std::unique_ptr<Cycle> make_cycle_with_factorisations(Cycle::Finest A,
                                                       std::shared_ptr<const Epetra_MultiVector> modes,
                                                       std::vector<GroupFacts::Place> places, Semicoarsen when,
-                                                      bool is_finest);
+                                                      bool is_finest, Semicoarsening::Lines lines);
+/// The same for functions of degree one, with whole lines.
+std::unique_ptr<Cycle> make_cycle_of_whole_lines(Cycle::Finest A_1,
+                                                 std::shared_ptr<const Epetra_MultiVector> modes,
+                                                 std::vector<GroupFacts::Place> places);
 /// With smoothers made of the diagonal. No aggregate has nodes of two bodies.
 std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
                                                 std::shared_ptr<const Epetra_MultiVector> modes,

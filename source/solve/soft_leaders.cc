@@ -230,8 +230,9 @@ std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Ep
   int n_here = result->leaders.size(), n_leaders = 0;
   rows.Comm().SumAll(&n_here, &n_leaders, 1);
   result->is_reversed = n_followers < n_leaders; // on a finer side hardly a P u_s is zero
-  if (n_leaders > most_leaders || (!result->is_reversed && !has_mixed_bodies(facts)))
-    return nullptr;
+  result->have_levels = n_leaders <= most_leaders && (result->is_reversed || has_mixed_bodies(facts));
+  if (!result->have_levels)
+    return result;
   if (!result->is_reversed)
     result->sums = sums;
   result->find_following_bodies(facts, rows);
@@ -383,10 +384,14 @@ std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const G
 {
   RowSums sums = facts.linear_part();
   const auto leaders = SoftLeaders::find(facts, A.rows(), &sums);
-  is_within_bodies = is_within_bodies || (leaders && has_mixed_bodies(facts));
-  const DegreeCoarsening::MakeCoarse make_coarse =
-      is_within_bodies ? make_cycle_within_bodies : DegreeCoarsening::make_usual_coarse;
-  if (leaders)
+  const bool have_levels = leaders && leaders->serve();
+  is_within_bodies = is_within_bodies || (have_levels && has_mixed_bodies(facts));
+  DegreeCoarsening::MakeCoarse make_coarse = DegreeCoarsening::make_usual_coarse;
+  if (is_within_bodies)
+    make_coarse = make_cycle_within_bodies;
+  else if (leaders && !have_levels)
+    make_coarse = make_cycle_of_whole_lines;
+  if (have_levels)
     return leaders->coarsen(A, facts, make_modes, std::move(smoother), make_coarse);
   const MeshLevels levels = facts.mesh_levels ? facts.mesh_levels(false) : MeshLevels();
   return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother),

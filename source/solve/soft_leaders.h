@@ -32,14 +32,16 @@ namespace dovetail {
 class SoftLeaders
 {
 public:
-  /// Collective. nullptr if no body follows one that is much softer, if too many unknowns lead, or if two
-  /// bodies meet of which the stiff one is finer.
+  /// Collective. nullptr if no body follows one that is much softer.
   /// @param linear_part that of the facts, if it is there already
   static std::unique_ptr<SoftLeaders> find(const GroupFacts &facts, const Epetra_Map &rows,
                                            const RowSums *linear_part = nullptr);
 
-  /// Levels for A in which the leaders follow. @param other the smoother of A beside the factors; nullptr:
-  /// the rows that are alone are solved.
+  /// Not if too many unknowns lead, or if two bodies meet of which the stiff one is finer.
+  bool serve() const { return have_levels; }
+
+  /// Levels for A, if they serve, in which the leaders follow. @param other the smoother of A beside the
+  /// factors; nullptr: the rows that are alone are solved.
   std::unique_ptr<DegreeCoarsening> coarsen(const LevelOperator &A, const GroupFacts &facts,
                                             const DegreeCoarsening::MakeModes &make_modes,
                                             std::unique_ptr<Smoother> other,
@@ -53,6 +55,7 @@ private:
   std::unique_ptr<Smoother> exact_first(const LevelOperator &A, const Epetra_MultiVector &modes,
                                         std::unique_ptr<Smoother> other) const;
 
+  bool have_levels = false;
   bool is_reversed = true;                   ///< the leaders follow in the second space
   RowSums sums;                              ///< of that space
   std::unique_ptr<Epetra_CrsMatrix> P, R, Q; ///< of the unknowns that lead and follow; other rows are empty

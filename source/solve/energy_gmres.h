@@ -19,7 +19,7 @@ namespace dovetail {
 
 /// Of K x = b. Among the residuals r that its vectors allow, it takes the one with the smallest r^T H r,
 /// which is about the energy of the error: a stiff body that moves with a soft one may have a large residual
-/// on the way. After a hundred vectors it starts again.
+/// on the way. It starts again after a hundred vectors, and where rounding hides the residual from them.
 class EnergyGmres
 {
 public:

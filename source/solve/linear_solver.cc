@@ -483,6 +483,8 @@ GroupFacts::NextGoal LinearSolver::Group::make_next_goal(const GroupVector &x, c
       if (goal > last_goal)
         return std::max(last_goal, std::min(goal / size, margin * goal));
     }
+    if (goal > last_goal) // the iteration has started again
+      return last_goal;
     if (!demand.excess)
       return goal;
     system.plain().scatter(all, dx);

@@ -149,7 +149,7 @@ void Multigrid::make_levels()
       of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
     bool is_within_bodies = is_mixed && means != Means::usual;
     by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother), is_within_bodies);
-  } else if (const auto leaders = SoftLeaders::find(facts, finest->rows()); leaders && leaders->serve())
+  } else if (const auto [leaders, are_means] = SoftLeaders::find(facts, finest->rows()); leaders)
     by_degree =
         leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {
           return make_cycle_of_degree_one(std::move(A_1), std::move(level)..., false, Lines::whole_if_cheap);
@@ -159,7 +159,7 @@ void Multigrid::make_levels()
         added_rows == nullptr ? Cycle::Finest(*matrix) : Cycle::Finest(with_added_rows(*matrix, *added_rows)),
         mesh_steps(), modes,
         means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places(),
-        [this, lines = leaders ? Lines::whole : Lines::whole_if_cheap](Cycle::Finest A, auto... level) {
+        [this, lines = are_means ? Lines::whole : Lines::whole_if_cheap](Cycle::Finest A, auto... level) {
           return make_cycle_of_degree_one(std::move(A), std::move(level)..., true, lines);
         });
   if (means == Means::factorisation && cycle && cycle->is_semicoarsening())

@@ -679,9 +679,10 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
   while (n_unknowns > largest) {
     const Epetra_CrsMatrix &matrix = coarsest();
     Couplings couplings(matrix, nodes);
+    const bool are_means = lines == Lines::whole && n_levels() == 0 && modes->NumVectors() == 1;
     const bool are_whole =
-        lines == Lines::whole || (lines == Lines::whole_if_cheap &&
-                                  modes_of_nodes(*modes, nodes) >= largest_cheap * couplings.rows_together);
+        are_means || (lines != Lines::in_parts &&
+                      modes_of_nodes(*modes, nodes) >= largest_cheap * couplings.rows_together);
     if (are_whole && couplings.share_in_lines > most_nodes)
       largest = largest_of_lines;
     else

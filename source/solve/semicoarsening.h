@@ -69,7 +69,7 @@ public:
   enum class Lines {
     in_parts,
     whole_if_cheap, ///< where the levels of their parts would have about as many unknowns
-    whole ///< where nodes that lead hold many lines: their parts do not find the mean of some leaders
+    whole ///< also of scalars, where a line has the mean of some leaders, which its parts do not find
   };
   /// @param modes near-null space of A
   Semicoarsening(Finest A, const Epetra_MultiVector &modes, LevelNodes nodes,

@@ -24,7 +24,7 @@ namespace {
 
 const double least_contrast = 30;
 
-bool is_contrast_large(const std::vector<double> &stiffness, const Epetra_Comm &communicator)
+double contrast(const std::vector<double> &stiffness, const Epetra_Comm &communicator)
 {
   double largest = 0, minus_smallest = std::numeric_limits<double>::lowest();
   for (const double value : stiffness) {
@@ -34,7 +34,7 @@ bool is_contrast_large(const std::vector<double> &stiffness, const Epetra_Comm &
   const std::array<double, 2> mine = {{largest, minus_smallest}};
   std::array<double, 2> extremes{};
   communicator.MaxAll(const_cast<double *>(mine.data()), extremes.data(), extremes.size());
-  return extremes[0] > -least_contrast * extremes[1];
+  return extremes[0] / -extremes[1];
 }
 
 /// The rows that follow rows of much softer bodies: u_d = P u_s + R u_r.
@@ -209,34 +209,38 @@ void ExactFirst::solve_exactly(double *x, const double *b, const bool is_zero) c
 
 } // namespace
 
-std::unique_ptr<SoftLeaders> SoftLeaders::find(const GroupFacts &facts, const Epetra_Map &rows,
-                                               const RowSums *linear_part)
+SoftLeaders::Found SoftLeaders::find(const GroupFacts &facts, const Epetra_Map &rows,
+                                     const RowSums *linear_part)
 {
   const int most_leaders = 50000;
+  const double least_of_means = 200; // with 100, parts of lines serve better
   if (!facts.linear_part || !facts.stiffness_of_row || facts.n_blocks < 2) // one body is as stiff as itself
-    return nullptr;
+    return {};
   const std::vector<double> stiffness = facts.stiffness_of_row();
-  if (!is_contrast_large(stiffness, rows.Comm()))
-    return nullptr;
+  const double largest_contrast = contrast(stiffness, rows.Comm());
+  if (!(largest_contrast > least_contrast))
+    return {};
   const RowSums sums = linear_part != nullptr ? *linear_part : facts.linear_part();
   auto result = std::make_unique<SoftLeaders>();
   Followers followers = make_followers(rows, sums, stiffness);
   result->P = std::move(followers.P);
   result->R = std::move(followers.R);
   if (result->P->NumGlobalNonzeros() == 0)
-    return nullptr;
+    return {};
   result->Q = make_reverse(*result->P);
   const int n_followers = result->reverse(rows, sums);
   int n_here = result->leaders.size(), n_leaders = 0;
   rows.Comm().SumAll(&n_here, &n_leaders, 1);
   result->is_reversed = n_followers < n_leaders; // on a finer side hardly a P u_s is zero
-  result->have_levels = n_leaders <= most_leaders && (result->is_reversed || has_mixed_bodies(facts));
-  if (!result->have_levels)
-    return result;
+  Found found;
+  found.are_means = n_followers > n_leaders && largest_contrast > least_of_means;
+  if (n_leaders > most_leaders || (!result->is_reversed && !has_mixed_bodies(facts)))
+    return found;
   if (!result->is_reversed)
     result->sums = sums;
   result->find_following_bodies(facts, rows);
-  return result;
+  found.leaders = std::move(result);
+  return found;
 }
 
 /// The sums in which the leaders follow, and the leaders. @return the number of followers of all ranks
@@ -383,15 +387,14 @@ std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const G
                                                  std::unique_ptr<Smoother> smoother, bool &is_within_bodies)
 {
   RowSums sums = facts.linear_part();
-  const auto leaders = SoftLeaders::find(facts, A.rows(), &sums);
-  const bool have_levels = leaders && leaders->serve();
-  is_within_bodies = is_within_bodies || (have_levels && has_mixed_bodies(facts));
+  const auto [leaders, are_means] = SoftLeaders::find(facts, A.rows(), &sums);
+  is_within_bodies = is_within_bodies || (leaders && has_mixed_bodies(facts));
   DegreeCoarsening::MakeCoarse make_coarse = DegreeCoarsening::make_usual_coarse;
   if (is_within_bodies)
     make_coarse = make_cycle_within_bodies;
-  else if (leaders && !have_levels)
+  else if (are_means)
     make_coarse = make_cycle_of_whole_lines;
-  if (have_levels)
+  if (leaders)
     return leaders->coarsen(A, facts, make_modes, std::move(smoother), make_coarse);
   const MeshLevels levels = facts.mesh_levels ? facts.mesh_levels(false) : MeshLevels();
   return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother),

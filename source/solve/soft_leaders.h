@@ -32,15 +32,17 @@ namespace dovetail {
 class SoftLeaders
 {
 public:
-  /// Collective. nullptr if no body follows one that is much softer.
+  struct Found
+  {
+    std::unique_ptr<SoftLeaders> leaders; ///< or nullptr
+    bool are_means = false;               ///< much stiffer rows follow fewer rows that lead
+  };
+  /// Collective. Nothing if no body follows one that is much softer, if too many unknowns lead, or if two
+  /// bodies meet of which the stiff one is as fine or finer.
   /// @param linear_part that of the facts, if it is there already
-  static std::unique_ptr<SoftLeaders> find(const GroupFacts &facts, const Epetra_Map &rows,
-                                           const RowSums *linear_part = nullptr);
+  static Found find(const GroupFacts &facts, const Epetra_Map &rows, const RowSums *linear_part = nullptr);
 
-  /// Not if too many unknowns lead, or if two bodies meet of which the stiff one is finer.
-  bool serve() const { return have_levels; }
-
-  /// Levels for A, if they serve, in which the leaders follow. @param other the smoother of A beside the
+  /// Levels for A in which the leaders follow. @param other the smoother of A beside the
   /// factors; nullptr: the rows that are alone are solved.
   std::unique_ptr<DegreeCoarsening> coarsen(const LevelOperator &A, const GroupFacts &facts,
                                             const DegreeCoarsening::MakeModes &make_modes,
@@ -55,7 +57,6 @@ private:
   std::unique_ptr<Smoother> exact_first(const LevelOperator &A, const Epetra_MultiVector &modes,
                                         std::unique_ptr<Smoother> other) const;
 
-  bool have_levels = false;
   bool is_reversed = true;                   ///< the leaders follow in the second space
   RowSums sums;                              ///< of that space
   std::unique_ptr<Epetra_CrsMatrix> P, R, Q; ///< of the unknowns that lead and follow; other rows are empty

@@ -18,8 +18,7 @@ using Preconditioner = std::function<void(GroupVector &z, const GroupVector &r)>
 /// Solve K x = b from x = 0 to |b - K x| <= goal: by CG if the group is symmetric and positive definite, else
 /// by flexible GMRES with 100 vectors. With multipliers by GMRES with the block triangular preconditioner
 /// [A 0; B -S]^-1, A^-1 by P and S^-1 by K.solve_schur_complement() (doc/theory/linear_solvers.md), in the
-/// inner product of about K^-1 where K is symmetric. CG and this one ask GroupFacts::next_goal how to go on,
-/// without a restart.
+/// inner product of about K^-1 where K is symmetric. CG and this one ask GroupFacts::next_goal how to go on.
 /// @param gives_up whether to stop after n iterations with a residual of r; never if it is empty
 /// @param decades by which the residual has fallen at the end, perhaps far below the goal
 /// @return the number of iterations

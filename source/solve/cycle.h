@@ -31,7 +31,7 @@ public:
   struct LevelFacts
   {
     double known_eigenvalue = 0; ///< the largest one of diag(A)^-1 A, from below; 0: not known
-    double share_of_next = 1;    ///< unknowns of the next level, beside those of this one
+    double share_of_next = 1;    ///< unknowns of the next level, beside those of this one; for Semicoarsening
   };
   /// Makes the smoother of the matrix of a level, which is referred to.
   using MakeSmoother =

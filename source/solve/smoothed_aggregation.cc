@@ -65,12 +65,11 @@ SmoothedAggregation::SmoothedAggregation(Finest A, std::shared_ptr<const Epetra_
     if (n_coarse == 0 || n_coarse > largest_growth * matrix.NumGlobalRows())
       break;
     const double eigenvalue = largest_eigenvalue_with_diagonal(LevelEntries(matrix));
-    const double share_of_next = double(n_coarse) / matrix.NumGlobalRows();
     auto P = smooth_bases(matrix, SparseRows(matrix), aggregates, 4. / 3 / eigenvalue);
     aggregates.basis = std::vector<double>(); // = {} would keep the memory
     give_back_freed_memory();
     const MakeMatrix make_coarse = sum_coarse_matrix(matrix, *P, n_modes);
-    add_level(make_smoother, std::move(P), make_coarse, {eigenvalue, share_of_next});
+    add_level(make_smoother, std::move(P), make_coarse, {eigenvalue});
     if (const Epetra_Import *const gather = gather_coarsest())
       aggregates.modes = imported(*aggregates.modes, *gather);
   }

@@ -34,7 +34,7 @@ double contrast(const std::vector<double> &stiffness, const Epetra_Comm &communi
   const std::array<double, 2> mine = {{largest, minus_smallest}};
   std::array<double, 2> extremes{};
   communicator.MaxAll(const_cast<double *>(mine.data()), extremes.data(), extremes.size());
-  return extremes[0] / -extremes[1];
+  return extremes[0] / std::abs(extremes[1]); // infinite beside a body without stiffness
 }
 
 /// The rows that follow rows of much softer bodies: u_d = P u_s + R u_r.

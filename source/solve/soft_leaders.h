@@ -42,8 +42,8 @@ public:
   /// @param linear_part that of the facts, if it is there already
   static Found find(const GroupFacts &facts, const Epetra_Map &rows, const RowSums *linear_part = nullptr);
 
-  /// Levels for A in which the leaders follow. @param other the smoother of A beside the
-  /// factors; nullptr: the rows that are alone are solved.
+  /// Levels for A in which the leaders follow. @param other the smoother of A beside the factors; nullptr:
+  /// the rows that are alone are solved.
   std::unique_ptr<DegreeCoarsening> coarsen(const LevelOperator &A, const GroupFacts &facts,
                                             const DegreeCoarsening::MakeModes &make_modes,
                                             std::unique_ptr<Smoother> other,

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Multigrid on chains of twenty elastic cubes that Nitsche's method ties: Young's modulus 1 and 1e6 in turn
-// (14 040 unknowns), and growing by the same factor from cube to cube up to 1e8, and falling as much. Within
-// 45 iterations the true residual is what rounding leaves of it, without help by MUMPS, which would be a
-// note. With aggregates of both sides of a tie, modes by the contrast of the whole chain, and another pass
-// from the residual of rounding, the first two took 68 and 79. The free end moves as MUMPS says (relative
-// difference at most 1e-2: rounding disturbs a chain of this contrast so much). A hundred and seventy-five
-// cubes of one cell have more rows on the level of their rigid motions than are factorised elsewhere, and no
-// level below.
+// Multigrid on chains of twenty elastic cubes (14 040 unknowns) that Nitsche's method ties: Young's modulus 1
+// and 1e6 in turn, and growing by the same factor from cube to cube up to 1e8, and falling as much. Within 45
+// iterations the true residual is what rounding leaves of it, without help by MUMPS, which would be a note.
+// With aggregates of both sides of a tie, modes by the contrast of the whole chain, and another pass from the
+// residual of rounding, the first two took 68 and 79. The free end moves as MUMPS says (relative difference
+// at most 1e-2: rounding disturbs a chain of this contrast so much). A hundred and seventy-five cubes of one
+// cell have more rows on the level of their rigid motions than are factorised elsewhere, and no level below.
 //
 // ranks: 1, 3
 
@@ -90,8 +89,8 @@ void check(const std::string &name, const unsigned int n_bodies, const std::arra
 int main(int argc, char **argv)
 {
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
-  const std::array<std::string, 2> cells = {{"3", "4"}};
-  check("in turn", 20, {{"4", "6"}}, [](const unsigned int i) { return i % 2 == 0 ? 1 : 1e6; });
+  const std::array<std::string, 2> cells = {{"4", "6"}};
+  check("in turn", 20, cells, [](const unsigned int i) { return i % 2 == 0 ? 1 : 1e6; });
   check("growing", 20, cells, [](const unsigned int i) { return std::pow(1e8, i / 19.); });
   check("falling", 20, cells, [](const unsigned int i) { return std::pow(1e-8, i / 19.); });
   check("many", 175, {{"1", "1"}}, [](const unsigned int i) { return i % 2 == 0 ? 1 : 1e4; });

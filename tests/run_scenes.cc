@@ -6,8 +6,8 @@
 // Runs one scene after the other in one process: to start a program that is linked with deal.II takes longer
 // than most scenes of the tests. Exit status 0 if all converged, else 1.
 //
-// --in: from here on in this directory. --wrong: the scene must be refused as wrong input, and what the program
-// would say goes to the file `errors`.
+// --in: from here on in this directory. --wrong: the scene must be refused as wrong input, and what the
+// program would say goes to the file `errors`.
 
 #include <dovetail/output/launcher.h>
 #include <dovetail/run/simulation.h>

@@ -66,13 +66,11 @@ ShapeEvaluator<dim>::ShapeEvaluator(const Domain<dim> &domain)
 template <int dim>
 void ShapeEvaluator<dim>::reinit(const cell_iterator &cell)
 {
-  if (domain.has_simplices() && domain.mapping_degree() == 1) {
-    inverse_of_simplex = dealii::invert(jacobian_of_simplex<dim>(cell));
-    return;
-  }
   if (domain.mapping_degree() == 1) {
     for (const unsigned int v : cell->vertex_indices())
       nodes[v] = cell->vertex(v);
+    if (domain.has_simplices())
+      inverse_of_simplex = dealii::invert(jacobian_of_simplex<dim>(cell));
     return;
   }
   geometry_nodes->reinit(cell);
@@ -93,6 +91,20 @@ dealii::Tensor<2, dim> ShapeEvaluator<dim>::inverse_jacobian(const dealii::Point
     for (unsigned int i = 0; i < dim; ++i)
       jacobian[i] += nodes[a][i] * geometry_gradients[a];
   return dealii::invert(jacobian);
+}
+
+template <int dim>
+dealii::Point<dim> ShapeEvaluator<dim>::position(const dealii::Point<dim> &unit_point)
+{
+  std::vector<double> values(geometry_gradients.size());
+  if (domain.has_simplices())
+    geometry_of_simplex.evaluate(unit_point, values, geometry_gradients, no_hessians);
+  else
+    geometry.evaluate(unit_point, values, geometry_gradients, no_hessians);
+  dealii::Point<dim> X;
+  for (unsigned int a = 0; a < values.size(); ++a)
+    X += values[a] * nodes[a];
+  return X;
 }
 
 template <int dim>

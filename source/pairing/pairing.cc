@@ -41,29 +41,14 @@ template <int dim>
 PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &points,
                               const SideFaces<dim> &faces, const unsigned int this_rank)
 {
-  const unsigned int n = domain.layout().n_shapes();
   PartnerShapes<dim> result;
   result.inverse_jacobians.resize(points.size());
   ShapeEvaluator<dim> shapes(domain);
-  std::vector<double> no_values(n);
   unsigned int current = dealii::numbers::invalid_unsigned_int;
   for (unsigned int q = 0; q < points.size(); ++q) {
     if (points.face[q] != current) {
       current = points.face[q];
-      const auto &face = faces.faces[current];
-      shapes.reinit(face.cell);
-      CellBehind<dim> behind;
-      domain.cell_dofs(domain.dof_cell(face.cell), behind.dofs);
-      behind.cell_measure = shapes.cell_measure(face.cell);
-      behind.face_measure = shapes.face_measure(face.cell, face.face_no);
-      if (domain.material.has_large_strain()) {
-        behind.central_gradients.resize(n);
-        shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), no_values.data(),
-                        behind.central_gradients.data());
-      }
-      behind.rank = this_rank;
-      behind.face = current;
-      result.cells.push_back(std::move(behind));
+      result.cells.push_back(cell_behind(domain, faces, current, this_rank, shapes));
     }
     result.cell_of_point.push_back(result.cells.size() - 1);
     if (points.matches[q].found)
@@ -107,7 +92,9 @@ template <int dim>
 Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
                       const std::array<bool, 2> &with_cover, const MPI_Comm &communicator)
     : extension(options.gap_extension), shift(sides[source].shift - sides[destination].shift),
-      n_shapes{{sides[source].domain->layout().n_shapes(), sides[destination].domain->layout().n_shapes()}}
+      n_shapes{{sides[source].domain->layout().n_shapes(), sides[destination].domain->layout().n_shapes()}},
+      reference_cells{{sides[source].domain->layout().element_of_space(0).reference_cell(),
+                       sides[destination].domain->layout().element_of_space(0).reference_cell()}}
 {
   for (const unsigned int side : {source, destination})
     present_shapes.emplace_back(*sides[side].domain);
@@ -344,6 +331,58 @@ void Pairing<dim>::evaluate_shapes(const unsigned int side, const unsigned int q
         if (share != 0)
           shapes.extended_values[k][i] += share * (shapes.gradients[i] * offsets[p]);
     }
+}
+
+namespace {
+
+/// Where the line into the cell ends on the other side of it.
+template <int dim>
+dealii::Point<dim> opposite_point(const dealii::ReferenceCell &cell, const unsigned int face_no,
+                                  const dealii::Point<dim> &unit_point)
+{
+  if (cell.is_hyper_cube())
+    return unit_point - cell.template unit_normal_vectors<dim>(face_no);
+  for (const unsigned int v : cell.vertex_indices()) {
+    bool is_on_face = false;
+    for (unsigned int i = 0; i < cell.face_reference_cell(face_no).n_vertices(); ++i)
+      is_on_face = is_on_face || cell.face_to_cell_vertices(face_no, i, 1) == v;
+    if (!is_on_face)
+      return cell.template vertex<dim>(v);
+  }
+  return unit_point;
+}
+
+} // namespace
+
+template <int dim>
+std::optional<typename Pairing<dim>::Bridge> Pairing<dim>::bridge(const unsigned int side,
+                                                                  const unsigned int q,
+                                                                  const unsigned int first_shape,
+                                                                  const unsigned int n) const
+{
+  const double small = 0.02; // of the depth of the cell
+  const auto group = std::upper_bound(groups.begin(), groups.end(), q,
+                                      [](const unsigned int p, const Group &other) { return p < other.end; });
+  const CellBehind<dim> &cell = cells[side][group->cells[side]];
+  const dealii::Tensor<1, dim> gap = points[destination][q] - points[source][q] - shift;
+  if (gap.norm() * cell.face_measure > small * cell.cell_measure)
+    return {};
+  std::vector<double> at_end(n_shapes[side]);
+  std::vector<dealii::Tensor<1, dim>> unused(n_shapes[side]);
+  present_shapes[side].unit_shapes.evaluate(
+      opposite_point(reference_cells[side], cell.face_no, unit_points[side][q]),
+      dealii::unit_symmetric_tensor<dim>(), at_end.data(), unused.data());
+  Bridge result;
+  dealii::Tensor<1, dim> d = side == source ? -points[source][q] : -points[source][q] - shift;
+  for (unsigned int k = first_shape; k < first_shape + n; ++k) {
+    result.weights.push_back(at_end[k]);
+    d += at_end[k] * cell.nodes[k];
+  }
+  result.share = (gap * normals[source][q]) / (d * normals[source][q]);
+  result.along_face = gap - result.share * d;
+  for (double &weight : result.weights)
+    weight *= result.share;
+  return result;
 }
 
 /// Up to rounding.

@@ -46,24 +46,9 @@ std::vector<Answer<dim>> answer(const std::vector<Request<dim>> &requests, const
                                 const Domain<dim> &domain, const FaceLocator<dim> &locator,
                                 ShapeEvaluator<dim> &shapes)
 {
-  const unsigned int n_shapes = domain.layout().n_shapes();
   std::vector<Answer<dim>> answers;
-  std::vector<double> unused(n_shapes);
   for (const Request<dim> &request : requests) {
-    const auto &face = locator.side().faces[request.face];
-    shapes.reinit(face.cell);
-    Answer<dim> answer;
-    CellBehind<dim> &cell = answer.cell;
-    domain.cell_dofs(domain.dof_cell(face.cell), cell.dofs);
-    cell.cell_measure = shapes.cell_measure(face.cell);
-    cell.face_measure = shapes.face_measure(face.cell, face.face_no);
-    if (domain.material.has_large_strain()) {
-      cell.central_gradients.resize(n_shapes);
-      shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), unused.data(),
-                      cell.central_gradients.data());
-    }
-    cell.rank = this_rank;
-    cell.face = request.face;
+    Answer<dim> answer{cell_behind(domain, locator.side(), request.face, this_rank, shapes), {}};
     for (const dealii::Point<dim> &point : request.unit_points)
       answer.inverse_jacobians.push_back(shapes.inverse_jacobian(point));
     answers.push_back(std::move(answer));
@@ -72,6 +57,34 @@ std::vector<Answer<dim>> answer(const std::vector<Request<dim>> &requests, const
 }
 
 } // namespace
+
+template <int dim>
+CellBehind<dim> cell_behind(const Domain<dim> &domain, const SideFaces<dim> &side, const unsigned int number,
+                            const unsigned int this_rank, ShapeEvaluator<dim> &shapes)
+{
+  const auto &face = side.faces[number];
+  shapes.reinit(face.cell);
+  CellBehind<dim> cell;
+  domain.cell_dofs(domain.dof_cell(face.cell), cell.dofs);
+  cell.cell_measure = shapes.cell_measure(face.cell);
+  cell.face_measure = shapes.face_measure(face.cell, face.face_no);
+  if (domain.material.has_large_strain()) {
+    std::vector<double> unused(domain.layout().n_shapes());
+    cell.central_gradients.resize(unused.size());
+    shapes.evaluate(face.cell->reference_cell().template barycenter<dim>(), unused.data(),
+                    cell.central_gradients.data());
+  }
+  cell.face_no = face.face_no;
+  for (unsigned int s = 0; s < domain.layout().n_spaces(); ++s) {
+    const auto &element = domain.layout().element_of_space(s);
+    for (unsigned int k = 0; k < element.n_dofs_per_cell(); ++k)
+      cell.nodes.push_back(element.has_support_points() ? shapes.position(element.unit_support_point(k))
+                                                        : dealii::Point<dim>());
+  }
+  cell.rank = this_rank;
+  cell.face = number;
+  return cell;
+}
 
 template <int dim>
 PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<dim> &locator,
@@ -120,8 +133,12 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
   return result;
 }
 
+template CellBehind<2> cell_behind(const Domain<2> &, const SideFaces<2> &, unsigned int, unsigned int,
+                                    ShapeEvaluator<2> &);
 template PartnerShapes<2> fetch_shapes(const Domain<2> &, const FaceLocator<2> &,
                                        const std::vector<FaceLocator<2>::Match> &, const MPI_Comm &);
+template CellBehind<3> cell_behind(const Domain<3> &, const SideFaces<3> &, unsigned int, unsigned int,
+                                    ShapeEvaluator<3> &);
 template PartnerShapes<3> fetch_shapes(const Domain<3> &, const FaceLocator<3> &,
                                        const std::vector<FaceLocator<3>::Match> &, const MPI_Comm &);
 

@@ -7,12 +7,14 @@
 #include <dovetail/run/initial_values.h>
 #include <dovetail/run/start_of_motion.h>
 #include <dovetail/scene/units.h>
+#include <dovetail/solve/iterative_refinement.h>
 
 #include <deal.II/base/mpi.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numeric>
 #include <sstream>
 #include <stdexcept>
@@ -25,6 +27,7 @@ const unsigned int n_guides = 8;
 const unsigned int usual_number = 10; ///< of modes; used.prm has it in every scene
 
 const NoteName of_modes("eigenmodes", "eigenmodes are missing or have not converged");
+const NoteName of_rounded_modes("rounded eigenmodes", "rounding of the matrix shows in frequencies");
 const NoteName of_unstable_state("unstable state", "modes of a state grow");
 
 template <int dim>
@@ -244,6 +247,66 @@ void Eigenmodes<dim>::make_guides()
   }
 }
 
+/// The forces of the laws at state + factor x, where x satisfies the constraints.
+template <int dim>
+typename Eigenmodes<dim>::Column Eigenmodes<dim>::forces(const double factor, const Column &x)
+{
+  Vector moved = scatter(x);
+  step.system().distribute_rate(moved, true);
+  moved *= factor;
+  moved += state;
+  step.system().set_rates({});
+  if (!step.system().assemble(moved, false))
+    throw std::runtime_error("a law is not defined in a vibration: " + step.system().why_undefined().reason);
+  moved = step.system().negative_residual();
+  moved *= -1;
+  return gather(moved);
+}
+
+/// K x. By the laws, x is so large that loads are small beside it.
+template <int dim>
+typename Eigenmodes<dim>::Column Eigenmodes<dim>::stiffness_product(const Column &x)
+{
+  const double large = 1e6;
+  Column Kx = product(stiffness, 1, x);
+  if (forces_at_rest.empty())
+    return Kx;
+  const double ratio = std::sqrt(product(forces_at_rest, forces_at_rest) / product(Kx, Kx)),
+               factor = ratio > 0 && std::isfinite(ratio) ? std::exp2(std::ceil(std::log2(large * ratio))) : 1;
+  Kx = forces(factor, x);
+  for (std::size_t i = 0; i < Kx.size(); ++i)
+    Kx[i] = (Kx[i] - forces_at_rest[i]) / factor;
+  return Kx;
+}
+
+/// What rounding of the entries of K may change of x.Kx, a standard deviation relative to @p size.
+template <int dim>
+double Eigenmodes<dim>::rounding(const Column &x, const double size) const
+{
+  const Vector v = scatter(x);
+  double sum = 0;
+  for (unsigned int b = 0; b < v.n_blocks(); ++b)
+    sum += stiffness.size_of_product(b, v) * v.block(b).linfty_norm();
+  return std::numeric_limits<double>::epsilon() * sum / std::abs(size);
+}
+
+/// Where rounding shows in a smooth motion, as in a stiff body that a soft one holds or in a thin plate, K x
+/// is what the laws give: a motion without strains has no forces then. Laws are asked in linear scenes.
+template <int dim>
+void Eigenmodes<dim>::look_for_rounding()
+{
+  const double allowed = 1e-11;
+  forces_at_rest.clear();
+  if (!model.is_linear())
+    return;
+  const Column b = problem.mass(problem.guides[0]), x = inverse(b);
+  const double size = product(x, b), by_matrix = product(x, problem.stiffness(x));
+  forces_at_rest = forces(0, x);
+  const double difference = product(x, problem.stiffness(x)) - by_matrix;
+  if (!(std::max(rounding(x, size), std::abs(difference / size)) > allowed))
+    forces_at_rest.clear();
+}
+
 /// The tangent K + c M at the state.
 template <int dim>
 void Eigenmodes<dim>::assemble(const double c)
@@ -294,41 +357,60 @@ void Eigenmodes<dim>::prepare_inverse(const double shift)
   make();
 }
 
-/// Once.
+/// Once. @p enough: as LinearSolver::Demand has it.
 template <int dim>
-typename Eigenmodes<dim>::Column Eigenmodes<dim>::solve(const Column &b)
+typename Eigenmodes<dim>::Column Eigenmodes<dim>::solve(const Column &b, const double enough)
 {
   LinearSolver &solver = step.solver();
+  LinearSolver::Demand needed{group, group + 1};
+  needed.enough = enough;
   const Vector right_hand_side = scatter(b);
   Vector x = step.system().owned_vector();
-  bool is_solved = solver.solve(x, right_hand_side, {group, group + 1}).has_value();
+  bool is_solved = solver.solve(x, right_hand_side, needed).has_value();
   for (unsigned int n = 0; n < 2 && !is_solved && solver.lacks_operator(); ++n) {
     prepare_inverse(shift_of_inverse);
-    is_solved = solver.solve(x, right_hand_side, {group, group + 1}).has_value();
+    is_solved = solver.solve(x, right_hand_side, needed).has_value();
   }
   if (!is_solved)
     throw std::runtime_error("the linear solver failed");
   return gather(x);
 }
 
-/// What rounding, or the tolerance of an iteration, leaves is solved for once more.
+/// b - (K - shift M) x
+template <int dim>
+typename Eigenmodes<dim>::Column Eigenmodes<dim>::rest(const Column &b, const Column &x)
+{
+  const Column Kx = problem.stiffness(x), Mx = problem.mass(x);
+  Column result = b;
+  for (std::size_t i = 0; i < b.size(); ++i)
+    result[i] += shift_of_inverse * Mx[i] - Kx[i];
+  return result;
+}
+
+/// What rounding, or the tolerance of an iteration, leaves is solved for, too.
 template <int dim>
 typename Eigenmodes<dim>::Column Eigenmodes<dim>::inverse(const Column &b)
 {
-  const double exact = 1e-13;
-  Column x = solve(b), rest = b;
-  const double size = product(b, b);
-  for (unsigned int pass = 0; pass < 2; ++pass) {
-    const Column Kx = problem.stiffness(x), Mx = problem.mass(x);
-    for (std::size_t i = 0; i < rest.size(); ++i)
-      rest[i] = b[i] - Kx[i] + shift_of_inverse * Mx[i];
-    if (product(rest, rest) <= exact * exact * size)
-      break;
-    const Column correction = solve(rest);
-    for (std::size_t i = 0; i < x.size(); ++i)
-      x[i] += correction[i];
-  }
-  return x;
+  const double exact = 1e-11, rough = 1e-3;
+  const Column first = solve(b), left = rest(b, first);
+  if (product(left, left) <= exact * exact * product(b, b))
+    return first;
+  const auto residual = [&](const Vector &x, Vector &r) {
+    r = scatter(rest(b, gather(x)));
+    return true;
+  };
+  const auto solved = [&](const Vector &r, Vector &x) {
+    x = scatter(solve(gather(r), rough));
+    return std::optional<unsigned int>(0);
+  };
+  const auto share = [&](const Vector &step, const Vector &x) {
+    const Column change = gather(step), all = gather(x);
+    return std::sqrt(product(problem.mass(change), change) / product(problem.mass(all), all));
+  };
+  IterativeRefinement refinement(residual, solved, share, true);
+  Vector x = scatter(first);
+  refinement.refine(x);
+  return gather(x);
 }
 
 /// By what the matrix makes of two vectors without any order. Ties and conditions have said so before, but
@@ -358,23 +440,25 @@ bool Eigenmodes<dim>::run(const double t, const Vector &x)
   try {
     assemble(0);
     stiffness.copy_from(step.system().tangent());
-    is_held = !step.system().find_unrestrained_mode(true);
+    is_held = !step.system().find_unrestrained_mode(BlockSystem<dim>::Unless::held_at_rest);
     assemble(mass_alone);
     mass.copy_from(step.system().tangent());
     find_free_unknowns();
     if (dealii::Utilities::MPI::sum<unsigned long>(free.size(), model.communicator) == 0)
       throw std::runtime_error("no unknown is free to move.");
     problem.communicator = model.communicator;
-    problem.stiffness = [this](const Column &column) { return product(stiffness, 1, column); };
+    problem.stiffness = [this](const Column &column) { return stiffness_product(column); };
     problem.mass = [this](const Column &column) { return product(mass, 1 / mass_alone, column); };
     problem.inverse = [this](const Column &column) { return inverse(column); };
     make_guides();
+    forces_at_rest.clear();
     section.check(
         is_symmetric(), "Kind",
         "cannot be eigenmodes: the tangent at the state whose modes are wanted is not symmetric. A law "
         "or a tie has lost its symmetry.");
     choose_shift();
     prepare_inverse(problem.shift);
+    look_for_rounding();
     const EigenPairs pairs = nearest_eigenpairs(problem, n_modes);
     write(pairs);
     count(pairs);
@@ -432,6 +516,7 @@ void Eigenmodes<dim>::write(const EigenPairs &pairs)
   }
   results.report().add("eigenfrequencies", frequencies);
   results.report().add("eigenmode residuals", residuals);
+  note_rounding(pairs);
   if (number < n_modes)
     notes.add(of_modes("there are " + std::to_string(number) +
                        " modes only: the scene has no more unknowns that move"));
@@ -441,6 +526,24 @@ void Eigenmodes<dim>::write(const EigenPairs &pairs)
                           " of the modes grow; what stands with a minus is their rate divided by 2 pi"));
   if (!pairs.has_converged)
     notes.add(of_modes("not all eigenmodes have converged: their residuals tell which"));
+}
+
+/// Of other scenes than linear ones.
+template <int dim>
+void Eigenmodes<dim>::note_rounding(const EigenPairs &pairs)
+{
+  const double allowed = 1e-7;
+  double largest = 0;
+  for (const unsigned int k : nearest(pairs))
+    if (forces_at_rest.empty() && frequency(pairs.values[k]) != 0)
+      largest = std::max(largest, rounding(pairs.vectors[k], pairs.values[k]) / 2);
+  if (largest > allowed) {
+    char size[40];
+    std::snprintf(size, sizeof(size), "%.1e", largest);
+    notes.add(of_rounded_modes("rounding of the entries of the matrix may change frequencies by " +
+                               std::string(size) +
+                               " of their values: stiff parts move with soft ones, or are thin"));
+  }
 }
 
 /// How many eigenvalues lie below the shift, by the pivots of K - shift M. Rows of constrained unknowns have

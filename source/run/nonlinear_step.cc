@@ -702,7 +702,7 @@ void NonlinearStep<dim>::explain_failure(const double t, const Vector &x)
 
   if (!present_system->assemble(x, true))
     return;
-  if (const auto motion = present_system->find_unrestrained_mode(true))
+  if (const auto motion = present_system->find_unrestrained_mode(BlockSystem<dim>::Unless::never))
     notes.add(of_failure("nothing holds " + motion->in_words()));
   for (const auto &pressure : present_system->find_free_pressures())
     notes.add(of_failure("nothing that is free can change the volume of " + pressure.in_words() +

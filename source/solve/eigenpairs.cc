@@ -20,7 +20,8 @@ using Column = EigenProblem::Column;
 using Matrix = dealii::FullMatrix<double>;
 
 const unsigned int n_at_once = 4; ///< vectors that the search begins with
-const double tolerance = 1e-12;   ///< of a Ritz vector, relative to its value
+const double tolerance = 1e-9;    ///< of a Ritz vector, relative to its value
+const double of_others = 1e-5;    ///< likewise, of those that are more than wanted
 const double dependent = 1e-11;   ///< a vector with so little of its own, relative to the largest value
 const double largest_residual = 1e-7;
 const unsigned int most_rounds = 60; ///< from restart to restart
@@ -72,8 +73,8 @@ class Lanczos
 {
 public:
   Lanczos(const EigenProblem &problem, const unsigned int n)
-      : problem(problem), n_wanted(n), largest_size(2 * n + 10 * n_at_once), n_own(problem.guides[0].size()),
-        H(largest_size + n_at_once, largest_size + n_at_once)
+      : problem(problem), n_needed(n), n_wanted(n + n_at_once), largest_size(2 * n_wanted + 10 * n_at_once),
+        n_own(problem.guides[0].size()), H(largest_size + n_at_once, largest_size + n_at_once)
   {
   }
 
@@ -93,7 +94,7 @@ private:
   unsigned int n_found() const { return std::min<unsigned int>(n_wanted, ritz_values.size()); }
 
   const EigenProblem &problem;
-  const unsigned int n_wanted, largest_size;
+  const unsigned int n_needed, n_wanted, largest_size;
   const std::size_t n_own;
   std::vector<Column> basis, mass_basis;
   unsigned int n_multiplied = 0, n_starts = 0;
@@ -205,7 +206,7 @@ bool Lanczos::have_converged()
         coupling += H(row, i) * ritz_vectors(k, i);
       square += coupling * coupling;
     }
-    if (std::sqrt(square) > tolerance * std::abs(ritz_values[k]))
+    if (std::sqrt(square) > (k < n_needed ? tolerance : of_others) * std::abs(ritz_values[k]))
       return false;
   }
   return true;
@@ -339,8 +340,8 @@ EigenPairs pairs_in_span(const EigenProblem &problem, std::vector<Column> column
 
 EigenPairs nearest_eigenpairs(const EigenProblem &problem, const unsigned int n)
 {
-  Lanczos lanczos(problem, n + n_at_once);
-  const bool has_converged = lanczos.search();
+  Lanczos lanczos(problem, n);
+  bool has_converged = lanczos.search();
 
   std::vector<Column> columns; // multiplied once more, which takes away what is far from the shift
   std::vector<std::pair<double, double>> residuals; // with the values
@@ -353,14 +354,13 @@ EigenPairs nearest_eigenpairs(const EigenProblem &problem, const unsigned int n)
     add(-1, lanczos.vectors[k], difference);
     const double square = products({problem.mass(difference)}, difference, problem.communicator)[0];
     residuals.emplace_back(problem.shift + 1 / value, std::sqrt(std::max(0., square)));
+    has_converged = has_converged && (k >= n || residuals.back().second <= largest_residual);
   }
   EigenPairs result = pairs_in_span(problem, std::move(columns));
   std::sort(residuals.begin(), residuals.end());
   for (const auto &[value, residual] : residuals)
     result.residuals.push_back(residual);
-  result.has_converged =
-      has_converged && std::all_of(result.residuals.begin(), result.residuals.end(),
-                                   [](const double residual) { return residual <= largest_residual; });
+  result.has_converged = has_converged;
   for (unsigned int first = 0, end = 0; first < result.values.size(); first = end) {
     for (end = first + 1; end < result.values.size(); ++end)
       if (result.values[end] - result.values[end - 1] >

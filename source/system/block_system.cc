@@ -910,11 +910,12 @@ std::vector<double> BlockSystem<dim>::linear_residuals(const Vector &dx, Vector 
 }
 
 template <int dim>
-std::optional<UnrestrainedMode<dim>> BlockSystem<dim>::find_unrestrained_mode(const bool in_any_case) const
+std::optional<UnrestrainedMode<dim>> BlockSystem<dim>::find_unrestrained_mode(const Unless unless) const
 {
   for (unsigned int f = 0; f < fields.size(); ++f)
     if (!is_of_multipliers[f] &&
-        (in_any_case || !is_surely_held(model, fields[f], time, constraints.of_update())))
+        (unless == Unless::never ||
+         !is_surely_held(model, fields[f], time, constraints.of_update(), unless == Unless::held)))
       if (const auto motion =
               dovetail::find_unrestrained_mode(model, fields[f], time, matrix, constraints.of_update()))
         return motion;

@@ -262,14 +262,14 @@ std::string UnrestrainedMode<dim>::in_words() const
 
 template <int dim>
 bool is_surely_held(const Model<dim> &model, const std::string &field, const double t,
-                    const dealii::AffineConstraints<double> &constraints)
+                    const dealii::AffineConstraints<double> &constraints, const bool do_rates_hold)
 {
   const auto stores = [&](const unsigned int b) {
     const Domain<dim> &body = *model.domains[model.numbering->blocks()[b].domain_index];
     return body.material.order_in_time(body.material.find_field(field)->first_component) > 0;
   };
   for (const auto &group : groups_of(model, field, t)) {
-    if (std::any_of(group.blocks.begin(), group.blocks.end(), stores)) // rates resist all motions
+    if (do_rates_hold && std::any_of(group.blocks.begin(), group.blocks.end(), stores))
       continue;
     dealii::FullMatrix<double> P(group.n_modes, group.n_modes);
     for (const unsigned int b : group.blocks) {
@@ -358,9 +358,9 @@ find_unrestrained_mode(const Model<dim> &model, const std::string &field, const 
 template struct UnrestrainedMode<2>;
 template struct UnrestrainedMode<3>;
 template bool is_surely_held(const Model<2> &, const std::string &, double,
-                             const dealii::AffineConstraints<double> &);
+                             const dealii::AffineConstraints<double> &, bool);
 template bool is_surely_held(const Model<3> &, const std::string &, double,
-                             const dealii::AffineConstraints<double> &);
+                             const dealii::AffineConstraints<double> &, bool);
 template std::optional<UnrestrainedMode<2>> find_unrestrained_mode(const Model<2> &, const std::string &,
                                                                    double, const BlockMatrix &,
                                                                    const dealii::AffineConstraints<double> &);

@@ -471,23 +471,67 @@ void MultiplierSpace<dim>::add_rows(const Face &face, const double t, std::map<I
         row.diagonal += component.mass(j, j);
       }
 
-  for (const unsigned int g : face.groups)
-    for (const Component &component : face.components)
+  for (const unsigned int g : face.groups) {
+    std::map<unsigned int, Extension> of_field;
+    for (const Component &component : face.components) {
+      const auto [entry, is_new] = of_field.try_emplace(component.field);
+      if (is_new)
+        entry->second = extension(pairing.groups[g], component.field);
       for (unsigned int j = 0; j < component.dofs.size(); ++j)
         if (component.has_function[j]) {
           Row &row = to[component.dofs[j]];
           row.field = component.field;
           row.component = component.component;
-          add_source(face, pairing.groups[g], component, j, t, row);
+          add_source(face, pairing.groups[g], entry->second, component, j, t, row);
         }
+    }
+  }
+}
+
+template <int dim>
+typename MultiplierSpace<dim>::Extension
+MultiplierSpace<dim>::extension(const typename Pairing<dim>::Group &group, const unsigned int f) const
+{
+  const Pairing<dim> &pairing = interface.pairing();
+  const TiedField &field = interface.fields[f];
+  const unsigned int n_points = group.end - group.begin, n_source = field.n_nodes[source];
+  Extension result;
+  if (!pairing.is_bridged())
+    return result;
+  result.of_source.assign(n_points * n_source, 0.);
+  result.of_destination_at_source = result.of_source;
+  result.of_destination.assign(n_points * field.n_nodes[destination], 0.);
+  for (unsigned int p = 0; p < n_points; ++p)
+    for (const unsigned int side : {source, destination}) {
+      const unsigned int q = group.begin + p, n = field.n_nodes[side];
+      const auto &element = interface.sides[side].domain->layout().element(field.first_component[side]);
+      double *own = &(side == source ? result.of_source : result.of_destination)[p * n],
+             *at_source = &(side == source ? result.of_source : result.of_destination_at_source)[p * n_source];
+      const auto bridge = element.degree > 1 && element.has_support_points()
+                              ? pairing.bridge(side, q, field.first_shape[side], n)
+                              : std::optional<typename Pairing<dim>::Bridge>();
+      if (!bridge) {
+        const auto *gradients = pairing.gradients(side, q) + field.first_shape[side];
+        for (unsigned int k = 0; k < n; ++k)
+          own[k] = gradients[k] * pairing.offset(q);
+        continue;
+      }
+      for (unsigned int k = 0; k < n; ++k)
+        own[k] += bridge->weights[k];
+      const double *trace = pairing.values(source, q) + field.first_shape[source];
+      const auto *gradients = pairing.gradients(source, q) + field.first_shape[source];
+      for (unsigned int k = 0; k < n_source; ++k)
+        at_source[k] += gradients[k] * bridge->along_face - bridge->share * trace[k];
+    }
+  return result;
 }
 
 /// The integrals of a group with function @p j of a component: of the source's trace, and of what the gap
 /// adds to the destination's.
 template <int dim>
 void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<dim>::Group &group,
-                                      const Component &component, const unsigned int j, const double t,
-                                      Row &row) const
+                                      const Extension &extension, const Component &component,
+                                      const unsigned int j, const double t, Row &row) const
 {
   const Pairing<dim> &pairing = interface.pairing();
   const unsigned int n = face.nodes.size(), f = row.field;
@@ -510,19 +554,22 @@ void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<d
     value *= pairing.weight(q);
     if (interface.has_prescribed_jump())
       row.constant += value * interface.prescribed_jump(pairing.X(source, q), t, row.component);
-    const double *trial = pairing.trial(source, q, f) + at_source;
+    const double *trace = pairing.values(source, q) + at_source;
     for (unsigned int k = 0; k < n_source; ++k)
-      moment[k] += value * trial[k];
-    if (!pairing.own_side_bridges(q, f))
+      moment[k] += value * trace[k];
+    if (extension.of_source.empty())
       continue;
-    is_bridged = true;
+    const unsigned int p = q - group.begin;
+    const double own_share = pairing.own_share(q, f), *of_source = &extension.of_source[p * n_source],
+                 *at_source_of_own = &extension.of_destination_at_source[p * n_source],
+                 *of_own = &extension.of_destination[p * n_destination];
+    is_bridged = is_bridged || own_share > 0;
+    for (unsigned int k = 0; k < n_source; ++k) {
+      moment[k] += value * ((1 - own_share) * of_source[k] + own_share * at_source_of_own[k]);
+      source_weight[k] += value * own_share * (of_source[k] - at_source_of_own[k]);
+    }
     for (unsigned int k = 0; k < n_destination; ++k)
-      destination_weight[k] +=
-          value * (pairing.trial(destination, q, f)[field.first_shape[destination] + k] - at_destination[k]);
-    for (unsigned int k = 0; k < n_source; ++k)
-      source_weight[k] +=
-          value * (pairing.values(source, q)[at_source + k] +
-                   pairing.gradients(source, q)[at_source + k] * pairing.offset(q) - trial[k]);
+      destination_weight[k] -= value * own_share * of_own[k];
   }
   if (is_bridged)
     add_own_gradient(group, f, row.component, destination_weight, source_weight, row);

@@ -62,6 +62,8 @@ public:
   void reinit(const cell_iterator &cell);
   /// dxi_i / dX_j at @p unit_point of the current cell.
   dealii::Tensor<2, dim> inverse_jacobian(const dealii::Point<dim> &unit_point);
+  /// X at @p unit_point of the current cell.
+  dealii::Point<dim> position(const dealii::Point<dim> &unit_point);
   /// Write n_shapes() values and gradients at @p unit_point of the current cell.
   void evaluate(const dealii::Point<dim> &unit_point, double *values, dealii::Tensor<1, dim> *gradients)
   {

@@ -15,6 +15,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -168,11 +169,27 @@ public:
     const Shapes &shapes = shapes_at(side, q);
     return shapes.extended_values[extension_of_field[field]].data() + (q - shapes.begin) * n_shapes[side];
   }
-  /// Whether the field of the side on whose face the point lies bridges a share of the gap.
-  bool own_side_bridges(const unsigned int q, const unsigned int field) const
+  bool is_bridged() const { return !own_shares.empty(); } ///< there is a gap, and fields are extended over it
+  /// The share of the gap that the field of the side on whose face the point lies bridges.
+  double own_share(const unsigned int q, const unsigned int field) const
   {
-    return !own_shares.empty() && own_shares[extension_of_field[field]][q] > 0;
+    return own_shares.empty() ? 0. : own_shares[extension_of_field[field]][q];
   }
+  /// What a field adds to the source's trace B(X') over the whole gap, by a difference across the cell of a
+  /// side: with the point Y on the opposite face,
+  /// sum_k weights_k B_k - share B(X') + along_face.grad B(X') with weights_k = share phi_k(Y). It asks the
+  /// nodes of that face and of the source's face, where a gradient asks all nodes of the cell, too many for
+  /// unknowns that follow others. Exact for affine fields, else up to gap h |D^2 B|.
+  struct Bridge
+  {
+    std::vector<double> weights; ///< by node of the cell
+    double share;
+    dealii::Tensor<1, dim> along_face;
+  };
+  /// For the n functions of a space. Nothing if the gap is not small beside the cell, as an error of the
+  /// geometry is. @pre The space has nodes.
+  std::optional<Bridge> bridge(unsigned int side, unsigned int q, unsigned int first_shape,
+                               unsigned int n) const;
   const double *test(const unsigned int side, const unsigned int q, const unsigned int field) const
   {
     return extension == GapExtension::symmetric ? trial(side, q, field) : values(side, q);
@@ -221,6 +238,7 @@ private:
   GapExtension extension;
   dealii::Tensor<1, dim> shift;         ///< of the source against the destination
   std::array<unsigned int, 2> n_shapes; ///< at a point
+  std::array<dealii::ReferenceCell, 2> reference_cells;
   std::vector<double> weights;
   std::array<std::vector<dealii::Point<dim>>, 2> points;
   std::array<std::vector<dealii::Tensor<1, dim>>, 2> normals;

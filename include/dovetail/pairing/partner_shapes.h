@@ -21,15 +21,22 @@ struct CellBehind
   double cell_measure = 0;                                   ///< Omega
   double face_measure = 0;                                   ///< Gamma
   std::vector<dealii::Tensor<1, dim>> central_gradients;     ///< of each one
+  unsigned int face_no = 0;                                  ///< of the face in the cell
+  std::vector<dealii::Point<dim>> nodes;                     ///< of the shape functions, not of discontinuous ones
   unsigned int rank = dealii::numbers::invalid_unsigned_int; ///< that owns the cell
   unsigned int face = dealii::numbers::invalid_unsigned_int; ///< of the side, as in SideFaces::faces there
 
   template <typename Archive>
   void serialize(Archive &archive, const unsigned int)
   {
-    archive &dofs &cell_measure &face_measure &central_gradients &rank &face;
+    archive &dofs &cell_measure &face_measure &central_gradients &face_no &nodes &rank &face;
   }
 };
+
+/// That of a face that this rank owns. @p shapes: of the domain; they become those of this cell.
+template <int dim>
+CellBehind<dim> cell_behind(const Domain<dim> &domain, const SideFaces<dim> &side, unsigned int face,
+                            unsigned int this_rank, ShapeEvaluator<dim> &shapes);
 
 /// For each match the cell behind it, and what UnitShapes needs for the shape functions there.
 template <int dim>

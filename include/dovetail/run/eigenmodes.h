@@ -47,8 +47,14 @@ private:
   void assemble(double second_rate);
   void choose_shift();
   void prepare_inverse(double shift);
-  Column solve(const Column &b);
+  Column solve(const Column &b, double enough = 0);
+  Column rest(const Column &b, const Column &x);
   Column inverse(const Column &b);
+  Column forces(double factor, const Column &x);
+  Column stiffness_product(const Column &x);
+  double rounding(const Column &x, double size) const;
+  void look_for_rounding();
+  void note_rounding(const EigenPairs &pairs);
   double product(const Column &x, const Column &y) const;
   bool is_symmetric() const;
   void count(const EigenPairs &pairs);
@@ -72,6 +78,7 @@ private:
   Vector state;
   bool is_held = false;
   BlockMatrix stiffness, mass;
+  Column forces_at_rest; ///< at the state; empty where products with the matrix are exact enough
   std::vector<std::pair<unsigned int, unsigned int>>
       free; ///< block and own entry of each own entry of a column
   std::map<unsigned int, std::vector<unsigned int>> constrained; ///< own rows of other unknowns, by block

@@ -150,9 +150,15 @@ public:
   bool moves_constraints(const unsigned int block) const { return constraints.moves(block); }
   bool moves_constraints() const { return constraints.moves(); }
   double largest_move() const { return constraints.largest_move(); } ///< of a prescribed value, likewise
-  /// A motion that the last tangent does not resist, if the scene leaves one possible. Collective; costs
-  /// nothing where all bodies are surely held, unless @p in_any_case.
-  std::optional<UnrestrainedMode<dim>> find_unrestrained_mode(bool in_any_case = false) const;
+  /// Fields that is_surely_held() are not looked at.
+  enum class Unless
+  {
+    held,         ///< by conditions, ties and rates
+    held_at_rest, ///< by conditions and ties
+    never
+  };
+  /// A motion that the last tangent does not resist. Collective; costs nothing where nothing is looked at.
+  std::optional<UnrestrainedMode<dim>> find_unrestrained_mode(Unless unless = Unless::held) const;
   /// Pressures that the last tangent does not see. Collective; costs nothing where no body is incompressible.
   std::vector<FreePressure<dim>> find_free_pressures() const
   {

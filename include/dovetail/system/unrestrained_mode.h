@@ -18,11 +18,12 @@ namespace dovetail {
 /// Whether conditions and ties surely hold a field at time @p t without looking at any matrix, so that the
 /// answer does not depend on stiffness and mesh. Bodies between which each motion is resisted move as one,
 /// with the rigid motions z_k; these are held if the constraints i see each of them: P_kl = sum_i
-/// z_k,i z_l,i is regular. So are bodies that store the field: rates resist all motions. Collective.
+/// z_k,i z_l,i is regular. Collective.
 /// @param constraints in which prescribed unknowns have no entries
+/// @param do_rates_hold bodies that store the field, as they resist all motions in time
 template <int dim>
 bool is_surely_held(const Model<dim> &model, const std::string &field, double t,
-                    const dealii::AffineConstraints<double> &constraints);
+                    const dealii::AffineConstraints<double> &constraints, bool do_rates_hold);
 
 /// A motion that nothing resists.
 template <int dim>

@@ -108,6 +108,12 @@ private:
     dealii::FullMatrix<double> mass;   ///< over the covered part
     std::vector<Component> components; ///< of all these fields
   };
+  /// What fields add over the whole gap to the source's trace, as weights of the nodes of a cell by point of a
+  /// group; empty without a gap. That of the destination may ask nodes of the source, too (Pairing::Bridge).
+  struct Extension
+  {
+    std::vector<double> of_source, of_destination, of_destination_at_source;
+  };
   struct Shares
   {
     double covered = 0, full = 0, integral = 0;
@@ -135,8 +141,9 @@ private:
   dealii::FullMatrix<double> node_coordinates(const Face &face) const;
   dealii::FullMatrix<double> polynomials(const Face &face, unsigned int degree) const;
   void add_rows(const Face &face, double t, std::map<Index, Row> &to) const;
-  void add_source(const Face &face, const typename Pairing<dim>::Group &group, const Component &component,
-                  unsigned int j, double t, Row &row) const;
+  Extension extension(const typename Pairing<dim>::Group &group, unsigned int field) const;
+  void add_source(const Face &face, const typename Pairing<dim>::Group &group, const Extension &extension,
+                  const Component &component, unsigned int j, double t, Row &row) const;
   void add_own_gradient(const typename Pairing<dim>::Group &group, unsigned int field, unsigned int component,
                         const std::vector<double> &destination_weight,
                         const std::vector<double> &source_weight, Row &row) const;

@@ -24,6 +24,7 @@ const double search_radius_of_touch = 0.2; ///< of the face size
 const double largest_angle_of_touch = dealii::numbers::PI / 12;
 const double least_touching_area = 0.5; ///< of a face of the usual size
 const double uncertainty_of_bulge = 0.15;
+const double rounding_of_touch = 1e-4; ///< of the face size; coordinates in files have six digits
 
 /// The extent of the faces of a boundary id over all ranks.
 template <int dim>
@@ -104,6 +105,22 @@ bool is_tied(const Model<dim> &model, const std::array<const Domain<dim> *, 2> &
     }
     return false;
   });
+}
+
+/// Whether a third body is tied to both boundaries, as a thin plate that lies between them is.
+template <int dim>
+bool have_body_between(const Model<dim> &model, const std::array<const Domain<dim> *, 2> &bodies,
+                       const std::array<dealii::types::boundary_id, 2> &ids)
+{
+  std::array<std::set<const Domain<dim> *>, 2> partners;
+  for (const auto &interface : model.interfaces)
+    for (const unsigned int first : {source, destination})
+      for (const unsigned int side : {0, 1})
+        if (interface->sides[first].domain == bodies[side] &&
+            interface->sides[first].boundary_ids.count(ids[side]) > 0)
+          partners[side].insert(interface->sides[1 - first].domain);
+  return std::any_of(partners[0].begin(), partners[0].end(),
+                     [&](const auto *partner) { return partners[1].count(partner) > 0; });
 }
 
 /// Whether somebody has thought of the boundary: a condition acts on a field that both bodies have.
@@ -263,7 +280,8 @@ std::set<unsigned int> cells_that_may_touch(const BoxesOfSide<dim> &own, const B
   return cells;
 }
 
-/// Where the faces of one side face another one, and how far the smooth surfaces are from both.
+/// Where the faces of one side face another one, and how far the smooth surfaces are from both. With a body
+/// between them only what has no distance touches.
 template <int dim>
 class TouchingFaces
 {
@@ -271,8 +289,10 @@ public:
   /// Collective.
   TouchingFaces(const std::array<const Domain<dim> *, 2> &bodies,
                 const std::array<dealii::types::boundary_id, 2> &ids, const SideFaces<dim> &own,
-                SideFaces<dim> other, const double thinnest_cell, const MPI_Comm &communicator)
-      : cells{{own.shape.cell(), other.shape.cell()}}, thinnest_cell(thinnest_cell)
+                SideFaces<dim> other, const double thinnest_cell, const bool has_body_between,
+                const MPI_Comm &communicator)
+      : cells{{own.shape.cell(), other.shape.cell()}}, thinnest_cell(thinnest_cell),
+        has_body_between(has_body_between)
   {
     if (bodies[0]->mapping_degree() == 1)
       own_bulges = Bulges<dim>(*bodies[0], ids[0], own).of_face;
@@ -321,6 +341,8 @@ private:
   /// Coarse facets must do so exactly: what bounds the distance of others would bridge a true gap.
   bool facets_touch(const unsigned int q) const
   {
+    if (has_body_between && points.matches[q].distance > rounding_of_touch * face_size(q))
+      return false;
     const bool are_coarse = bulges_of(q, 0) != nullptr || bulges_of(q, 1) != nullptr;
     return points.matches[q].angle <= (are_coarse ? 0.01 : largest_angle_of_touch) &&
            points.matches[q].distance <= distance_of_facets(face_size(q), are_coarse ? 0. : largest_angle);
@@ -330,6 +352,8 @@ private:
   /// apart, and turned by up to half of what both turn.
   bool surfaces_touch(const unsigned int q) const
   {
+    if (has_body_between)
+      return false;
     const auto &match = points.matches[q];
     dealii::Tensor<1, dim> gap = match.X - points.queries[q].X;
     double turn = 0, height = 0;
@@ -352,6 +376,7 @@ private:
 
   const std::array<dealii::ReferenceCell, 2> cells;
   const double thinnest_cell;
+  const bool has_body_between;
   std::map<unsigned int, typename Bulges<dim>::OfFace> own_bulges;
   std::vector<std::map<unsigned int, typename Bulges<dim>::OfFace>> other_bulges; ///< of each rank
   FacePoints<dim> points;
@@ -362,7 +387,8 @@ private:
 template <int dim>
 double touching_area(const std::array<const Domain<dim> *, 2> &bodies,
                      const std::array<dealii::types::boundary_id, 2> &ids,
-                     const std::array<const Extent<dim> *, 2> &extents, const MPI_Comm &communicator)
+                     const std::array<const Extent<dim> *, 2> &extents, const bool has_body_between,
+                     const MPI_Comm &communicator)
 {
   const double thinnest_cell = std::min(extents[0]->thinnest_cell, extents[1]->thinnest_cell);
   const double reach = search_radius_of_touch * std::max(extents[0]->largest_face, extents[1]->largest_face);
@@ -377,7 +403,7 @@ double touching_area(const std::array<const Domain<dim> *, 2> &bodies,
                              return id == ids[0] && cells.count(cell->active_cell_index()) > 0;
                            });
   const TouchingFaces<dim> faces(bodies, ids, own, faces_near(*extents[0], *bodies[1], ids[1], reach),
-                                 thinnest_cell, communicator);
+                                 thinnest_cell, has_body_between, communicator);
   return dealii::Utilities::MPI::sum(faces.area(), communicator);
 }
 
@@ -394,7 +420,8 @@ void add_notes_on_pair(const Model<dim> &model, const std::array<const Domain<di
           (has_condition(*bodies[0], id, *bodies[1]) && has_condition(*bodies[1], other_id, *bodies[0])))
         continue;
       const double area =
-          touching_area<dim>(bodies, {{id, other_id}}, {{&extent, &other_extent}}, model.communicator);
+          touching_area<dim>(bodies, {{id, other_id}}, {{&extent, &other_extent}},
+                             have_body_between(model, bodies, {{id, other_id}}), model.communicator);
       const double face = std::min(extent.largest_face, other_extent.largest_face);
       if (area > least_touching_area * (dim == 2 ? face : face * face))
         words << (words.str().empty() ? "" : ", ") << bodies[0]->name << " : " << id << " and "

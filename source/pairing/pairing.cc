@@ -92,9 +92,7 @@ template <int dim>
 Pairing<dim>::Pairing(const std::array<InterfaceSide<dim>, 2> &sides, const Options &options,
                       const std::array<bool, 2> &with_cover, const MPI_Comm &communicator)
     : extension(options.gap_extension), shift(sides[source].shift - sides[destination].shift),
-      n_shapes{{sides[source].domain->layout().n_shapes(), sides[destination].domain->layout().n_shapes()}},
-      reference_cells{{sides[source].domain->layout().element_of_space(0).reference_cell(),
-                       sides[destination].domain->layout().element_of_space(0).reference_cell()}}
+      n_shapes{{sides[source].domain->layout().n_shapes(), sides[destination].domain->layout().n_shapes()}}
 {
   for (const unsigned int side : {source, destination})
     present_shapes.emplace_back(*sides[side].domain);
@@ -333,55 +331,37 @@ void Pairing<dim>::evaluate_shapes(const unsigned int side, const unsigned int q
     }
 }
 
-namespace {
-
-/// Where the line into the cell ends on the other side of it.
 template <int dim>
-dealii::Point<dim> opposite_point(const dealii::ReferenceCell &cell, const unsigned int face_no,
-                                  const dealii::Point<dim> &unit_point)
-{
-  if (cell.is_hyper_cube())
-    return unit_point - cell.template unit_normal_vectors<dim>(face_no);
-  for (const unsigned int v : cell.vertex_indices()) {
-    bool is_on_face = false;
-    for (unsigned int i = 0; i < cell.face_reference_cell(face_no).n_vertices(); ++i)
-      is_on_face = is_on_face || cell.face_to_cell_vertices(face_no, i, 1) == v;
-    if (!is_on_face)
-      return cell.template vertex<dim>(v);
-  }
-  return unit_point;
-}
-
-} // namespace
-
-template <int dim>
-std::optional<typename Pairing<dim>::Bridge> Pairing<dim>::bridge(const unsigned int side,
-                                                                  const unsigned int q,
-                                                                  const unsigned int first_shape,
-                                                                  const unsigned int n) const
+std::optional<typename Pairing<dim>::Bridge>
+Pairing<dim>::bridge(const unsigned int side, const unsigned int q, const dealii::FiniteElement<dim> &element,
+                     const unsigned int first_shape) const
 {
   const double small = 0.02; // of the depth of the cell
   const auto group = std::upper_bound(groups.begin(), groups.end(), q,
                                       [](const unsigned int p, const Group &other) { return p < other.end; });
   const CellBehind<dim> &cell = cells[side][group->cells[side]];
   const dealii::Tensor<1, dim> gap = points[destination][q] - points[source][q] - shift;
-  if (gap.norm() * cell.face_measure > small * cell.cell_measure)
+  if (cell.nodes.empty() || element.degree < 2 || !element.has_support_points() ||
+      gap.norm() * cell.face_measure > small * cell.cell_measure)
     return {};
-  std::vector<double> at_end(n_shapes[side]);
-  std::vector<dealii::Tensor<1, dim>> unused(n_shapes[side]);
-  present_shapes[side].unit_shapes.evaluate(
-      opposite_point(reference_cells[side], cell.face_no, unit_points[side][q]),
-      dealii::unit_symmetric_tensor<dim>(), at_end.data(), unused.data());
+  const dealii::Point<dim> X = side == source ? points[source][q] : points[source][q] + shift;
+  const dealii::Tensor<1, dim> into_cell =
+      -invert(inverse_jacobians[side][q]) * dealii::GeometryInfo<dim>::unit_normal_vector[cell.face_no];
+  const dealii::Tensor<1, dim> *by_X = gradients(side, q) + first_shape;
   Bridge result;
-  dealii::Tensor<1, dim> d = side == source ? -points[source][q] : -points[source][q] - shift;
-  for (unsigned int k = first_shape; k < first_shape + n; ++k) {
-    result.weights.push_back(at_end[k]);
-    d += at_end[k] * cell.nodes[k];
+  dealii::Tensor<1, dim> d;
+  for (unsigned int k = 0; k < element.n_dofs_per_cell(); ++k) {
+    const double coordinate = element.unit_support_point(k)[cell.face_no / 2],
+                 depth = cell.face_no % 2 == 0 ? coordinate : 1 - coordinate;
+    result.weights.push_back(depth == 0 ? 0 : (1 - depth) * (by_X[k] * into_cell));
+    d += result.weights[k] * (cell.nodes[first_shape + k] - X);
   }
-  result.share = (gap * normals[source][q]) / (d * normals[source][q]);
-  result.along_face = gap - result.share * d;
-  for (double &weight : result.weights)
-    weight *= result.share;
+  const double factor = (gap * normals[source][q]) / (d * normals[source][q]);
+  for (double &weight : result.weights) {
+    weight *= factor;
+    result.share += weight;
+  }
+  result.along_face = gap - factor * d;
   return result;
 }
 

@@ -75,7 +75,8 @@ CellBehind<dim> cell_behind(const Domain<dim> &domain, const SideFaces<dim> &sid
                     cell.central_gradients.data());
   }
   cell.face_no = face.face_no;
-  for (unsigned int s = 0; s < domain.layout().n_spaces(); ++s) {
+  for (unsigned int s = 0; !domain.has_simplices() && domain.degree > 1 && s < domain.layout().n_spaces();
+       ++s) {
     const auto &element = domain.layout().element_of_space(s);
     for (unsigned int k = 0; k < element.n_dofs_per_cell(); ++k)
       cell.nodes.push_back(element.has_support_points() ? shapes.position(element.unit_support_point(k))
@@ -134,11 +135,11 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
 }
 
 template CellBehind<2> cell_behind(const Domain<2> &, const SideFaces<2> &, unsigned int, unsigned int,
-                                    ShapeEvaluator<2> &);
+                                   ShapeEvaluator<2> &);
 template PartnerShapes<2> fetch_shapes(const Domain<2> &, const FaceLocator<2> &,
                                        const std::vector<FaceLocator<2>::Match> &, const MPI_Comm &);
 template CellBehind<3> cell_behind(const Domain<3> &, const SideFaces<3> &, unsigned int, unsigned int,
-                                    ShapeEvaluator<3> &);
+                                   ShapeEvaluator<3> &);
 template PartnerShapes<3> fetch_shapes(const Domain<3> &, const FaceLocator<3> &,
                                        const std::vector<FaceLocator<3>::Match> &, const MPI_Comm &);
 

@@ -269,10 +269,11 @@ typename Eigenmodes<dim>::Column Eigenmodes<dim>::stiffness_product(const Column
 {
   const double large = 1e6;
   Column Kx = product(stiffness, 1, x);
-  if (forces_at_rest.empty())
+  if (!asks_laws)
     return Kx;
   const double ratio = std::sqrt(product(forces_at_rest, forces_at_rest) / product(Kx, Kx)),
-               factor = ratio > 0 && std::isfinite(ratio) ? std::exp2(std::ceil(std::log2(large * ratio))) : 1;
+               factor =
+                   ratio > 0 && std::isfinite(ratio) ? std::exp2(std::ceil(std::log2(large * ratio))) : 1;
   Kx = forces(factor, x);
   for (std::size_t i = 0; i < Kx.size(); ++i)
     Kx[i] = (Kx[i] - forces_at_rest[i]) / factor;
@@ -296,15 +297,14 @@ template <int dim>
 void Eigenmodes<dim>::look_for_rounding()
 {
   const double allowed = 1e-11;
-  forces_at_rest.clear();
   if (!model.is_linear())
     return;
   const Column b = problem.mass(problem.guides[0]), x = inverse(b);
   const double size = product(x, b), by_matrix = product(x, problem.stiffness(x));
   forces_at_rest = forces(0, x);
+  asks_laws = true;
   const double difference = product(x, problem.stiffness(x)) - by_matrix;
-  if (!(std::max(rounding(x, size), std::abs(difference / size)) > allowed))
-    forces_at_rest.clear();
+  asks_laws = std::max(rounding(x, size), std::abs(difference / size)) > allowed;
 }
 
 /// The tangent K + c M at the state.
@@ -451,7 +451,7 @@ bool Eigenmodes<dim>::run(const double t, const Vector &x)
     problem.mass = [this](const Column &column) { return product(mass, 1 / mass_alone, column); };
     problem.inverse = [this](const Column &column) { return inverse(column); };
     make_guides();
-    forces_at_rest.clear();
+    asks_laws = false;
     section.check(
         is_symmetric(), "Kind",
         "cannot be eigenmodes: the tangent at the state whose modes are wanted is not symmetric. A law "
@@ -535,7 +535,7 @@ void Eigenmodes<dim>::note_rounding(const EigenPairs &pairs)
   const double allowed = 1e-7;
   double largest = 0;
   for (const unsigned int k : nearest(pairs))
-    if (forces_at_rest.empty() && frequency(pairs.values[k]) != 0)
+    if (!asks_laws && frequency(pairs.values[k]) != 0)
       largest = std::max(largest, rounding(pairs.vectors[k], pairs.values[k]) / 2);
   if (largest > allowed) {
     char size[40];

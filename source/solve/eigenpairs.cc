@@ -20,7 +20,7 @@ using Column = EigenProblem::Column;
 using Matrix = dealii::FullMatrix<double>;
 
 const unsigned int n_at_once = 4; ///< vectors that the search begins with
-const double tolerance = 1e-9;    ///< of a Ritz vector, relative to its value
+const double tolerance = 1e-10;   ///< of a Ritz vector, relative to its value
 const double of_others = 1e-5;    ///< likewise, of those that are more than wanted
 const double dependent = 1e-11;   ///< a vector with so little of its own, relative to the largest value
 const double largest_residual = 1e-7;

@@ -494,34 +494,32 @@ MultiplierSpace<dim>::extension(const typename Pairing<dim>::Group &group, const
 {
   const Pairing<dim> &pairing = interface.pairing();
   const TiedField &field = interface.fields[f];
-  const unsigned int n_points = group.end - group.begin, n_source = field.n_nodes[source];
+  const unsigned int n_points = group.end - group.begin, n_source = field.n_nodes[source],
+                     n_destination = field.n_nodes[destination];
   Extension result;
   if (!pairing.is_bridged())
     return result;
+  result.shares.assign(n_points, 0.);
   result.of_source.assign(n_points * n_source, 0.);
-  result.of_destination_at_source = result.of_source;
-  result.of_destination.assign(n_points * field.n_nodes[destination], 0.);
+  result.of_destination.assign(n_points * n_destination, 0.);
+  result.of_destination_at_source.assign(n_points * n_source, 0.);
   for (unsigned int p = 0; p < n_points; ++p)
     for (const unsigned int side : {source, destination}) {
       const unsigned int q = group.begin + p, n = field.n_nodes[side];
       const auto &element = interface.sides[side].domain->layout().element(field.first_component[side]);
       double *own = &(side == source ? result.of_source : result.of_destination)[p * n],
-             *at_source = &(side == source ? result.of_source : result.of_destination_at_source)[p * n_source];
-      const auto bridge = element.degree > 1 && element.has_support_points()
-                              ? pairing.bridge(side, q, field.first_shape[side], n)
-                              : std::optional<typename Pairing<dim>::Bridge>();
-      if (!bridge) {
-        const auto *gradients = pairing.gradients(side, q) + field.first_shape[side];
-        for (unsigned int k = 0; k < n; ++k)
-          own[k] = gradients[k] * pairing.offset(q);
-        continue;
-      }
-      for (unsigned int k = 0; k < n; ++k)
-        own[k] += bridge->weights[k];
+             *at_source =
+                 &(side == source ? result.of_source : result.of_destination_at_source)[p * n_source];
+      const auto bridge = pairing.bridge(side, q, element, field.first_shape[side]);
+      const auto *gradients = pairing.gradients(side, q) + field.first_shape[side],
+                 *gradients_at_source = pairing.gradients(source, q) + field.first_shape[source];
       const double *trace = pairing.values(source, q) + field.first_shape[source];
-      const auto *gradients = pairing.gradients(source, q) + field.first_shape[source];
-      for (unsigned int k = 0; k < n_source; ++k)
-        at_source[k] += gradients[k] * bridge->along_face - bridge->share * trace[k];
+      for (unsigned int k = 0; k < n; ++k)
+        own[k] += bridge ? bridge->weights[k] : gradients[k] * pairing.offset(q);
+      for (unsigned int k = 0; bridge && k < n_source; ++k)
+        at_source[k] += gradients_at_source[k] * bridge->along_face - bridge->share * trace[k];
+      if (bridge && side == destination)
+        result.shares[p] = bridge->share;
     }
   return result;
 }
@@ -559,17 +557,19 @@ void MultiplierSpace<dim>::add_source(const Face &face, const typename Pairing<d
       moment[k] += value * trace[k];
     if (extension.of_source.empty())
       continue;
+    // B = B(X') + (1 - s) of_source + s of_destination, whose B(X') stands for B
     const unsigned int p = q - group.begin;
-    const double own_share = pairing.own_share(q, f), *of_source = &extension.of_source[p * n_source],
-                 *at_source_of_own = &extension.of_destination_at_source[p * n_source],
-                 *of_own = &extension.of_destination[p * n_destination];
-    is_bridged = is_bridged || own_share > 0;
+    const double s = pairing.own_share(q, f), factor = value / (1 + s * extension.shares[p]);
+    is_bridged = is_bridged || s > 0;
     for (unsigned int k = 0; k < n_source; ++k) {
-      moment[k] += value * ((1 - own_share) * of_source[k] + own_share * at_source_of_own[k]);
-      source_weight[k] += value * own_share * (of_source[k] - at_source_of_own[k]);
+      const double of_source = extension.of_source[p * n_source + k],
+                   wanted = factor *
+                            ((1 - s) * of_source + s * extension.of_destination_at_source[p * n_source + k]);
+      moment[k] += wanted;
+      source_weight[k] += value * of_source - wanted;
     }
     for (unsigned int k = 0; k < n_destination; ++k)
-      destination_weight[k] -= value * own_share * of_own[k];
+      destination_weight[k] -= factor * s * extension.of_destination[p * n_destination + k];
   }
   if (is_bridged)
     add_own_gradient(group, f, row.component, destination_weight, source_weight, row);

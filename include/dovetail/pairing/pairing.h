@@ -175,21 +175,21 @@ public:
   {
     return own_shares.empty() ? 0. : own_shares[extension_of_field[field]][q];
   }
-  /// What a field adds to the source's trace B(X') over the whole gap, by a difference across the cell of a
-  /// side: with the point Y on the opposite face,
-  /// sum_k weights_k B_k - share B(X') + along_face.grad B(X') with weights_k = share phi_k(Y). It asks the
-  /// nodes of that face and of the source's face, where a gradient asks all nodes of the cell, too many for
-  /// unknowns that follow others. Exact for affine fields, else up to gap h |D^2 B|.
+  /// What a field adds to the source's trace B(X') over the whole gap, by a derivative into the cell of a
+  /// side in which B(X') stands for the nodes on the face, without those on the opposite face: sum_k
+  /// weights_k B_k - share B(X') + along_face.grad B(X') with weights_k ~ (1 - depth_k) dphi_k/dn, where 1 -
+  /// depth_k makes the derivative of degree p that of degree p - 1. Unknowns of the destination's face, which
+  /// follow the source, ask each other for nothing then. Exact for affine fields.
   struct Bridge
   {
     std::vector<double> weights; ///< by node of the cell
-    double share;
+    double share = 0;            ///< their sum
     dealii::Tensor<1, dim> along_face;
   };
-  /// For the n functions of a space. Nothing if the gap is not small beside the cell, as an error of the
-  /// geometry is. @pre The space has nodes.
-  std::optional<Bridge> bridge(unsigned int side, unsigned int q, unsigned int first_shape,
-                               unsigned int n) const;
+  /// For the functions of a space. Nothing if the gap is not small beside the cell, as an error of the
+  /// geometry is, if the degree is 1 or the cell is a simplex.
+  std::optional<Bridge> bridge(unsigned int side, unsigned int q, const dealii::FiniteElement<dim> &element,
+                               unsigned int first_shape) const;
   const double *test(const unsigned int side, const unsigned int q, const unsigned int field) const
   {
     return extension == GapExtension::symmetric ? trial(side, q, field) : values(side, q);
@@ -238,7 +238,6 @@ private:
   GapExtension extension;
   dealii::Tensor<1, dim> shift;         ///< of the source against the destination
   std::array<unsigned int, 2> n_shapes; ///< at a point
-  std::array<dealii::ReferenceCell, 2> reference_cells;
   std::vector<double> weights;
   std::array<std::vector<dealii::Point<dim>>, 2> points;
   std::array<std::vector<dealii::Tensor<1, dim>>, 2> normals;

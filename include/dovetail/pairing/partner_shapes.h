@@ -18,11 +18,11 @@ template <int dim>
 struct CellBehind
 {
   std::vector<dealii::types::global_dof_index> dofs;
-  double cell_measure = 0;                                   ///< Omega
-  double face_measure = 0;                                   ///< Gamma
-  std::vector<dealii::Tensor<1, dim>> central_gradients;     ///< of each one
-  unsigned int face_no = 0;                                  ///< of the face in the cell
-  std::vector<dealii::Point<dim>> nodes;                     ///< of the shape functions, not of discontinuous ones
+  double cell_measure = 0;                               ///< Omega
+  double face_measure = 0;                               ///< Gamma
+  std::vector<dealii::Tensor<1, dim>> central_gradients; ///< of each one
+  unsigned int face_no = 0;                              ///< of the face in the cell
+  std::vector<dealii::Point<dim>> nodes; ///< of the shape functions of hypercubes above degree 1
   unsigned int rank = dealii::numbers::invalid_unsigned_int; ///< that owns the cell
   unsigned int face = dealii::numbers::invalid_unsigned_int; ///< of the side, as in SideFaces::faces there
 

@@ -78,7 +78,8 @@ private:
   Vector state;
   bool is_held = false;
   BlockMatrix stiffness, mass;
-  Column forces_at_rest; ///< at the state; empty where products with the matrix are exact enough
+  bool asks_laws = false; ///< for K x, since products with the matrix are not exact enough
+  Column forces_at_rest;  ///< at the state, if so
   std::vector<std::pair<unsigned int, unsigned int>>
       free; ///< block and own entry of each own entry of a column
   std::map<unsigned int, std::vector<unsigned int>> constrained; ///< own rows of other unknowns, by block

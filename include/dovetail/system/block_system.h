@@ -151,8 +151,7 @@ public:
   bool moves_constraints() const { return constraints.moves(); }
   double largest_move() const { return constraints.largest_move(); } ///< of a prescribed value, likewise
   /// Fields that is_surely_held() are not looked at.
-  enum class Unless
-  {
+  enum class Unless {
     held,         ///< by conditions, ties and rates
     held_at_rest, ///< by conditions and ties
     never

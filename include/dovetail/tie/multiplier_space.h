@@ -108,11 +108,12 @@ private:
     dealii::FullMatrix<double> mass;   ///< over the covered part
     std::vector<Component> components; ///< of all these fields
   };
-  /// What fields add over the whole gap to the source's trace, as weights of the nodes of a cell by point of a
-  /// group; empty without a gap. That of the destination may ask nodes of the source, too (Pairing::Bridge).
+  /// What fields add over the whole gap to the source's trace, as weights of the nodes of a cell by point of
+  /// a group; empty without a gap. That of the destination may ask nodes of the source, too
+  /// (Pairing::Bridge).
   struct Extension
   {
-    std::vector<double> of_source, of_destination, of_destination_at_source;
+    std::vector<double> of_source, of_destination, of_destination_at_source, shares;
   };
   struct Shares
   {

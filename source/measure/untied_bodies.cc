@@ -119,8 +119,9 @@ bool have_body_between(const Model<dim> &model, const std::array<const Domain<di
         if (interface->sides[first].domain == bodies[side] &&
             interface->sides[first].boundary_ids.count(ids[side]) > 0)
           partners[side].insert(interface->sides[1 - first].domain);
-  return std::any_of(partners[0].begin(), partners[0].end(),
-                     [&](const auto *partner) { return partners[1].count(partner) > 0; });
+  return std::any_of(partners[0].begin(), partners[0].end(), [&](const auto *partner) {
+    return partner != bodies[0] && partner != bodies[1] && partners[1].count(partner) > 0;
+  });
 }
 
 /// Whether somebody has thought of the boundary: a condition acts on a field that both bodies have.

@@ -344,7 +344,7 @@ Pairing<dim>::bridge(const unsigned int side, const unsigned int q, const dealii
   if (cell.nodes.empty() || element.degree < 2 || !element.has_support_points() ||
       gap.norm() * cell.face_measure > small * cell.cell_measure)
     return {};
-  const dealii::Point<dim> X = side == source ? points[source][q] : points[source][q] + shift;
+  const dealii::Point<dim> &X = points[side][q];
   const dealii::Tensor<1, dim> into_cell =
       -invert(inverse_jacobians[side][q]) * dealii::GeometryInfo<dim>::unit_normal_vector[cell.face_no];
   const dealii::Tensor<1, dim> *by_X = gradients(side, q) + first_shape;

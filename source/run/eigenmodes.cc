@@ -505,7 +505,7 @@ void Eigenmodes<dim>::write(const EigenPairs &pairs)
     std::snprintf(row, sizeof(row), "  %4u  %14.6g  %8.1e", ++number, hertz, pairs.residuals[k]);
     log.tell(row);
     Vector mode = scatter(pairs.vectors[k]);
-    step.system().distribute(mode);
+    step.system().distribute_rate(mode, true);
     double largest = 0;
     const auto &blocks = model.numbering->blocks();
     for (unsigned int b = 0; b < blocks.size(); ++b)
@@ -528,7 +528,7 @@ void Eigenmodes<dim>::write(const EigenPairs &pairs)
     notes.add(of_modes("not all eigenmodes have converged: their residuals tell which"));
 }
 
-/// Of other scenes than linear ones.
+/// Where the laws have not been asked.
 template <int dim>
 void Eigenmodes<dim>::note_rounding(const EigenPairs &pairs)
 {

@@ -67,6 +67,13 @@ Column combination(const Matrix &factors, const unsigned int row, const std::vec
   return result;
 }
 
+/// Whether the k-th Ritz value, the largest first, is one of the @p n wanted ones, or as far as is known:
+/// where the lowest eigenvalues are wanted, those below the shift are; repeated ones belong together.
+bool may_be_wanted(const std::vector<double> &values, const unsigned int n, const unsigned int k)
+{
+  return k < n || values[k] < 0 || std::abs(values[k]) > (1 - 10 * repeated) * std::abs(values[n - 1]);
+}
+
 /// A basis V with V^T M V = 1 that grows by what A = (K - shift M)^-1 M makes of its vectors, in order, and
 /// H = V^T M A V. The vectors that have been multiplied are the first ones.
 class Lanczos
@@ -206,7 +213,8 @@ bool Lanczos::have_converged()
         coupling += H(row, i) * ritz_vectors(k, i);
       square += coupling * coupling;
     }
-    if (std::sqrt(square) > (k < n_needed ? tolerance : of_others) * std::abs(ritz_values[k]))
+    const double allowed = may_be_wanted(ritz_values, n_needed, k) ? tolerance : of_others;
+    if (std::sqrt(square) > allowed * std::abs(ritz_values[k]))
       return false;
   }
   return true;
@@ -341,10 +349,17 @@ EigenPairs pairs_in_span(const EigenProblem &problem, std::vector<Column> column
 EigenPairs nearest_eigenpairs(const EigenProblem &problem, const unsigned int n)
 {
   Lanczos lanczos(problem, n);
-  bool has_converged = lanczos.search();
+  const bool has_converged = lanczos.search();
 
+  struct Found
+  {
+    double value, residual;
+    bool may_be_wanted;
+
+    bool operator<(const Found &other) const { return value < other.value; }
+  };
   std::vector<Column> columns; // multiplied once more, which takes away what is far from the shift
-  std::vector<std::pair<double, double>> residuals; // with the values
+  std::vector<Found> all;
   for (unsigned int k = 0; k < lanczos.values.size(); ++k) {
     const double value = lanczos.values[k];
     columns.push_back(problem.inverse(problem.mass(lanczos.vectors[k])));
@@ -353,14 +368,19 @@ EigenPairs nearest_eigenpairs(const EigenProblem &problem, const unsigned int n)
     Column difference = columns.back();
     add(-1, lanczos.vectors[k], difference);
     const double square = products({problem.mass(difference)}, difference, problem.communicator)[0];
-    residuals.emplace_back(problem.shift + 1 / value, std::sqrt(std::max(0., square)));
-    has_converged = has_converged && (k >= n || residuals.back().second <= largest_residual);
+    all.push_back(
+        {problem.shift + 1 / value, std::sqrt(std::max(0., square)), may_be_wanted(lanczos.values, n, k)});
   }
   EigenPairs result = pairs_in_span(problem, std::move(columns));
-  std::sort(residuals.begin(), residuals.end());
-  for (const auto &[value, residual] : residuals)
-    result.residuals.push_back(residual);
+  std::sort(all.begin(), all.end());
   result.has_converged = has_converged;
+  for (unsigned int k = 0; k < all.size(); ++k) { // an inverse of another matrix shows in the values alone
+    const double distance = std::abs(all[k].value - problem.shift);
+    result.residuals.push_back(
+        std::max(all[k].residual, std::abs(result.values[k] - all[k].value) / distance));
+    result.has_converged =
+        result.has_converged && (!all[k].may_be_wanted || result.residuals[k] <= largest_residual);
+  }
   for (unsigned int first = 0, end = 0; first < result.values.size(); first = end) {
     for (end = first + 1; end < result.values.size(); ++end)
       if (result.values[end] - result.values[end - 1] >

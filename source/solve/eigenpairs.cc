@@ -20,8 +20,7 @@ using Column = EigenProblem::Column;
 using Matrix = dealii::FullMatrix<double>;
 
 const unsigned int n_at_once = 4; ///< vectors that the search begins with
-const double tolerance = 1e-10;   ///< of a Ritz vector, relative to its value
-const double of_others = 1e-5;    ///< likewise, of those that are more than wanted
+const double tolerance = 1e-12;   ///< of a Ritz vector, relative to its value
 const double dependent = 1e-11;   ///< a vector with so little of its own, relative to the largest value
 const double largest_residual = 1e-7;
 const unsigned int most_rounds = 60; ///< from restart to restart
@@ -67,21 +66,14 @@ Column combination(const Matrix &factors, const unsigned int row, const std::vec
   return result;
 }
 
-/// Whether the k-th Ritz value, the largest first, is one of the @p n wanted ones, or as far as is known:
-/// where the lowest eigenvalues are wanted, those below the shift are; repeated ones belong together.
-bool may_be_wanted(const std::vector<double> &values, const unsigned int n, const unsigned int k)
-{
-  return k < n || values[k] < 0 || std::abs(values[k]) > (1 - 10 * repeated) * std::abs(values[n - 1]);
-}
-
 /// A basis V with V^T M V = 1 that grows by what A = (K - shift M)^-1 M makes of its vectors, in order, and
 /// H = V^T M A V. The vectors that have been multiplied are the first ones.
 class Lanczos
 {
 public:
   Lanczos(const EigenProblem &problem, const unsigned int n)
-      : problem(problem), n_needed(n), n_wanted(n + n_at_once), largest_size(2 * n_wanted + 10 * n_at_once),
-        n_own(problem.guides[0].size()), H(largest_size + n_at_once, largest_size + n_at_once)
+      : problem(problem), n_wanted(n), largest_size(2 * n + 10 * n_at_once), n_own(problem.guides[0].size()),
+        H(largest_size + n_at_once, largest_size + n_at_once)
   {
   }
 
@@ -101,7 +93,7 @@ private:
   unsigned int n_found() const { return std::min<unsigned int>(n_wanted, ritz_values.size()); }
 
   const EigenProblem &problem;
-  const unsigned int n_needed, n_wanted, largest_size;
+  const unsigned int n_wanted, largest_size;
   const std::size_t n_own;
   std::vector<Column> basis, mass_basis;
   unsigned int n_multiplied = 0, n_starts = 0;
@@ -213,8 +205,7 @@ bool Lanczos::have_converged()
         coupling += H(row, i) * ritz_vectors(k, i);
       square += coupling * coupling;
     }
-    const double allowed = may_be_wanted(ritz_values, n_needed, k) ? tolerance : of_others;
-    if (std::sqrt(square) > allowed * std::abs(ritz_values[k]))
+    if (std::sqrt(square) > tolerance * std::abs(ritz_values[k]))
       return false;
   }
   return true;
@@ -348,18 +339,11 @@ EigenPairs pairs_in_span(const EigenProblem &problem, std::vector<Column> column
 
 EigenPairs nearest_eigenpairs(const EigenProblem &problem, const unsigned int n)
 {
-  Lanczos lanczos(problem, n);
+  Lanczos lanczos(problem, n + n_at_once);
   const bool has_converged = lanczos.search();
 
-  struct Found
-  {
-    double value, residual;
-    bool may_be_wanted;
-
-    bool operator<(const Found &other) const { return value < other.value; }
-  };
   std::vector<Column> columns; // multiplied once more, which takes away what is far from the shift
-  std::vector<Found> all;
+  std::vector<std::pair<double, double>> residuals; // with the values
   for (unsigned int k = 0; k < lanczos.values.size(); ++k) {
     const double value = lanczos.values[k];
     columns.push_back(problem.inverse(problem.mass(lanczos.vectors[k])));
@@ -368,19 +352,17 @@ EigenPairs nearest_eigenpairs(const EigenProblem &problem, const unsigned int n)
     Column difference = columns.back();
     add(-1, lanczos.vectors[k], difference);
     const double square = products({problem.mass(difference)}, difference, problem.communicator)[0];
-    all.push_back(
-        {problem.shift + 1 / value, std::sqrt(std::max(0., square)), may_be_wanted(lanczos.values, n, k)});
+    residuals.emplace_back(problem.shift + 1 / value, std::sqrt(std::max(0., square)));
   }
   EigenPairs result = pairs_in_span(problem, std::move(columns));
-  std::sort(all.begin(), all.end());
-  result.has_converged = has_converged;
-  for (unsigned int k = 0; k < all.size(); ++k) { // an inverse of another matrix shows in the values alone
-    const double distance = std::abs(all[k].value - problem.shift);
-    result.residuals.push_back(
-        std::max(all[k].residual, std::abs(result.values[k] - all[k].value) / distance));
-    result.has_converged =
-        result.has_converged && (!all[k].may_be_wanted || result.residuals[k] <= largest_residual);
+  std::sort(residuals.begin(), residuals.end());
+  for (const auto &[value, residual] : residuals) { // an inverse of another matrix shows in the values alone
+    const double difference = result.values[result.residuals.size()] - value;
+    result.residuals.push_back(std::max(residual, std::abs(difference / (value - problem.shift))));
   }
+  result.has_converged =
+      has_converged && std::all_of(result.residuals.begin(), result.residuals.end(),
+                                   [](const double residual) { return residual <= largest_residual; });
   for (unsigned int first = 0, end = 0; first < result.values.size(); first = end) {
     for (end = first + 1; end < result.values.size(); ++end)
       if (result.values[end] - result.values[end - 1] >

@@ -155,6 +155,8 @@ Interface<dim>::Interface(const std::string &name, const Section &section,
                       ", which takes the fields at the faces. Remove it.");
     options.gap_extension = GapExtension::none;
   }
+  options.with_bridges =
+      !section.documenting() && method->asks_bridges() && options.gap_extension != GapExtension::none;
   const std::vector<std::string> answers = {"error", "warn", "allow"};
   uncovered = answers[section.choose("Uncovered", answers, 0,
                                      "Reaction if both sides have parts without a partner [-]")];

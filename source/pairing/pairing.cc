@@ -39,7 +39,8 @@ std::array<double, 2> areas_of(const SideFaces<dim> &side, const Measure<dim> &m
 /// The cells of the points' own faces, as fetch_shapes gives those of the partner.
 template <int dim>
 PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &points,
-                              const SideFaces<dim> &faces, const unsigned int this_rank)
+                              const SideFaces<dim> &faces, const unsigned int this_rank,
+                              const bool with_nodes)
 {
   PartnerShapes<dim> result;
   result.inverse_jacobians.resize(points.size());
@@ -48,7 +49,7 @@ PartnerShapes<dim> own_shapes(const Domain<dim> &domain, const FacePoints<dim> &
   for (unsigned int q = 0; q < points.size(); ++q) {
     if (points.face[q] != current) {
       current = points.face[q];
-      result.cells.push_back(cell_behind(domain, faces, current, this_rank, shapes));
+      result.cells.push_back(cell_behind(domain, faces, current, this_rank, with_nodes, shapes));
     }
     result.cell_of_point.push_back(result.cells.size() - 1);
     if (points.matches[q].found)
@@ -209,8 +210,9 @@ void Pairing<dim>::integrate(const std::array<InterfaceSide<dim>, 2> &sides, con
   search_seconds += timer.wall_time();
   std::array<PartnerShapes<dim>, 2> shapes;
   shapes[own] = own_shapes(*sides[own].domain, face_points, faces,
-                           dealii::Utilities::MPI::this_mpi_process(communicator));
-  shapes[partner] = fetch_shapes(*sides[partner].domain, locator, face_points.matches, communicator);
+                           dealii::Utilities::MPI::this_mpi_process(communicator), options.with_bridges);
+  shapes[partner] =
+      fetch_shapes(*sides[partner].domain, locator, face_points.matches, options.with_bridges, communicator);
   all_work += locator.work();
   count(face_points, faces, own, communicator);
 
@@ -308,13 +310,19 @@ void Pairing<dim>::extend(const std::vector<OwnShare> &share_of_field)
 }
 
 template <int dim>
+const typename Pairing<dim>::Group &Pairing<dim>::group_of(const unsigned int q) const
+{
+  return *std::upper_bound(groups.begin(), groups.end(), q,
+                           [](const unsigned int p, const Group &group) { return p < group.end; });
+}
+
+template <int dim>
 void Pairing<dim>::evaluate_shapes(const unsigned int side, const unsigned int q) const
 {
-  const auto group = std::upper_bound(groups.begin(), groups.end(), q,
-                                      [](const unsigned int p, const Group &other) { return p < other.end; });
+  const Group &group = group_of(q);
   Shapes &shapes = present_shapes[side];
-  shapes.begin = group->begin;
-  shapes.end = group->end;
+  shapes.begin = group.begin;
+  shapes.end = group.end;
   const unsigned int n = n_shapes[side], n_values = (shapes.end - shapes.begin) * n;
   shapes.values.resize(n_values);
   shapes.gradients.resize(n_values);
@@ -324,7 +332,7 @@ void Pairing<dim>::evaluate_shapes(const unsigned int side, const unsigned int q
   shapes.extended_values.assign(own_shares.size(), shapes.values);
   for (unsigned int k = 0; k < own_shares.size(); ++k)
     for (unsigned int p = shapes.begin, i = 0; p < shapes.end; ++p) {
-      const double share = side == group->side ? -own_shares[k][p] : 1 - own_shares[k][p];
+      const double share = side == group.side ? -own_shares[k][p] : 1 - own_shares[k][p];
       for (const unsigned int end = i + n; i < end; ++i)
         if (share != 0)
           shapes.extended_values[k][i] += share * (shapes.gradients[i] * offsets[p]);
@@ -337,9 +345,7 @@ Pairing<dim>::bridge(const unsigned int side, const unsigned int q, const dealii
                      const unsigned int first_shape) const
 {
   const double small = 0.02; // of the depth of the cell
-  const auto group = std::upper_bound(groups.begin(), groups.end(), q,
-                                      [](const unsigned int p, const Group &other) { return p < other.end; });
-  const CellBehind<dim> &cell = cells[side][group->cells[side]];
+  const CellBehind<dim> &cell = cells[side][group_of(q).cells[side]];
   const dealii::Tensor<1, dim> gap = points[destination][q] - points[source][q] - shift;
   if (cell.nodes.empty() || element.degree < 2 || !element.has_support_points() ||
       gap.norm() * cell.face_measure > small * cell.cell_measure)

@@ -44,11 +44,11 @@ struct Answer
 template <int dim>
 std::vector<Answer<dim>> answer(const std::vector<Request<dim>> &requests, const unsigned int this_rank,
                                 const Domain<dim> &domain, const FaceLocator<dim> &locator,
-                                ShapeEvaluator<dim> &shapes)
+                                const bool with_nodes, ShapeEvaluator<dim> &shapes)
 {
   std::vector<Answer<dim>> answers;
   for (const Request<dim> &request : requests) {
-    Answer<dim> answer{cell_behind(domain, locator.side(), request.face, this_rank, shapes), {}};
+    Answer<dim> answer{cell_behind(domain, locator.side(), request.face, this_rank, with_nodes, shapes), {}};
     for (const dealii::Point<dim> &point : request.unit_points)
       answer.inverse_jacobians.push_back(shapes.inverse_jacobian(point));
     answers.push_back(std::move(answer));
@@ -60,7 +60,7 @@ std::vector<Answer<dim>> answer(const std::vector<Request<dim>> &requests, const
 
 template <int dim>
 CellBehind<dim> cell_behind(const Domain<dim> &domain, const SideFaces<dim> &side, const unsigned int number,
-                            const unsigned int this_rank, ShapeEvaluator<dim> &shapes)
+                            const unsigned int this_rank, const bool with_nodes, ShapeEvaluator<dim> &shapes)
 {
   const auto &face = side.faces[number];
   shapes.reinit(face.cell);
@@ -75,8 +75,8 @@ CellBehind<dim> cell_behind(const Domain<dim> &domain, const SideFaces<dim> &sid
                     cell.central_gradients.data());
   }
   cell.face_no = face.face_no;
-  for (unsigned int s = 0; !domain.has_simplices() && domain.degree > 1 && s < domain.layout().n_spaces();
-       ++s) {
+  const bool has_nodes = with_nodes && !domain.has_simplices() && domain.degree > 1;
+  for (unsigned int s = 0; has_nodes && s < domain.layout().n_spaces(); ++s) {
     const auto &element = domain.layout().element_of_space(s);
     for (unsigned int k = 0; k < element.n_dofs_per_cell(); ++k)
       cell.nodes.push_back(element.has_support_points() ? shapes.position(element.unit_support_point(k))
@@ -90,7 +90,7 @@ CellBehind<dim> cell_behind(const Domain<dim> &domain, const SideFaces<dim> &sid
 template <int dim>
 PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<dim> &locator,
                                 const std::vector<typename FaceLocator<dim>::Match> &matches,
-                                const MPI_Comm &communicator)
+                                const bool with_nodes, const MPI_Comm &communicator)
 {
   PartnerShapes<dim> result;
   result.cell_of_point.assign(matches.size(), dealii::numbers::invalid_unsigned_int);
@@ -115,7 +115,7 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
   ShapeEvaluator<dim> shapes(partner);
   RankMap<std::vector<Answer<dim>>> answers;
   for (const auto &[rank, rank_requests] : exchange(requests, communicator, locator.work()))
-    answers[rank] = answer(rank_requests, this_rank, partner, locator, shapes);
+    answers[rank] = answer(rank_requests, this_rank, partner, locator, with_nodes, shapes);
   answers = exchange(std::move(answers), communicator, locator.work());
   const auto add = [&](const std::vector<Request<dim>> &asked, std::vector<Answer<dim>> &answered) {
     for (unsigned int k = 0; k < asked.size(); ++k) {
@@ -134,13 +134,13 @@ PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<di
   return result;
 }
 
-template CellBehind<2> cell_behind(const Domain<2> &, const SideFaces<2> &, unsigned int, unsigned int,
+template CellBehind<2> cell_behind(const Domain<2> &, const SideFaces<2> &, unsigned int, unsigned int, bool,
                                    ShapeEvaluator<2> &);
 template PartnerShapes<2> fetch_shapes(const Domain<2> &, const FaceLocator<2> &,
-                                       const std::vector<FaceLocator<2>::Match> &, const MPI_Comm &);
-template CellBehind<3> cell_behind(const Domain<3> &, const SideFaces<3> &, unsigned int, unsigned int,
+                                       const std::vector<FaceLocator<2>::Match> &, bool, const MPI_Comm &);
+template CellBehind<3> cell_behind(const Domain<3> &, const SideFaces<3> &, unsigned int, unsigned int, bool,
                                    ShapeEvaluator<3> &);
 template PartnerShapes<3> fetch_shapes(const Domain<3> &, const FaceLocator<3> &,
-                                       const std::vector<FaceLocator<3>::Match> &, const MPI_Comm &);
+                                       const std::vector<FaceLocator<3>::Match> &, bool, const MPI_Comm &);
 
 } // namespace dovetail

@@ -54,6 +54,7 @@ public:
 
   TieParts<dim> parts() override { return {nullptr, this, this, this}; }
   std::array<bool, 2> integrates_on() const override { return {{false, true}}; }
+  bool asks_bridges() const override { return true; }
   bool has_constant_tangent(const Interface<dim> &interface) const override
   {
     return is_dual || interface.has_constant_fluxes();

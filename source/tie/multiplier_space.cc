@@ -506,6 +506,8 @@ MultiplierSpace<dim>::extension(const typename Pairing<dim>::Group &group, const
   for (unsigned int p = 0; p < n_points; ++p)
     for (const unsigned int side : {source, destination}) {
       const unsigned int q = group.begin + p, n = field.n_nodes[side];
+      if (side == destination && pairing.own_share(q, f) == 0) // add_source() asks nothing of it
+        continue;
       const auto &element = interface.sides[side].domain->layout().element(field.first_component[side]);
       double *own = &(side == source ? result.of_source : result.of_destination)[p * n],
              *at_source =

@@ -326,7 +326,7 @@ Pointwise<dim>::add_followers(const Interface<dim> &interface, const unsigned in
     queries.push_back(node.query);
   const auto matches = locator.locate(queries);
   const PartnerShapes<dim> partners =
-      fetch_shapes(*interface.sides[source].domain, locator, matches, communicator);
+      fetch_shapes(*interface.sides[source].domain, locator, matches, false, communicator);
   const auto hanging = to.domain->hanging_nodes();
   ShapeEvaluator<dim> own_shapes(*to.domain);
   UnitShapes<dim> source_shapes(*interface.sides[source].domain);

@@ -235,6 +235,8 @@ public:
   virtual std::array<bool, 2> integrates_on() const = 0;
   /// Whether the jump extends the fields over a gap, according to Gap extension.
   virtual bool bridges_gaps() const { return true; }
+  /// Whether it does so by Pairing::bridge() where gaps are small.
+  virtual bool asks_bridges() const { return false; }
   /// The type of tie whose equations show the error of this one, with elements of a higher degree; empty: its
   /// own. One that errs by itself needs another one.
   virtual std::string type_for_errors() const { return ""; }

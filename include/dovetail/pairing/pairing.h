@@ -98,6 +98,7 @@ public:
     double search_radius = 0.2;                         ///< in units of the larger face size
     double least_reach = 0;                             ///< a gap that is tied in any case
     GapExtension gap_extension = GapExtension::symmetric;
+    bool with_bridges = false; ///< of small gaps: see Bridge
   };
 
   struct Group
@@ -187,7 +188,7 @@ public:
     dealii::Tensor<1, dim> along_face;
   };
   /// For the functions of a space. Nothing if the gap is not small beside the cell, as an error of the
-  /// geometry is, if the degree is 1 or the cell is a simplex.
+  /// geometry is, if the degree is 1 or the cell is a simplex, or without Options::with_bridges.
   std::optional<Bridge> bridge(unsigned int side, unsigned int q, const dealii::FiniteElement<dim> &element,
                                unsigned int first_shape) const;
   const double *test(const unsigned int side, const unsigned int q, const unsigned int field) const
@@ -200,6 +201,7 @@ public:
   const InterfaceWork &work() const { return all_work; }      ///< for the pairing itself
 
 private:
+  const Group &group_of(unsigned int q) const;
   bool has_gap() const;
   void integrate(const std::array<InterfaceSide<dim>, 2> &sides, unsigned int own, const Options &options,
                  double factor, const MPI_Comm &communicator);

@@ -22,7 +22,8 @@ struct CellBehind
   double face_measure = 0;                               ///< Gamma
   std::vector<dealii::Tensor<1, dim>> central_gradients; ///< of each one
   unsigned int face_no = 0;                              ///< of the face in the cell
-  std::vector<dealii::Point<dim>> nodes; ///< of the shape functions of hypercubes above degree 1
+  std::vector<dealii::Point<dim>>
+      nodes; ///< of the shape functions of hypercubes above degree 1, if asked for
   unsigned int rank = dealii::numbers::invalid_unsigned_int; ///< that owns the cell
   unsigned int face = dealii::numbers::invalid_unsigned_int; ///< of the side, as in SideFaces::faces there
 
@@ -36,7 +37,7 @@ struct CellBehind
 /// That of a face that this rank owns. @p shapes: of the domain; they become those of this cell.
 template <int dim>
 CellBehind<dim> cell_behind(const Domain<dim> &domain, const SideFaces<dim> &side, unsigned int face,
-                            unsigned int this_rank, ShapeEvaluator<dim> &shapes);
+                            unsigned int this_rank, bool with_nodes, ShapeEvaluator<dim> &shapes);
 
 /// For each match the cell behind it, and what UnitShapes needs for the shape functions there.
 template <int dim>
@@ -50,7 +51,7 @@ struct PartnerShapes
 /// Matches on the same face share one cell. Collective; nothing is sent for matches of this rank.
 template <int dim>
 PartnerShapes<dim> fetch_shapes(const Domain<dim> &partner, const FaceLocator<dim> &locator,
-                                const std::vector<typename FaceLocator<dim>::Match> &matches,
+                                const std::vector<typename FaceLocator<dim>::Match> &matches, bool with_nodes,
                                 const MPI_Comm &communicator);
 
 } // namespace dovetail

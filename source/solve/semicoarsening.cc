@@ -7,6 +7,7 @@
 #include "smoothed_aggregation.h"
 
 #include <deal.II/base/exceptions.h>
+#include <deal.II/base/symmetric_tensor.h>
 
 #include <Epetra_Import.h>
 #include <Epetra_Map.h>
@@ -507,9 +508,9 @@ LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places)
   return nodes;
 }
 
-Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(nodes.size())
+Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const double largest_ratio)
+    : near(nodes.size())
 {
-  const double largest_ratio = 2;
   SeenNodes seen(A, nodes);
   all = graph_of(A, nodes, seen);
   const std::vector<double> shortest = shortest_couplings(A, nodes, seen, all);
@@ -547,6 +548,53 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes) : near(
   node_of_column = std::move(seen.of_column);
 }
 
+namespace {
+
+/// A node, and its couplings with own nodes of its body.
+struct Spread
+{
+  int n = 0;
+  dealii::SymmetricTensor<2, 3> squares; ///< sum of d d^T over the distances d
+
+  Spread(const unsigned int node, const std::vector<unsigned int> &others, const LevelNodes &nodes)
+  {
+    for (const unsigned int other : others)
+      if (other < nodes.size() && other != node && nodes.body[other] == nodes.body[node]) {
+        dealii::Tensor<1, 3> d;
+        for (unsigned int k = 0; k < 3; ++k)
+          d[k] = nodes.position[other][k] - nodes.position[node][k];
+        squares += dealii::symmetrize(dealii::outer_product(d, d));
+        ++n;
+      }
+  }
+};
+
+/// Whether short couplings lead in all directions, and are not few: distances are about the same in all of
+/// them. By the mean of the nodes: in the direction in which short couplings lead least far, the mean square
+/// of what they have of it, beside that of all couplings. Collective.
+bool lead_everywhere(const Couplings &couplings, const LevelNodes &nodes, const Epetra_Comm &ranks)
+{
+  const double least_share = 0.1, least_reach = 0.08; // of about 1e-4 and 0.2 in the levels of long cells
+  std::array<double, 4> counts{}, sums{};             // of nodes, their reaches, near and all couplings
+  for (unsigned int node = 0; node < nodes.size(); ++node) {
+    const Spread near(node, couplings.near[node], nodes), all(node, couplings.all[node], nodes);
+    if (near.n == 0)
+      continue;
+    double reach = 1;
+    for (const auto &[square, direction] : dealii::eigenvectors(all.squares))
+      if (square > 1e-10 * dealii::trace(all.squares)) // in a plane
+        reach = std::min(reach, direction * (near.squares * direction) / near.n / (square / all.n));
+    counts[0] += 1;
+    counts[1] += reach;
+    counts[2] += near.n;
+    counts[3] += all.n;
+  }
+  ranks.SumAll(counts.data(), sums.data(), counts.size());
+  return sums[1] > least_reach * sums[0] && sums[2] > least_share * sums[3];
+}
+
+} // namespace
+
 bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 {
   const unsigned int every = 16;  // node
@@ -573,6 +621,7 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 namespace {
 
 const double largest_cheap = 0.55; // modes beside the rows that are together
+const double most_together = 12;   // nodes of an aggregate of a level without long couplings
 const double most_nodes = 0.9;     // are in lines
 
 /// Mean of all nodes: how many modes are not zero there. A body may have modes for itself. Collective.
@@ -588,6 +637,36 @@ double modes_of_nodes(const Epetra_MultiVector &modes, const LevelNodes &nodes)
   counts[1] = nodes.size();
   modes.Comm().SumAll(counts.data(), sums.data(), counts.size());
   return sums[0] / std::max(sums[1], 1.);
+}
+
+/// Those of each body that are not zero there, side by side with those of the others: an aggregate has nodes
+/// of one body. Collective.
+std::unique_ptr<Epetra_MultiVector> modes_side_by_side(const Epetra_MultiVector &modes,
+                                                       const LevelNodes &nodes)
+{
+  const int n_modes = modes.NumVectors();
+  const auto visit = [&](const auto &action) { // the entries that are not zero, and where their body begins
+    for (unsigned int node = 0; node < nodes.size(); ++node)
+      for (int row = nodes.first_row[node]; row < nodes.first_row[node + 1]; ++row)
+        for (int mode = 0; mode < n_modes; ++mode)
+          if (modes[mode][row] != 0)
+            action(row, mode, nodes.body[node] * n_modes);
+  };
+  int last_here = nodes.size() == 0 ? 0 : *std::max_element(nodes.body.begin(), nodes.body.end()), last = 0;
+  modes.Comm().MaxAll(&last_here, &last, 1);
+  std::vector<int> is_here((last + 1) * n_modes, 0), place(is_here);
+  visit([&](int, const int mode, const int first) { is_here[first + mode] = 1; });
+  modes.Comm().MaxAll(is_here.data(), place.data(), place.size());
+  int n_places = 0;
+  for (auto first = place.begin(); first != place.end(); first += n_modes) {
+    std::partial_sum(first, first + n_modes, first);
+    n_places = std::max(n_places, *(first + n_modes - 1));
+  }
+  auto result = std::make_unique<Epetra_MultiVector>(modes.Map(), n_places);
+  visit([&](const int row, const int mode, const int first) {
+    (*result)[place[first + mode] - 1][row] = modes[mode][row];
+  });
+  return result;
 }
 
 bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epetra_MultiVector &modes,
@@ -672,13 +751,15 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
                                const MakeSmoother &make_smoother, const Lines lines)
     : Cycle(std::move(A))
 {
-  const Epetra_MultiVector *modes = &given_modes;
-  std::unique_ptr<Epetra_MultiVector> owned_modes;
+  std::unique_ptr<Epetra_MultiVector> modes = modes_side_by_side(given_modes, nodes);
   int largest = largest_coarse;
   int n_unknowns = coarsest().NumGlobalRows(); // without the rows of vectors of bases that are zero
   while (n_unknowns > largest) {
     const Epetra_CrsMatrix &matrix = coarsest();
     Couplings couplings(matrix, nodes);
+    const bool is_stretched = n_levels() == 0 || !lead_everywhere(couplings, nodes, matrix.Comm());
+    if (!is_stretched && couplings.rows_together > most_together * modes->NumVectors())
+      couplings = Couplings(matrix, nodes, 1.5);
     const bool are_means = lines == Lines::whole && n_levels() == 0 && modes->NumVectors() == 1;
     const bool are_whole =
         are_means || (lines != Lines::in_parts &&
@@ -695,16 +776,19 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
       break;
     const double share_of_next = double(n_coarse) / n_unknowns;
     n_unknowns = n_coarse;
-    auto P = make_prolongation(matrix, nodes, couplings, aggregation, *modes);
+    if (modes->NumVectors() > 1)
+      largest = std::max<int>(largest, largest_of_vectors);
+    auto P = is_stretched ? make_prolongation(matrix, nodes, couplings, aggregation, *modes)
+                          : smooth_bases(matrix, SparseRows(matrix), aggregation,
+                                         4. / 3 / largest_eigenvalue_with_diagonal(LevelEntries(matrix)));
     const MakeMatrix make_next = sum_coarse_matrix(matrix, *P, modes->NumVectors());
     add_level(make_smoother, std::move(P), make_next, {0., share_of_next});
     nodes = coarse_nodes(nodes, aggregates, modes->NumVectors());
-    owned_modes = std::move(aggregation.modes);
+    modes = std::move(aggregation.modes);
     if (const Epetra_Import *const gather = gather_coarsest()) {
-      owned_modes = imported(*owned_modes, *gather);
+      modes = imported(*modes, *gather);
       nodes = imported_nodes(nodes, *gather);
     }
-    modes = owned_modes.get();
   }
   factorise_coarsest();
 }

@@ -33,12 +33,12 @@ LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places);
 /// after them those of other ranks. Ascending.
 using NodeGraph = std::vector<std::vector<unsigned int>>;
 
-/// The couplings of A, and those of them that are short: within a body, and at most twice as long as the
-/// shortest coupling of one of their nodes within its body. Nodes of two sides of a tie are close to each
-/// other, but a tie of cells that are long across it is a weak spring beside the stiffness along it.
+/// The couplings of A, and those of them that are short: within a body, and at most @p largest_ratio times as
+/// long as the shortest coupling of one of their nodes within its body. Nodes of two sides of a tie are close
+/// to each other, but a tie of cells that are long across it is a weak spring beside the stiffness along it.
 struct Couplings
 {
-  Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes); ///< collective
+  Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes, double largest_ratio = 2); ///< collective
 
   NodeGraph all, near;
   std::vector<unsigned int> node_of_column; ///< of A
@@ -77,7 +77,8 @@ public:
   bool is_semicoarsening() const override { return true; }
 
 private:
-  static constexpr int largest_of_lines = 100000; ///< as largest_coarse; their ends make a surface
+  static constexpr int largest_of_vectors = 5000; ///< as largest_coarse
+  static constexpr int largest_of_lines = 100000; ///< their ends make a surface
 };
 
 /// Whether more than a quarter of the nodes are coupled in their body with another one that is 2.8 times as

@@ -569,28 +569,30 @@ struct Spread
   }
 };
 
-/// Whether short couplings lead in all directions, and are not few: distances are about the same in all of
-/// them. By the mean of the nodes: in the direction in which short couplings lead least far, the mean square
-/// of what they have of it, beside that of all couplings. Collective.
+/// Whether short couplings lead in all directions, at nearly all nodes, and are not few: nothing has to be
+/// left out. In each direction, the mean square of what they have of it is compared with that of all
+/// couplings: 0.1 and more where distances are about the same, 1e-4 and less where cells are long.
+/// Collective.
 bool lead_everywhere(const Couplings &couplings, const LevelNodes &nodes, const Epetra_Comm &ranks)
 {
-  const double least_share = 0.1, least_reach = 0.08; // of about 1e-4 and 0.2 in the levels of long cells
-  std::array<double, 4> counts{}, sums{};             // of nodes, their reaches, near and all couplings
+  const double least_reach = 0.02, most_nodes_reach = 0.9, least_share = 0.1;
+  std::array<double, 4> counts{}, sums{}; // of nodes, those that reach in all directions, near couplings, all
   for (unsigned int node = 0; node < nodes.size(); ++node) {
     const Spread near(node, couplings.near[node], nodes), all(node, couplings.all[node], nodes);
     if (near.n == 0)
       continue;
-    double reach = 1;
-    for (const auto &[square, direction] : dealii::eigenvectors(all.squares))
-      if (square > 1e-10 * dealii::trace(all.squares)) // in a plane
-        reach = std::min(reach, direction * (near.squares * direction) / near.n / (square / all.n));
+    const auto directions = dealii::eigenvectors(all.squares);
     counts[0] += 1;
-    counts[1] += reach;
+    counts[1] += std::all_of(directions.begin(), directions.end(), [&](const auto &pair) {
+      const auto &[square, direction] = pair;
+      const bool is_in_plane = square <= 1e-10 * dealii::trace(all.squares);
+      return is_in_plane || direction * (near.squares * direction) / near.n > least_reach * square / all.n;
+    });
     counts[2] += near.n;
     counts[3] += all.n;
   }
   ranks.SumAll(counts.data(), sums.data(), counts.size());
-  return sums[1] > least_reach * sums[0] && sums[2] > least_share * sums[3];
+  return sums[1] >= most_nodes_reach * sums[0] && sums[2] > least_share * sums[3];
 }
 
 } // namespace
@@ -757,7 +759,7 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
   while (n_unknowns > largest) {
     const Epetra_CrsMatrix &matrix = coarsest();
     Couplings couplings(matrix, nodes);
-    const bool is_stretched = n_levels() == 0 || !lead_everywhere(couplings, nodes, matrix.Comm());
+    const bool is_stretched = !lead_everywhere(couplings, nodes, matrix.Comm());
     if (!is_stretched && couplings.rows_together > most_together * modes->NumVectors())
       couplings = Couplings(matrix, nodes, 1.5);
     const bool are_means = lines == Lines::whole && n_levels() == 0 && modes->NumVectors() == 1;

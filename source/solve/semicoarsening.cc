@@ -624,7 +624,7 @@ namespace {
 
 const double largest_cheap = 0.55; // modes beside the rows that are together
 const double most_together = 12;   // nodes of an aggregate of a level without long couplings
-const double most_nodes = 0.9;     // are in lines
+const double most_nodes = 0.8;     // are in lines
 
 /// Mean of all nodes: how many modes are not zero there. A body may have modes for itself. Collective.
 double modes_of_nodes(const Epetra_MultiVector &modes, const LevelNodes &nodes)
@@ -677,9 +677,11 @@ bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epe
   const double least_share = 0.1;
   const Couplings couplings(A, nodes);
   const double n_modes = modes_of_nodes(modes, nodes);
-  const bool is_cheap =
-      n_modes < largest_cheap * couplings.rows_together ||
-      (couplings.share_in_lines > most_nodes && n_modes < largest_cheap * couplings.rows_of_line);
+  const bool have_modes_of_their_own = modes.NumVectors() > 1.5 * n_modes, // soft and stiff ones
+      may_be_short = have_modes_of_their_own && A.NumGlobalRows() <= Semicoarsening::largest_of_lines;
+  const bool is_cheap = n_modes < largest_cheap * couplings.rows_together ||
+                        (couplings.share_in_lines > most_nodes &&
+                         (may_be_short || n_modes < largest_cheap * couplings.rows_of_line));
   return couplings.share_of_far > least_share && (is_cheap || when == Semicoarsen::if_stretched);
 }
 

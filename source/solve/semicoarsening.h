@@ -71,6 +71,8 @@ public:
     whole_if_cheap, ///< where the levels of their parts would have about as many unknowns
     whole ///< also of scalars, where a line has the mean of some leaders, which its parts do not find
   };
+  static constexpr int largest_of_lines = 100000; ///< as largest_coarse; their ends make a surface
+
   /// @param modes near-null space of A
   Semicoarsening(Finest A, const Epetra_MultiVector &modes, LevelNodes nodes,
                  const MakeSmoother &make_smoother, Lines lines);
@@ -78,7 +80,6 @@ public:
 
 private:
   static constexpr int largest_of_vectors = 5000; ///< as largest_coarse
-  static constexpr int largest_of_lines = 100000; ///< their ends make a surface
 };
 
 /// Whether more than a quarter of the nodes are coupled in their body with another one that is 2.8 times as

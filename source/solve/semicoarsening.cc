@@ -579,13 +579,14 @@ bool lead_everywhere(const Couplings &couplings, const LevelNodes &nodes, const 
   std::array<double, 4> counts{}, sums{}; // of nodes, those that reach in all directions, near couplings, all
   for (unsigned int node = 0; node < nodes.size(); ++node) {
     const Spread near(node, couplings.near[node], nodes), all(node, couplings.all[node], nodes);
-    if (near.n == 0)
+    const double sum = dealii::trace(all.squares);
+    if (near.n == 0 || !(sum > 0)) // at the same place
       continue;
     const auto directions = dealii::eigenvectors(all.squares);
     counts[0] += 1;
     counts[1] += std::all_of(directions.begin(), directions.end(), [&](const auto &pair) {
       const auto &[square, direction] = pair;
-      const bool is_in_plane = square <= 1e-10 * dealii::trace(all.squares);
+      const bool is_in_plane = square <= 1e-10 * sum;
       return is_in_plane || direction * (near.squares * direction) / near.n > least_reach * square / all.n;
     });
     counts[2] += near.n;
@@ -623,7 +624,7 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 namespace {
 
 const double largest_cheap = 0.55; // modes beside the rows that are together
-const double most_together = 12;   // nodes of an aggregate of a level without long couplings
+const double most_together = 12;   // rows beside modes of an aggregate, on a level without long couplings
 const double most_nodes = 0.8;     // are in lines
 
 /// Mean of all nodes: how many modes are not zero there. A body may have modes for itself. Collective.
@@ -782,11 +783,11 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     n_unknowns = n_coarse;
     if (modes->NumVectors() > 1)
       largest = std::max<int>(largest, largest_of_vectors);
+    const double eigenvalue = is_stretched ? 0 : largest_eigenvalue_with_diagonal(LevelEntries(matrix));
     auto P = is_stretched ? make_prolongation(matrix, nodes, couplings, aggregation, *modes)
-                          : smooth_bases(matrix, SparseRows(matrix), aggregation,
-                                         4. / 3 / largest_eigenvalue_with_diagonal(LevelEntries(matrix)));
+                          : smooth_bases(matrix, SparseRows(matrix), aggregation, 4. / 3 / eigenvalue);
     const MakeMatrix make_next = sum_coarse_matrix(matrix, *P, modes->NumVectors());
-    add_level(make_smoother, std::move(P), make_next, {0., share_of_next});
+    add_level(make_smoother, std::move(P), make_next, {eigenvalue, share_of_next});
     nodes = coarse_nodes(nodes, aggregates, modes->NumVectors());
     modes = std::move(aggregation.modes);
     if (const Epetra_Import *const gather = gather_coarsest()) {

@@ -57,7 +57,8 @@ struct Couplings
 ///
 /// The prolongation is P = (I - w D^-1 A_near) T + F: T spans the near-null space B on each aggregate, A_near
 /// is A without its far couplings, and F is the least matrix in the pattern of P with P B_c = B, where B_c is
-/// the near-null space of the coarse level.
+/// the near-null space of the coarse level. Where short couplings lead in all directions, P = (I - w D^-1 A)
+/// T sees the other sides of ties, too.
 ///
 /// P. Vanek, J. Mandel, M. Brezina: Algebraic multigrid by smoothed aggregation for second and fourth order
 /// elliptic problems, 1996. J. Mandel, M. Brezina, P. Vanek: Energy optimization of algebraic multigrid
@@ -79,7 +80,7 @@ public:
   bool is_semicoarsening() const override { return true; }
 
 private:
-  static constexpr int largest_of_vectors = 5000; ///< as largest_coarse
+  static constexpr int largest_of_vectors = 5000; ///< as largest_coarse, below the first level
 };
 
 /// Whether more than a quarter of the nodes are coupled in their body with another one that is 2.8 times as

@@ -569,31 +569,46 @@ struct Spread
   }
 };
 
-/// Whether short couplings lead in all directions, at nearly all nodes, and are not few: nothing has to be
-/// left out. In each direction, the mean square of what they have of it is compared with that of all
-/// couplings: 0.1 and more where distances are about the same, 1e-4 and less where cells are long.
-/// Collective.
+/// Of all ranks. Collective.
+int number_of_bodies(const LevelNodes &nodes, const Epetra_Comm &ranks)
+{
+  int here = nodes.size() == 0 ? 0 : 1 + *std::max_element(nodes.body.begin(), nodes.body.end()), result = 0;
+  ranks.MaxAll(&here, &result, 1);
+  return result;
+}
+
+/// Whether short couplings lead in all directions, at half of the nodes of each body at least, and are not
+/// few: nothing has to be left out. In each direction, the mean square of what they have of it is compared
+/// with that of all couplings: 0.1 and more where distances are about the same, 1e-4 and less where cells are
+/// long. Collective.
 bool lead_everywhere(const Couplings &couplings, const LevelNodes &nodes, const Epetra_Comm &ranks)
 {
-  const double least_reach = 0.02, most_nodes_reach = 0.9, least_share = 0.1;
-  std::array<double, 4> counts{}, sums{}; // of nodes, those that reach in all directions, near couplings, all
+  const double least_reach = 0.02, share_of_nodes = 0.5, share_of_couplings = 0.1;
+  const int n_bodies = number_of_bodies(nodes, ranks);
+  // By body the nodes, and those that reach in all directions; short couplings, and all.
+  std::vector<double> counts(2 * n_bodies + 2, 0), sums(counts);
   for (unsigned int node = 0; node < nodes.size(); ++node) {
     const Spread near(node, couplings.near[node], nodes), all(node, couplings.all[node], nodes);
     const double sum = dealii::trace(all.squares);
     if (near.n == 0 || !(sum > 0)) // at the same place
       continue;
     const auto directions = dealii::eigenvectors(all.squares);
-    counts[0] += 1;
-    counts[1] += std::all_of(directions.begin(), directions.end(), [&](const auto &pair) {
+    const bool reaches = std::all_of(directions.begin(), directions.end(), [&](const auto &pair) {
       const auto &[square, direction] = pair;
       const bool is_in_plane = square <= 1e-10 * sum;
       return is_in_plane || direction * (near.squares * direction) / near.n > least_reach * square / all.n;
     });
-    counts[2] += near.n;
-    counts[3] += all.n;
+    double *const of_body = &counts[2 * nodes.body[node]];
+    of_body[0] += 1;
+    of_body[1] += reaches ? 1 : 0;
+    counts[2 * n_bodies] += near.n;
+    counts[2 * n_bodies + 1] += all.n;
   }
   ranks.SumAll(counts.data(), sums.data(), counts.size());
-  return sums[1] >= most_nodes_reach * sums[0] && sums[2] > least_share * sums[3];
+  bool result = sums[2 * n_bodies] > share_of_couplings * sums[2 * n_bodies + 1];
+  for (int body = 0; body < n_bodies; ++body)
+    result = result && sums[2 * body + 1] >= share_of_nodes * sums[2 * body];
+  return result;
 }
 
 } // namespace
@@ -624,6 +639,7 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 namespace {
 
 const double largest_cheap = 0.55; // modes beside the rows that are together
+const double smaller_ratio = 1.5;  // of short couplings
 const double most_together = 12;   // rows beside modes of an aggregate, on a level without long couplings
 const double most_nodes = 0.8;     // are in lines
 
@@ -655,9 +671,7 @@ std::unique_ptr<Epetra_MultiVector> modes_side_by_side(const Epetra_MultiVector 
           if (modes[mode][row] != 0)
             action(row, mode, nodes.body[node] * n_modes);
   };
-  int last_here = nodes.size() == 0 ? 0 : *std::max_element(nodes.body.begin(), nodes.body.end()), last = 0;
-  modes.Comm().MaxAll(&last_here, &last, 1);
-  std::vector<int> is_here((last + 1) * n_modes, 0), place(is_here);
+  std::vector<int> is_here(number_of_bodies(nodes, modes.Comm()) * n_modes, 0), place(is_here);
   visit([&](int, const int mode, const int first) { is_here[first + mode] = 1; });
   modes.Comm().MaxAll(is_here.data(), place.data(), place.size());
   int n_places = 0;
@@ -678,7 +692,7 @@ bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epe
   const double least_share = 0.1;
   const Couplings couplings(A, nodes);
   const double n_modes = modes_of_nodes(modes, nodes);
-  const bool have_modes_of_their_own = modes.NumVectors() > 1.5 * n_modes, // soft and stiff ones
+  const bool have_modes_of_their_own = modes.NumVectors() > 1.5 * n_modes, // bodies, or fields
       may_be_short = have_modes_of_their_own && A.NumGlobalRows() <= Semicoarsening::largest_of_lines;
   const bool is_cheap = n_modes < largest_cheap * couplings.rows_together ||
                         (couplings.share_in_lines > most_nodes &&
@@ -764,7 +778,8 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     Couplings couplings(matrix, nodes);
     const bool is_stretched = !lead_everywhere(couplings, nodes, matrix.Comm());
     if (!is_stretched && couplings.rows_together > most_together * modes->NumVectors())
-      couplings = Couplings(matrix, nodes, 1.5);
+      if (Couplings closer(matrix, nodes, smaller_ratio); lead_everywhere(closer, nodes, matrix.Comm()))
+        couplings = std::move(closer);
     const bool are_means = lines == Lines::whole && n_levels() == 0 && modes->NumVectors() == 1;
     const bool are_whole =
         are_means || (lines != Lines::in_parts &&

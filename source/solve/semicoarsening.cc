@@ -674,7 +674,7 @@ std::unique_ptr<Epetra_MultiVector> modes_side_by_side(const Epetra_MultiVector 
   std::vector<int> is_here(number_of_bodies(nodes, modes.Comm()) * n_modes, 0), place(is_here);
   visit([&](int, const int mode, const int first) { is_here[first + mode] = 1; });
   modes.Comm().MaxAll(is_here.data(), place.data(), place.size());
-  int n_places = 0;
+  int n_places = 1;
   for (auto first = place.begin(); first != place.end(); first += n_modes) {
     std::partial_sum(first, first + n_modes, first);
     n_places = std::max(n_places, *(first + n_modes - 1));

@@ -508,6 +508,13 @@ LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places)
   return nodes;
 }
 
+int number_of_bodies(const std::vector<unsigned int> &body, const Epetra_Comm &ranks)
+{
+  int here = body.empty() ? 0 : 1 + *std::max_element(body.begin(), body.end()), result = 0;
+  ranks.MaxAll(&here, &result, 1);
+  return result;
+}
+
 Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const double largest_ratio)
     : near(nodes.size())
 {
@@ -569,14 +576,6 @@ struct Spread
   }
 };
 
-/// Of all ranks. Collective.
-int number_of_bodies(const LevelNodes &nodes, const Epetra_Comm &ranks)
-{
-  int here = nodes.size() == 0 ? 0 : 1 + *std::max_element(nodes.body.begin(), nodes.body.end()), result = 0;
-  ranks.MaxAll(&here, &result, 1);
-  return result;
-}
-
 /// Whether short couplings lead in all directions, at half of the nodes of each body at least, and are not
 /// few: nothing has to be left out. In each direction, the mean square of what they have of it is compared
 /// with that of all couplings: 0.1 and more where distances are about the same, 1e-4 and less where cells are
@@ -584,7 +583,7 @@ int number_of_bodies(const LevelNodes &nodes, const Epetra_Comm &ranks)
 bool lead_everywhere(const Couplings &couplings, const LevelNodes &nodes, const Epetra_Comm &ranks)
 {
   const double least_reach = 0.02, share_of_nodes = 0.5, share_of_couplings = 0.1;
-  const int n_bodies = number_of_bodies(nodes, ranks);
+  const int n_bodies = number_of_bodies(nodes.body, ranks);
   // By body the nodes, and those that reach in all directions; short couplings, and all.
   std::vector<double> counts(2 * n_bodies + 2, 0), sums(counts);
   for (unsigned int node = 0; node < nodes.size(); ++node) {
@@ -671,7 +670,7 @@ std::unique_ptr<Epetra_MultiVector> modes_side_by_side(const Epetra_MultiVector 
           if (modes[mode][row] != 0)
             action(row, mode, nodes.body[node] * n_modes);
   };
-  std::vector<int> is_here(number_of_bodies(nodes, modes.Comm()) * n_modes, 0), place(is_here);
+  std::vector<int> is_here(number_of_bodies(nodes.body, modes.Comm()) * n_modes, 0), place(is_here);
   visit([&](int, const int mode, const int first) { is_here[first + mode] = 1; });
   modes.Comm().MaxAll(is_here.data(), place.data(), place.size());
   int n_places = 1;

@@ -9,6 +9,7 @@
 
 #include <dovetail/solve/group_solver.h>
 
+#include <Epetra_Comm.h>
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_MultiVector.h>
 
@@ -28,6 +29,8 @@ struct LevelNodes
   unsigned int size() const { return body.size(); }
 };
 LevelNodes nodes_of_rows(const std::vector<GroupFacts::Place> &places);
+/// Bodies are numbered from 0. @param body of the rows or nodes of this rank. Collective.
+int number_of_bodies(const std::vector<unsigned int> &body, const Epetra_Comm &ranks);
 
 /// By node of this rank the nodes that a matrix couples with it: those of this rank by their number, and
 /// after them those of other ranks. Ascending.

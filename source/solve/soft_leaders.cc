@@ -282,11 +282,7 @@ void SoftLeaders::find_following_bodies(const GroupFacts &facts, const Epetra_Ma
   body.assign(rows.NumMyElements(), 0);
   for (unsigned int row = 0; row < places.size(); ++row)
     body[row] = places[row].block;
-  int here = 0, largest = 0;
-  for (const unsigned int number : body)
-    here = std::max<int>(here, number);
-  rows.Comm().MaxAll(&here, &largest, 1);
-  std::vector<int> follows_here(largest + 1, 0);
+  std::vector<int> follows_here(number_of_bodies(body, rows.Comm()), 0);
   for (unsigned int row = 0; row < body.size(); ++row)
     if (P->NumMyEntries(row) > 0)
       follows_here[body[row]] = 1;

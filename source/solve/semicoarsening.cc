@@ -555,6 +555,19 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const d
   node_of_column = std::move(seen.of_column);
 }
 
+bool Couplings::are_in_lines() const
+{
+  const double most_nodes = 0.8;
+  return share_in_lines > most_nodes;
+}
+
+/// In lines of two, three and four nodes, those together and their neighbours have 2, 2 1/3 and 2 1/2.
+bool Couplings::are_in_short_lines() const
+{
+  const double longest = 1.4;
+  return are_in_lines() && rows_of_line < longest * rows_together;
+}
+
 namespace {
 
 /// A node, and its couplings with own nodes of its body.
@@ -637,10 +650,10 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 
 namespace {
 
-const double largest_cheap = 0.55; // modes beside the rows that are together
-const double smaller_ratio = 1.5;  // of short couplings
-const double most_together = 12;   // rows beside modes of an aggregate, on a level without long couplings
-const double most_nodes = 0.8;     // are in lines
+const double largest_cheap = 0.55;          // modes beside the rows that are together
+const double smaller_ratio = 1.5;           // of short couplings
+const double largest_of_short_lines = 0.75; // as largest_growth: a mode less costs more than it saves
+const double most_together = 12; // rows beside modes of an aggregate, on a level without long couplings
 
 /// Mean of all nodes: how many modes are not zero there. A body may have modes for itself. Collective.
 double modes_of_nodes(const Epetra_MultiVector &modes, const LevelNodes &nodes)
@@ -691,10 +704,9 @@ bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epe
   const double least_share = 0.1;
   const Couplings couplings(A, nodes);
   const double n_modes = modes_of_nodes(modes, nodes);
-  const bool have_modes_of_their_own = modes.NumVectors() > 1.5 * n_modes, // bodies, or fields
-      may_be_short = have_modes_of_their_own && A.NumGlobalRows() <= Semicoarsening::largest_of_lines;
-  const bool is_cheap = n_modes < largest_cheap * couplings.rows_together ||
-                        (couplings.share_in_lines > most_nodes &&
+  const bool may_be_short = A.NumGlobalRows() <= Semicoarsening::largest_of_lines,
+             is_cheap = n_modes < largest_cheap * couplings.rows_together ||
+                        (couplings.are_in_lines() &&
                          (may_be_short || n_modes < largest_cheap * couplings.rows_of_line));
   return couplings.share_of_far > least_share && (is_cheap || when == Semicoarsen::if_stretched);
 }
@@ -780,10 +792,11 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
       if (Couplings closer(matrix, nodes, smaller_ratio); lead_everywhere(closer, nodes, matrix.Comm()))
         couplings = std::move(closer);
     const bool are_means = lines == Lines::whole && n_levels() == 0 && modes->NumVectors() == 1;
-    const bool are_whole =
-        are_means || (lines != Lines::in_parts &&
-                      modes_of_nodes(*modes, nodes) >= largest_cheap * couplings.rows_together);
-    if (are_whole && couplings.share_in_lines > most_nodes)
+    const bool are_short = couplings.are_in_short_lines() && n_unknowns <= largest_of_lines;
+    const bool are_whole = are_means || are_short ||
+                           (lines != Lines::in_parts &&
+                            modes_of_nodes(*modes, nodes) >= largest_cheap * couplings.rows_together);
+    if (are_whole && couplings.are_in_lines())
       largest = largest_of_lines;
     else
       couplings.line_length.assign(nodes.size(), 0);
@@ -791,7 +804,7 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     Aggregation aggregation = make_bases(aggregate_of_rows(matrix, nodes, aggregates),
                                          static_cast<int>(aggregates.root.size()), *modes);
     const int n_coarse = size_of_basis(aggregation);
-    if (n_coarse > largest_growth * n_unknowns)
+    if (n_coarse > (are_short ? largest_of_short_lines : largest_growth) * n_unknowns)
       break;
     const double share_of_next = double(n_coarse) / n_unknowns;
     n_unknowns = n_coarse;

@@ -51,6 +51,11 @@ struct Couplings
   double share_in_lines = 0;             ///< of the nodes of all ranks that are coupled with others
   double rows_together = 0; ///< mean of all ranks: of a node and those that short couplings connect with it
   double rows_of_line = 0;  ///< mean of the nodes in lines
+
+  bool are_in_lines() const; ///< most of the nodes
+  /// Most nodes are in lines of two or three, as across bodies that are one cell thick: an aggregate along
+  /// short couplings is a whole line.
+  bool are_in_short_lines() const;
 };
 
 /// A V-cycle for a symmetric positive definite matrix A by smoothed aggregation whose aggregates follow short

@@ -103,6 +103,13 @@ private:
   std::unique_ptr<Cycle> below; ///< instead
 };
 
+/// The factors of a matrix, without levels.
+class FactorisedCycle : public Cycle
+{
+public:
+  explicit FactorisedCycle(Finest A) : Cycle(std::move(A)) { factorise_coarsest(); }
+};
+
 /// What belongs to rows, where @p import brings them. Collective.
 std::unique_ptr<Epetra_MultiVector> imported(const Epetra_MultiVector &of_rows, const Epetra_Import &import);
 

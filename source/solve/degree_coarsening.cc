@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include "degree_coarsening.h"
+#include "factors.h"
 #include "followed_sums.h"
 #include "mesh_coarsening.h"
 #include "semicoarsening.h"
@@ -20,7 +21,7 @@ namespace dovetail {
 DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, RowSums &&sums, const MakeModes &make_modes,
                                    const GroupFacts &facts, std::unique_ptr<Smoother> given_smoother,
                                    const MakeCoarse &make_coarse, const MeshLevels *const levels)
-    : A(A), smoother(std::move(given_smoother))
+    : A(A), dim(facts.dim), smoother(std::move(given_smoother))
 {
   give_back_freed_memory();
   find_coarse_rows(sums);
@@ -90,6 +91,13 @@ void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
   if (coarse)
     correct(x, b);
   smoother->smooth(x.Values(), b.Values(), false);
+}
+
+bool DegreeCoarsening::factors_pay(const double n_expected, const double work_of_iteration) const
+{
+  const double n_with_factors = 20, largest = Semicoarsening::largest_of_lines;
+  const double n = prolongation->domain().NumGlobalElements();
+  return n <= largest && work_of_factors(n, dim) < (n_expected - n_with_factors) * work_of_iteration;
 }
 
 /// By the functions of degree one.

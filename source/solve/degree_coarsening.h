@@ -64,6 +64,9 @@ public:
                                                            bool is_augmented);
 
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
+  /// Whether the factors of A_1 take less work than they spare where so many iterations are expected.
+  /// @param work_of_iteration as ExpectedCost
+  bool factors_pay(double n_expected, double work_of_iteration) const;
 
 private:
   void find_coarse_rows(const RowSums &sums);
@@ -71,6 +74,7 @@ private:
   void correct(Epetra_Vector &x, const Epetra_Vector &b) const;
 
   const LevelOperator &A;
+  const unsigned int dim;
   Selection coarse_rows;                      ///< own rows of A that are unknowns of A_1
   std::unique_ptr<Prolongation> prolongation; ///< P
   std::unique_ptr<Cycle> coarse;

@@ -10,6 +10,7 @@
 // P. R. Amestoy, I. S. Duff, J.-Y. L'Excellent, J. Koster: A fully asynchronous multifrontal solver using
 // distributed dynamic scheduling, 2001.
 
+#include "factors.h"
 #include "mumps_factors.h"
 
 #include <dovetail/scene/section.h>
@@ -83,7 +84,7 @@ std::optional<ExpectedCost> Direct::expected_cost(const GroupSize &size) const
   const double n = size.n_unknowns, across_cube = std::cbrt(n / 3) / 3,
                thin = facts.shape.nodes_across > 0 ? std::min(1., facts.shape.nodes_across / across_cube) : 1,
                n_factors = facts.dim == 3 ? 30 * thin * std::pow(n, 4. / 3) : 10 * n * std::log2(n + 1),
-               operations = facts.dim == 3 ? 1.6 * std::pow(thin, 1.5) * n * n : 6000 * n;
+               operations = (facts.dim == 3 ? std::pow(thin, 1.5) : 1) * work_of_factors(n, facts.dim);
   return {{390 * size.n_entries + share * operations, 4 * share * n_factors, 8 * share * n_factors}};
 }
 

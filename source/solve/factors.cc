@@ -19,6 +19,11 @@
 
 namespace dovetail {
 
+double work_of_factors(const double n_rows, const unsigned int dim)
+{
+  return dim == 3 ? 1.6 * n_rows * n_rows : 6000 * n_rows;
+}
+
 Factors::Factors(std::unique_ptr<Epetra_CrsMatrix> given) : owned(std::move(given)), A(*owned)
 {
   factorise();

@@ -16,6 +16,12 @@ namespace dovetail {
 
 class MumpsFactors;
 
+/// What the factors of a symmetric matrix of a cube's @p n_rows take, in units of ExpectedCost: with nested
+/// dissection n^2 operations in 3D.
+///
+/// J. A. George: Nested dissection of a regular finite element mesh, 1973.
+double work_of_factors(double n_rows, unsigned int dim);
+
 /// Of a symmetric matrix. Up to 2000 rows KLU factorises on the first rank; more, as those of surfaces, are
 /// left to MUMPS.
 ///

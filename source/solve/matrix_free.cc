@@ -20,6 +20,8 @@
 #include <dovetail/solve/free_memory.h>
 #include <dovetail/solve/krylov.h>
 
+#include <deal.II/lac/solver_control.h>
+
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -104,6 +106,7 @@ public:
     cycle.reset();
     level.reset();
     upkeep.forget();
+    coarse = CoarseSolve::by_levels;
   }
 
 private:
@@ -118,7 +121,7 @@ private:
   Upkeep upkeep;
   std::unique_ptr<SumLevel> level;
   std::unique_ptr<DegreeCoarsening> cycle;
-  bool is_within_bodies = false; ///< no aggregate of A_1 has nodes of two of them
+  CoarseSolve coarse = CoarseSolve::by_levels;
 };
 
 void MatrixFree::prepare(const GroupOperator &K, const Agreement &all_ranks)
@@ -135,7 +138,7 @@ void MatrixFree::make(const GroupOperator &K)
     cycle = coarsen_degree(
         *level, facts,
         [this](const Epetra_Map &map, const Selection *rows) { return make_modes(facts, map, rows); },
-        DegreeCoarsening::usual_smoother(*level, facts.degree, false), is_within_bodies);
+        DegreeCoarsening::usual_smoother(*level, facts.degree, false), coarse);
   });
 }
 
@@ -151,28 +154,31 @@ unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const Gro
 }
 
 /// Aggregates of stiff and soft bodies serve most scenes, and cost the fewest iterations there. Where they do
-/// not, A_1 is coarsened again, within bodies.
+/// not, A_1 is factorised if that pays, or coarsened again, within bodies.
 unsigned int MatrixFree::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                         const double goal)
 {
-  const double slow = 40, usual_decades = 10;
-  if (is_within_bodies || !has_mixed_bodies(facts))
-    return iterate(K, x, b, goal, patience(goal));
+  const double slow = 40, usual_decades = 10, work_per_unknown = 1500;
+  CoarseSolve next = coarse;
+  const auto gives_up = [&, outlook = Outlook(), is_patient = patience(goal)](const unsigned int n,
+                                                                              const double residual) mutable {
+    outlook.see(n, residual);
+    const double n_expected = outlook.iterations_since_largest(usual_decades);
+    if (coarse != CoarseSolve::by_factors && outlook.is_time_to_look() && n_expected > slow)
+      next = cycle->factors_pay(n_expected, work_per_unknown * facts.n_unknowns) ? CoarseSolve::by_factors
+             : coarse == CoarseSolve::by_levels && has_mixed_bodies(facts)       ? CoarseSolve::within_bodies
+                                                                                 : coarse;
+    return next != coarse || is_patient(n, residual);
+  };
   return solve_in_two_attempts(
-      K, x, b,
+      K, x, b, [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, gives_up); },
       [&](GroupVector &z, const GroupVector &r) {
-        const auto gives_up = [outlook = Outlook(), slow, usual_decades](const unsigned int n,
-                                                                         const double residual) mutable {
-          outlook.see(n, residual);
-          return outlook.is_time_to_look() && outlook.iterations_since_largest(usual_decades) > slow;
-        };
-        return iterate(K, z, r, goal, gives_up);
-      },
-      [&](GroupVector &z, const GroupVector &r) {
-        is_within_bodies = true;
+        if (next == coarse)
+          throw dealii::SolverControl::NoConvergence(0, r.l2_norm());
+        coarse = next;
         make(K);
         upkeep.made();
-        return iterate(K, z, r, goal, patience(goal));
+        return solve_with_new(K, z, r, goal);
       });
 }
 

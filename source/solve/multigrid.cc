@@ -6,8 +6,9 @@
 //
 // At degree one the smoothers are made of the diagonal, until an iteration is slow: then, and from then on,
 // of incomplete factorisations, which cost more and smooth what stretched cells and the like leave. If that
-// is slow too, levels are made along short couplings only. The levels of one matrix are kept for the next
-// ones while that pays.
+// is slow too, levels are made along short couplings only. For a degree above one, the matrix of the
+// functions of degree one is factorised where an iteration is slow and that pays. The levels of one matrix
+// are kept for the next ones while that pays.
 //
 //     subsection Linear solver
 //       set Type = multigrid
@@ -32,6 +33,7 @@
 #include <functional>
 #include <memory>
 #include <numeric>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -58,6 +60,7 @@ public:
     upkeep.forget();
     modes.reset();
     means = Means::usual;
+    has_factors = false;
   }
 
 private:
@@ -67,6 +70,7 @@ private:
     factorisation, ///< of incomplete factorisations, and coarsening along short couplings where that is cheap
     semicoarsening ///< and wherever some couplings are long
   };
+  using Way = std::pair<Means, bool>; ///< and has_factors
 
   void forget_values();
   void make(const GroupOperator &K);
@@ -77,7 +81,7 @@ private:
                                                   Lines lines) const;
   std::vector<MeshStep> mesh_steps() const;
   bool is_stretched() const;
-  Means means_for(double n_expected) const;
+  Way way_for(double n_expected) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
                        const Upkeep::GivesUp &gives_up);
@@ -90,6 +94,7 @@ private:
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
   const Epetra_CrsMatrix *added_rows = nullptr;     ///< as of GroupOperator
   Means means = Means::usual;                       ///< until an iteration is slow with them
+  bool has_factors = false;                         ///< of the functions of degree one
   bool is_mixed = false; ///< stiff and soft bodies, more than two: no aggregate has nodes of two
   std::unique_ptr<Cycle> cycle;
   std::unique_ptr<MatrixLevel> finest;         ///< of by_degree
@@ -147,8 +152,10 @@ void Multigrid::make_levels()
     of_finest = smoother.get();
     if (means != Means::usual)
       of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
-    bool is_within_bodies = is_mixed && means != Means::usual;
-    by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother), is_within_bodies);
+    CoarseSolve coarse = has_factors                         ? CoarseSolve::by_factors
+                         : is_mixed && means != Means::usual ? CoarseSolve::within_bodies
+                                                             : CoarseSolve::by_levels;
+    by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother), coarse);
   } else if (const auto [leaders, are_means] = SoftLeaders::find(facts, finest->rows()); leaders)
     by_degree =
         leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {
@@ -213,15 +220,23 @@ Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetr
 
 /// What to go on with where so many iterations are expected with the present means. A set-up costs some
 /// iterations.
-Multigrid::Means Multigrid::means_for(const double n_expected) const
+Multigrid::Way Multigrid::way_for(const double n_expected) const
 {
-  if (facts.degree > 1)
-    return n_expected > 40 && !facts.has_multipliers ? Means::factorisation : means; // of K without them
+  const Way present(means, has_factors);
+  if (facts.degree > 1) {
+    const double slow = 40, work_per_entry = 22;
+    if (n_expected <= slow)
+      return present;
+    if (!has_factors && by_degree &&
+        by_degree->factors_pay(n_expected, work_per_entry * matrix->NumGlobalNonzeros64()))
+      return {means, true};
+    return {facts.has_multipliers ? means : Means::factorisation, has_factors}; // of K without them
+  }
   const bool gains_little = is_mixed || facts.has_multipliers; // by factorisations: hardly an iteration
   const double slow = gains_little ? 60 : 30, very_slow = 100;
   if (n_expected > (means == Means::usual ? very_slow : slow))
-    return Means::semicoarsening;
-  return n_expected > slow ? Means::factorisation : means;
+    return {Means::semicoarsening, false};
+  return {n_expected > slow ? std::max(means, Means::factorisation) : means, false};
 }
 
 unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, const double goal)
@@ -241,14 +256,15 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
 {
   const double usual_decades = 10;
   Outlook outlook;
-  Means next = means;
+  const auto present = [this]() { return Way(means, has_factors); };
+  Way next = present();
   expected = 0;
   const auto gives_up = [&](const unsigned int n, const double residual) {
     outlook.see(n, residual);
     if (!outlook.is_time_to_look())
       return false;
-    const bool is_slow = means_for(outlook.iterations_since_largest(usual_decades)) > means;
-    next = is_slow ? means_for(outlook.iterations(usual_decades)) : means;
+    const bool is_slow = way_for(outlook.iterations_since_largest(usual_decades)) != present();
+    next = is_slow ? way_for(outlook.iterations(usual_decades)) : present();
     const bool is_hopeless = !is_slow && outlook.is_hopeless(goal, facts.most_iterations);
     expected = is_hopeless ? outlook.iterations_to(goal) : 0;
     return is_slow || is_hopeless;
@@ -256,13 +272,14 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
   return solve_in_two_attempts(
       K, x, b, [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, gives_up); },
       [&](GroupVector &z, const GroupVector &r) {
-        if (next <= means)
+        if (next == present())
           throw dealii::SolverControl::NoConvergence(0, r.l2_norm());
-        means = next;
-        ranks.run("multigrid", [this]() {
-          of_finest != nullptr && !is_mixed
-              ? of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest)
-              : make_levels();
+        const bool keeps_levels =
+            of_finest != nullptr && (has_factors || !is_mixed) && next.second == has_factors;
+        std::tie(means, has_factors) = next;
+        ranks.run("multigrid", [this, keeps_levels]() {
+          keeps_levels ? of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest)
+                       : make_levels();
         });
         upkeep.made();
         return solve_with_new(K, z, r, goal);

@@ -380,21 +380,27 @@ std::unique_ptr<DegreeCoarsening> SoftLeaders::coarsen(const LevelOperator &A, c
 
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
                                                  const DegreeCoarsening::MakeModes &make_modes,
-                                                 std::unique_ptr<Smoother> smoother, bool &is_within_bodies)
+                                                 std::unique_ptr<Smoother> smoother, CoarseSolve &coarse)
 {
   RowSums sums = facts.linear_part();
   const auto [leaders, are_means] = SoftLeaders::find(facts, A.rows(), &sums);
-  is_within_bodies = is_within_bodies || (leaders && has_mixed_bodies(facts));
+  if (coarse == CoarseSolve::by_levels && leaders && has_mixed_bodies(facts))
+    coarse = CoarseSolve::within_bodies;
   DegreeCoarsening::MakeCoarse make_coarse = DegreeCoarsening::make_usual_coarse;
-  if (is_within_bodies)
+  if (coarse == CoarseSolve::by_factors)
+    make_coarse = [](Cycle::Finest A_1, const auto &...) {
+      return std::make_unique<FactorisedCycle>(std::move(A_1));
+    };
+  else if (coarse == CoarseSolve::within_bodies)
     make_coarse = make_cycle_within_bodies;
   else if (are_means)
     make_coarse = make_cycle_of_whole_lines;
   if (leaders)
     return leaders->coarsen(A, facts, make_modes, std::move(smoother), make_coarse);
-  const MeshLevels levels = facts.mesh_levels ? facts.mesh_levels(false) : MeshLevels();
+  const bool has_levels = facts.mesh_levels && coarse != CoarseSolve::by_factors;
+  const MeshLevels levels = has_levels ? facts.mesh_levels(false) : MeshLevels();
   return std::make_unique<DegreeCoarsening>(A, std::move(sums), make_modes, facts, std::move(smoother),
-                                            make_coarse, facts.mesh_levels ? &levels : nullptr);
+                                            make_coarse, has_levels ? &levels : nullptr);
 }
 
 } // namespace dovetail

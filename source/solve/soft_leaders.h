@@ -65,11 +65,13 @@ private:
   std::vector<int> follows;                  ///< by body: whether some rows follow a much softer one
 };
 
+/// What solves with A_1: levels, those without any aggregate of two bodies, or its factors.
+enum class CoarseSolve { by_levels, within_bodies, by_factors };
+
 /// DegreeCoarsening of A with @p smoother, by SoftLeaders where there are some. Collective.
-/// @param is_within_bodies whether no aggregate of A_1 has nodes of two bodies; becomes true where
-/// SoftLeaders meet more than two bodies
+/// @param coarse becomes within_bodies where SoftLeaders meet more than two of them
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
                                                  const DegreeCoarsening::MakeModes &make_modes,
-                                                 std::unique_ptr<Smoother> smoother, bool &is_within_bodies);
+                                                 std::unique_ptr<Smoother> smoother, CoarseSolve &coarse);
 
 } // namespace dovetail

@@ -95,7 +95,7 @@ void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
 
 bool DegreeCoarsening::factors_pay(const double n_expected, const double work_of_iteration) const
 {
-  const double n_with_factors = 20, largest = Semicoarsening::largest_of_lines;
+  const double n_with_factors = 30, largest = Semicoarsening::largest_of_lines;
   const double n = prolongation->domain().NumGlobalElements();
   return n <= largest && work_of_factors(n, dim) < (n_expected - n_with_factors) * work_of_iteration;
 }

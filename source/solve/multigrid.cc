@@ -81,7 +81,7 @@ private:
                                                   Lines lines) const;
   std::vector<MeshStep> mesh_steps() const;
   bool is_stretched() const;
-  Way way_for(double n_expected) const;
+  Way way_for(double n_expected, bool is_first_look) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
                        const Upkeep::GivesUp &gives_up);
@@ -219,18 +219,18 @@ Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetr
 }
 
 /// What to go on with where so many iterations are expected with the present means. A set-up costs some
-/// iterations.
-Multigrid::Way Multigrid::way_for(const double n_expected) const
+/// iterations. Eight of them do not tell 20 from 35.
+Multigrid::Way Multigrid::way_for(const double n_expected, const bool is_first_look) const
 {
   const Way present(means, has_factors);
   if (facts.degree > 1) {
-    const double slow = 40, work_per_entry = 22;
-    if (n_expected <= slow)
-      return present;
-    if (!has_factors && by_degree &&
-        by_degree->factors_pay(n_expected, work_per_entry * matrix->NumGlobalNonzeros64()))
+    const double slow = 40, very_slow = 100, work_per_entry = 22;
+    const bool has_means = facts.has_multipliers || means != Means::usual, // factorisations of K without them
+        factors_pay = !has_factors && by_degree &&
+                      by_degree->factors_pay(n_expected, work_per_entry * matrix->NumGlobalNonzeros64());
+    if (factors_pay && (n_expected > very_slow || (has_means && !is_first_look)))
       return {means, true};
-    return {facts.has_multipliers ? means : Means::factorisation, has_factors}; // of K without them
+    return {n_expected > slow && !has_means ? Means::factorisation : means, has_factors};
   }
   const bool gains_little = is_mixed || facts.has_multipliers; // by factorisations: hardly an iteration
   const double slow = gains_little ? 60 : 30, very_slow = 100;
@@ -263,8 +263,9 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
     outlook.see(n, residual);
     if (!outlook.is_time_to_look())
       return false;
-    const bool is_slow = way_for(outlook.iterations_since_largest(usual_decades)) != present();
-    next = is_slow ? way_for(outlook.iterations(usual_decades)) : present();
+    const bool is_first = n <= Outlook::n_between_looks;
+    const bool is_slow = way_for(outlook.iterations_since_largest(usual_decades), is_first) != present();
+    next = is_slow ? way_for(outlook.iterations(usual_decades), is_first) : present();
     const bool is_hopeless = !is_slow && outlook.is_hopeless(goal, facts.most_iterations);
     expected = is_hopeless ? outlook.iterations_to(goal) : 0;
     return is_slow || is_hopeless;

@@ -58,6 +58,8 @@ public:
   void vmult(Epetra_MultiVector &x, const Epetra_MultiVector &b) const;
   /// Whether this cycle, or the one for its coarsest matrix, coarsens along short couplings.
   virtual bool is_semicoarsening() const { return below && below->is_semicoarsening(); }
+  /// Whether there are more than the factors of the matrix.
+  bool has_levels() const { return !levels.empty() || (below && below->has_levels()); }
 
 protected:
   static constexpr int largest_coarse = 2000;   ///< rows of a matrix that is not coarsened

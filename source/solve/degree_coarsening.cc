@@ -93,11 +93,16 @@ void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
   smoother->smooth(x.Values(), b.Values(), false);
 }
 
+/// Where thousands of iterations are expected, the residual has hardly begun to fall, and that tells little.
 bool DegreeCoarsening::factors_pay(const double n_expected, const double work_of_iteration) const
 {
-  const double n_with_factors = 30, largest = Semicoarsening::largest_of_lines;
-  const double n = prolongation->domain().NumGlobalElements();
-  return n <= largest && work_of_factors(n, dim) < (n_expected - n_with_factors) * work_of_iteration;
+  const double n_with_factors = 15, largest_n = 1000;
+  const int largest = 100000; // rows: about a GiB for those of a cube
+  if (!coarse || !coarse->has_levels() || n_expected > largest_n)
+    return false;
+  const int n_rows = prolongation->domain().NumGlobalElements();
+  return n_rows <= largest &&
+         work_of_factors(n_rows, dim) < (n_expected - n_with_factors) * work_of_iteration;
 }
 
 /// By the functions of degree one.

@@ -64,8 +64,8 @@ public:
                                                            bool is_augmented);
 
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
-  /// Whether the factors of A_1 take less work than they spare where so many iterations are expected.
-  /// @param work_of_iteration as ExpectedCost
+  /// Whether A_1 has levels, and its factors would take less work than they spare where so many iterations
+  /// are still expected. @param work_of_iteration as ExpectedCost
   bool factors_pay(double n_expected, double work_of_iteration) const;
 
 private:

@@ -30,20 +30,6 @@
 
 namespace dovetail {
 
-namespace {
-
-/// The sum over the ranks that share a machine with this one.
-double sum_on_machine(const double value, const MPI_Comm &communicator)
-{
-  MPI_Comm machine = MPI_COMM_NULL;
-  MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
-  const double sum = dealii::Utilities::MPI::sum(value, machine);
-  MPI_Comm_free(&machine);
-  return sum;
-}
-
-} // namespace
-
 class Direct : public GroupSolver
 {
 public:
@@ -110,7 +96,7 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
 /// The kernel would end the process without a word.
 void Direct::check_memory(const MPI_Comm &communicator)
 {
-  const double needed = sum_on_machine(factors->memory(), communicator),
+  const double needed = factors->memory_on_machine(),
                there = largest_memory > 0 ? largest_memory : free_memory();
   if (dealii::Utilities::MPI::max(needed - there, communicator) <= 0)
     return;

@@ -5,9 +5,11 @@
 
 #include "mumps_factors.h"
 
+#include <dovetail/solve/free_memory.h>
 #include <dovetail/solve/group_solver.h>
 
 #include <deal.II/base/exceptions.h>
+#include <deal.II/base/mpi.h>
 
 #include <Amesos_Klu.h>
 #include <Epetra_LinearProblem.h>
@@ -46,6 +48,9 @@ void Factors::factorise()
         std::make_unique<MumpsFactors>(ranks.communicator, A.NumGlobalRows(), is_symmetric, has_small_pivots);
     ranks.run("entries", [this]() { mumps->take(A); });
     mumps->analyse();
+    const double missing = mumps->memory_on_machine() - free_memory(); // the kernel would end the process
+    AssertThrow(dealii::Utilities::MPI::max(missing, ranks.communicator) <= 0,
+                dealii::ExcMessage("There is too little memory for the factors of a matrix."));
     mumps->factorise();
     return;
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// The factors of a matrix of all ranks that is small or belongs to surfaces.
+// The factors of a matrix of all ranks that is small, or belongs to surfaces or to functions of degree one.
 
 #pragma once
 
@@ -22,15 +22,15 @@ class MumpsFactors;
 /// J. A. George: Nested dissection of a regular finite element mesh, 1973.
 double work_of_factors(double n_rows, unsigned int dim);
 
-/// Of a symmetric matrix. Up to 2000 rows KLU factorises on the first rank; more, as those of surfaces, are
-/// left to MUMPS.
+/// Of a symmetric matrix. Up to 2000 rows KLU factorises on the first rank; more are left to
+/// MUMPS.
 ///
 /// T. A. Davis, E. Palamadai Natarajan: Algorithm 907: KLU, a direct sparse solver for circuit simulation
 /// problems, 2010.
 class Factors
 {
 public:
-  /// @throw std::exception if a pivot is zero. Collective.
+  /// @throw std::exception if a pivot is zero or memory is missing, on all ranks. Collective.
   explicit Factors(std::unique_ptr<Epetra_CrsMatrix> A);
   explicit Factors(const Epetra_CrsMatrix &A); ///< by reference
   ~Factors();

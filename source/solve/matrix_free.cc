@@ -3,7 +3,8 @@
 //
 // CG or GMRES with products in place of a matrix: the tangent of the cells is applied by sum factorisation,
 // that of ties and boundaries is a sparse matrix beside it. The preconditioner smooths by Chebyshev's
-// polynomial of the diagonal, and solves for functions of degree one by smoothed aggregation.
+// polynomial of the diagonal, and solves for functions of degree one by smoothed aggregation, or by their
+// factors where an iteration is slow.
 //
 //     subsection Linear solver
 //       set Type = matrix-free
@@ -107,11 +108,13 @@ public:
     level.reset();
     upkeep.forget();
     coarse = CoarseSolve::by_levels;
+    lacks_factors = false;
   }
 
 private:
   void make(const GroupOperator &K);
   Upkeep::GivesUp patience(double goal);
+  CoarseSolve next_for(double n_expected, unsigned int n) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
                        const Upkeep::GivesUp &gives_up);
@@ -122,6 +125,7 @@ private:
   std::unique_ptr<SumLevel> level;
   std::unique_ptr<DegreeCoarsening> cycle;
   CoarseSolve coarse = CoarseSolve::by_levels;
+  bool lacks_factors = false; ///< they failed, for instance for lack of memory
 };
 
 void MatrixFree::prepare(const GroupOperator &K, const Agreement &all_ranks)
@@ -134,12 +138,19 @@ void MatrixFree::make(const GroupOperator &K)
 {
   cycle.reset();
   ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
-  ranks.run("multigrid", [&]() {
+  const auto make_cycle = [&]() {
     cycle = coarsen_degree(
         *level, facts,
         [this](const Epetra_Map &map, const Selection *rows) { return make_modes(facts, map, rows); },
         DegreeCoarsening::usual_smoother(*level, facts.degree, false), coarse);
-  });
+  };
+  if (coarse == CoarseSolve::by_factors) {
+    if (ranks.succeeds("factors of degree one", make_cycle))
+      return;
+    lacks_factors = true;
+    coarse = CoarseSolve::by_levels;
+  }
+  ranks.run("multigrid", make_cycle);
 }
 
 unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b,
@@ -153,22 +164,31 @@ unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const Gro
       [&](GroupVector &z, const GroupVector &r) { return solve_with_new(K, z, r, goal); });
 }
 
-/// Aggregates of stiff and soft bodies serve most scenes, and cost the fewest iterations there. Where they do
-/// not, A_1 is factorised if that pays, or coarsened again, within bodies.
+/// What to go on with where so many iterations are expected. Aggregates of stiff and soft bodies serve most
+/// scenes, and cost the fewest iterations there. Where they do not, A_1 is factorised if that pays, or
+/// coarsened again, within bodies. @param n those that are done
+CoarseSolve MatrixFree::next_for(const double n_expected, const unsigned int n) const
+{
+  const double slow = 40, work_per_unknown = 1500;
+  if (coarse == CoarseSolve::by_factors || !(n_expected > slow))
+    return coarse;
+  if (!lacks_factors && cycle->factors_pay(n_expected - n, work_per_unknown * facts.n_unknowns))
+    return CoarseSolve::by_factors;
+  return coarse == CoarseSolve::by_levels && has_mixed_bodies(facts) ? CoarseSolve::within_bodies : coarse;
+}
+
 unsigned int MatrixFree::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,
                                         const double goal)
 {
-  const double slow = 40, usual_decades = 10, work_per_unknown = 1500;
+  const double usual_decades = 10;
   CoarseSolve next = coarse;
-  const auto gives_up = [&, outlook = Outlook(), is_patient = patience(goal)](const unsigned int n,
-                                                                              const double residual) mutable {
+  Outlook outlook;
+  const auto is_hopeless = patience(goal);
+  const auto gives_up = [&](const unsigned int n, const double residual) {
     outlook.see(n, residual);
-    const double n_expected = outlook.iterations_since_largest(usual_decades);
-    if (coarse != CoarseSolve::by_factors && outlook.is_time_to_look() && n_expected > slow)
-      next = cycle->factors_pay(n_expected, work_per_unknown * facts.n_unknowns) ? CoarseSolve::by_factors
-             : coarse == CoarseSolve::by_levels && has_mixed_bodies(facts)       ? CoarseSolve::within_bodies
-                                                                                 : coarse;
-    return next != coarse || is_patient(n, residual);
+    if (outlook.is_time_to_look())
+      next = next_for(outlook.iterations_since_largest(usual_decades), n);
+    return next != coarse || is_hopeless(n, residual);
   };
   return solve_in_two_attempts(
       K, x, b, [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, gives_up); },
@@ -176,6 +196,7 @@ unsigned int MatrixFree::solve_with_new(const GroupOperator &K, GroupVector &x, 
         if (next == coarse)
           throw dealii::SolverControl::NoConvergence(0, r.l2_norm());
         coarse = next;
+        upkeep.forget();
         make(K);
         upkeep.made();
         return solve_with_new(K, z, r, goal);

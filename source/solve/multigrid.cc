@@ -33,7 +33,6 @@
 #include <functional>
 #include <memory>
 #include <numeric>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -59,8 +58,8 @@ public:
     forget_values();
     upkeep.forget();
     modes.reset();
-    means = Means::usual;
-    has_factors = false;
+    way = Way();
+    lacks_factors = false;
   }
 
 private:
@@ -70,18 +69,29 @@ private:
     factorisation, ///< of incomplete factorisations, and coarsening along short couplings where that is cheap
     semicoarsening ///< and wherever some couplings are long
   };
-  using Way = std::pair<Means, bool>; ///< and has_factors
+  struct Way
+  {
+    Means means = Means::usual; ///< until an iteration is slow with them
+    bool has_factors = false;   ///< of the functions of degree one
+
+    bool operator==(const Way &other) const
+    {
+      return means == other.means && has_factors == other.has_factors;
+    }
+  };
 
   void forget_values();
   void make(const GroupOperator &K);
   void make_levels();
+  void make_agreed_levels();
   std::unique_ptr<Cycle> make_cycle_of_degree_one(Cycle::Finest A,
                                                   std::shared_ptr<const Epetra_MultiVector> modes,
                                                   std::vector<GroupFacts::Place> places, bool is_finest,
                                                   Lines lines) const;
   std::vector<MeshStep> mesh_steps() const;
   bool is_stretched() const;
-  Way way_for(double n_expected, bool is_first_look) const;
+  Way way_for(double n_expected, unsigned int n) const;
+  void change_to(const Way &next);
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
                        const Upkeep::GivesUp &gives_up);
@@ -93,9 +103,9 @@ private:
   std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< of a matrix that is not symmetric
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
   const Epetra_CrsMatrix *added_rows = nullptr;     ///< as of GroupOperator
-  Means means = Means::usual;                       ///< until an iteration is slow with them
-  bool has_factors = false;                         ///< of the functions of degree one
-  bool is_mixed = false; ///< stiff and soft bodies, more than two: no aggregate has nodes of two
+  Way way;
+  bool lacks_factors = false; ///< they failed, for instance for lack of memory
+  bool is_mixed = false;      ///< stiff and soft bodies, more than two: no aggregate has nodes of two
   std::unique_ptr<Cycle> cycle;
   std::unique_ptr<MatrixLevel> finest;         ///< of by_degree
   std::unique_ptr<DegreeCoarsening> by_degree; ///< instead, for a degree above one
@@ -131,10 +141,20 @@ void Multigrid::make(const GroupOperator &K)
   }
   ranks.run("multigrid", [&]() {
     is_mixed = has_mixed_bodies(facts);
-    if (means == Means::usual && facts.degree == 1 && !is_mixed && is_stretched())
-      means = Means::factorisation;
-    make_levels();
+    if (way.means == Means::usual && facts.degree == 1 && !is_mixed && is_stretched())
+      way.means = Means::factorisation;
   });
+  make_agreed_levels();
+}
+
+/// On all ranks; without factors if these fail.
+void Multigrid::make_agreed_levels()
+{
+  if (way.has_factors && ranks.succeeds("factors of degree one", [this]() { make_levels(); }))
+    return;
+  lacks_factors = lacks_factors || way.has_factors;
+  way.has_factors = false;
+  ranks.run("multigrid", [this]() { make_levels(); });
 }
 
 void Multigrid::make_levels()
@@ -150,11 +170,11 @@ void Multigrid::make_levels()
   if (facts.degree > 1 && facts.linear_part) {
     auto smoother = DegreeCoarsening::usual_smoother(*finest, facts.degree, added_rows != nullptr);
     of_finest = smoother.get();
-    if (means != Means::usual)
+    if (way.means != Means::usual)
       of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
-    CoarseSolve coarse = has_factors                         ? CoarseSolve::by_factors
-                         : is_mixed && means != Means::usual ? CoarseSolve::within_bodies
-                                                             : CoarseSolve::by_levels;
+    CoarseSolve coarse = way.has_factors                         ? CoarseSolve::by_factors
+                         : is_mixed && way.means != Means::usual ? CoarseSolve::within_bodies
+                                                                 : CoarseSolve::by_levels;
     by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother), coarse);
   } else if (const auto [leaders, are_means] = SoftLeaders::find(facts, finest->rows()); leaders)
     by_degree =
@@ -165,12 +185,12 @@ void Multigrid::make_levels()
     cycle = coarsen_mesh(
         added_rows == nullptr ? Cycle::Finest(*matrix) : Cycle::Finest(with_added_rows(*matrix, *added_rows)),
         mesh_steps(), modes,
-        means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places(),
+        way.means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places(),
         [this, lines = are_means ? Lines::whole : Lines::whole_if_cheap](Cycle::Finest A, auto... level) {
           return make_cycle_of_degree_one(std::move(A), std::move(level)..., true, lines);
         });
-  if (means == Means::factorisation && cycle && cycle->is_semicoarsening())
-    means = Means::semicoarsening;
+  if (way.means == Means::factorisation && cycle && cycle->is_semicoarsening())
+    way.means = Means::semicoarsening;
 }
 
 /// At degree one, of vector fields. Where these are slow, aggregates take the place of parents. The vertices
@@ -179,7 +199,7 @@ std::vector<MeshStep> Multigrid::mesh_steps() const
 {
   if (!facts.mesh_levels || !facts.linear_part || is_mixed || added_rows != nullptr)
     return {};
-  const bool is_usual = means == Means::usual;
+  const bool is_usual = way.means == Means::usual;
   if (is_usual && modes->NumVectors() == 1)
     return {};
   const MeshLevels levels = facts.mesh_levels(is_usual);
@@ -208,35 +228,41 @@ Multigrid::make_cycle_of_degree_one(Cycle::Finest A, std::shared_ptr<const Epetr
     const auto range = added_rows != nullptr ? augmented : is_mixed ? of_mixed : usual;
     return ChebyshevSmoother::with_diagonal(level, range, of_level.known_eigenvalue);
   };
-  if (means == Means::usual && is_mixed)
+  if (way.means == Means::usual && is_mixed)
     return make_cycle(std::move(A), std::move(its_modes), std::move(places), Semicoarsen::always,
                       with_diagonal, with_diagonal, Lines::in_parts);
-  if (means == Means::usual)
+  if (way.means == Means::usual)
     return std::make_unique<SmoothedAggregation>(std::move(A), std::move(its_modes), with_diagonal);
-  return make_cycle_with_factorisations(
-      std::move(A), std::move(its_modes), std::move(places),
-      means == Means::semicoarsening ? Semicoarsen::if_stretched : Semicoarsen::if_cheap, is_finest, lines);
+  return make_cycle_with_factorisations(std::move(A), std::move(its_modes), std::move(places),
+                                        way.means == Means::semicoarsening ? Semicoarsen::if_stretched
+                                                                           : Semicoarsen::if_cheap,
+                                        is_finest, lines);
 }
 
 /// What to go on with where so many iterations are expected with the present means. A set-up costs some
-/// iterations. Eight of them do not tell 20 from 35.
-Multigrid::Way Multigrid::way_for(const double n_expected, const bool is_first_look) const
+/// iterations. Eight of them do not tell 20 from 35. @param n those that are done
+Multigrid::Way Multigrid::way_for(const double n_expected, const unsigned int n) const
 {
-  const Way present(means, has_factors);
+  const double very_slow = 100;
+  Way next = way;
   if (facts.degree > 1) {
-    const double slow = 40, very_slow = 100, work_per_entry = 22;
-    const bool has_means = facts.has_multipliers || means != Means::usual, // factorisations of K without them
-        factors_pay = !has_factors && by_degree &&
-                      by_degree->factors_pay(n_expected, work_per_entry * matrix->NumGlobalNonzeros64());
-    if (factors_pay && (n_expected > very_slow || (has_means && !is_first_look)))
-      return {means, true};
-    return {n_expected > slow && !has_means ? Means::factorisation : means, has_factors};
+    const double slow = 40, work_per_entry = 22;
+    const bool has_means = facts.has_multipliers || way.means != Means::usual, // of K without multipliers
+        factors_pay = !way.has_factors && !lacks_factors && by_degree &&
+                      by_degree->factors_pay(n_expected - n, work_per_entry * matrix->NumGlobalNonzeros64());
+    if (factors_pay && (n_expected > very_slow || (has_means && n > Outlook::n_between_looks)))
+      next.has_factors = true;
+    else if (n_expected > slow && !has_means)
+      next.means = Means::factorisation;
+    return next;
   }
   const bool gains_little = is_mixed || facts.has_multipliers; // by factorisations: hardly an iteration
-  const double slow = gains_little ? 60 : 30, very_slow = 100;
-  if (n_expected > (means == Means::usual ? very_slow : slow))
-    return {Means::semicoarsening, false};
-  return {n_expected > slow ? std::max(means, Means::factorisation) : means, false};
+  const double slow = gains_little ? 60 : 30;
+  if (n_expected > (way.means == Means::usual ? very_slow : slow))
+    next.means = Means::semicoarsening;
+  else if (n_expected > slow)
+    next.means = Means::factorisation;
+  return next;
 }
 
 unsigned int Multigrid::solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, const double goal)
@@ -256,16 +282,14 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
 {
   const double usual_decades = 10;
   Outlook outlook;
-  const auto present = [this]() { return Way(means, has_factors); };
-  Way next = present();
+  Way next = way;
   expected = 0;
   const auto gives_up = [&](const unsigned int n, const double residual) {
     outlook.see(n, residual);
     if (!outlook.is_time_to_look())
       return false;
-    const bool is_first = n <= Outlook::n_between_looks;
-    const bool is_slow = way_for(outlook.iterations_since_largest(usual_decades), is_first) != present();
-    next = is_slow ? way_for(outlook.iterations(usual_decades), is_first) : present();
+    const bool is_slow = !(way_for(outlook.iterations_since_largest(usual_decades), n) == way);
+    next = is_slow ? way_for(outlook.iterations(usual_decades), n) : way;
     const bool is_hopeless = !is_slow && outlook.is_hopeless(goal, facts.most_iterations);
     expected = is_hopeless ? outlook.iterations_to(goal) : 0;
     return is_slow || is_hopeless;
@@ -273,18 +297,27 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
   return solve_in_two_attempts(
       K, x, b, [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, gives_up); },
       [&](GroupVector &z, const GroupVector &r) {
-        if (next == present())
+        if (next == way)
           throw dealii::SolverControl::NoConvergence(0, r.l2_norm());
-        const bool keeps_levels =
-            of_finest != nullptr && (has_factors || !is_mixed) && next.second == has_factors;
-        std::tie(means, has_factors) = next;
-        ranks.run("multigrid", [this, keeps_levels]() {
-          keeps_levels ? of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest)
-                       : make_levels();
-        });
-        upkeep.made();
+        change_to(next);
         return solve_with_new(K, z, r, goal);
       });
+}
+
+/// The levels of A_1 stay if only the smoother of the finest level changes, and if they do not keep to bodies
+/// from then on, as they do of mixed ones.
+void Multigrid::change_to(const Way &next)
+{
+  const bool keeps_levels =
+      of_finest != nullptr && next.has_factors == way.has_factors && (way.has_factors || !is_mixed);
+  way = next;
+  upkeep.forget();
+  if (keeps_levels)
+    ranks.run("multigrid",
+              [this]() { of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest); });
+  else
+    make_agreed_levels();
+  upkeep.made();
 }
 
 unsigned int Multigrid::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,

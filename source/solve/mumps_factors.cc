@@ -125,6 +125,15 @@ void MumpsFactors::analyse()
   is_analysed = true;
 }
 
+double MumpsFactors::memory_on_machine() const
+{
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(communicator, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  const double sum = dealii::Utilities::MPI::sum(memory(), machine);
+  MPI_Comm_free(&machine);
+  return sum;
+}
+
 void MumpsFactors::factorise()
 {
   const int workspace_is_too_small = -9, integers_are_too_small = -8;

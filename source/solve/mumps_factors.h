@@ -32,6 +32,7 @@ public:
   bool suit(int n_rows, bool symmetric) const;        ///< and are not to be made anew
   /// What factorise() will need on this rank, in MiB, estimated from above. @pre analyse()
   double memory() const { return takes_part ? (mumps.info[14] + 1) * 1e6 / (1024 * 1024) : 0; }
+  double memory_on_machine() const; ///< and on the ranks that share a machine with this one
   void factorise();
   void solve(double *x, const double *b);
   /// Of D, as many as eigenvalues of the matrix are negative (Sylvester). @pre are_symmetric()

@@ -522,8 +522,9 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const d
   all = graph_of(A, nodes, seen);
   const std::vector<double> shortest = shortest_couplings(A, nodes, seen, all);
   std::vector<Lengths> lengths(nodes.size());
-  // Of nodes that see a far one, of all, of rows together, of nodes and of rows in lines, of coupled nodes.
-  std::array<double, 6> counts{}, sums{};
+  // Of nodes that see a far one, of all, of rows together, of nodes and of rows in lines, of coupled nodes,
+  // of the nodes of lines.
+  std::array<double, 7> counts{}, sums{};
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[2] += nodes.first_row[i + 1] - nodes.first_row[i];
     for (const unsigned int j : all[i]) {
@@ -544,12 +545,14 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const d
     counts[3] += line_length[i] > 0 ? 1 : 0;
     counts[4] += line_length[i] * (nodes.first_row[i + 1] - nodes.first_row[i]);
     counts[5] += all[i].empty() ? 0 : 1; // it follows others, or is prescribed
+    counts[6] += line_length[i];
   }
   counts[1] = nodes.size();
   A.Comm().SumAll(counts.data(), sums.data(), counts.size());
   share_of_far = sums[1] > 0 ? sums[0] / sums[1] : 0;
   share_in_lines = sums[5] > 0 ? sums[3] / sums[5] : 0;
   rows_of_line = sums[3] > 0 ? sums[4] / sums[3] : 0;
+  nodes_of_line = sums[3] > 0 ? sums[6] / sums[3] : 0;
   rows_together = sums[1] > 0 ? sums[2] / sums[1] : 0;
   n_nodes = seen.body.size();
   node_of_column = std::move(seen.of_column);
@@ -561,11 +564,10 @@ bool Couplings::are_in_lines() const
   return share_in_lines > most_nodes;
 }
 
-/// In lines of two, three and four nodes, those together and their neighbours have 2, 2 1/3 and 2 1/2.
 bool Couplings::are_in_short_lines() const
 {
-  const double longest = 1.4;
-  return are_in_lines() && rows_of_line < longest * rows_together;
+  const double longest = 3.2; // nodes
+  return are_in_lines() && nodes_of_line < longest;
 }
 
 namespace {
@@ -650,9 +652,9 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 
 namespace {
 
-const double largest_cheap = 0.55;          // modes beside the rows that are together
-const double smaller_ratio = 1.5;           // of short couplings
-const double largest_of_short_lines = 0.75; // as largest_growth: a mode less costs more than it saves
+const double largest_cheap = 0.55;        // modes beside the rows that are together
+const double smaller_ratio = 1.5;         // of short couplings
+const double growth_of_short_lines = 0.7; // as largest_growth: a mode less costs more than it saves
 const double most_together = 12; // rows beside modes of an aggregate, on a level without long couplings
 
 /// Mean of all nodes: how many modes are not zero there. A body may have modes for itself. Collective.
@@ -704,10 +706,10 @@ bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epe
   const double least_share = 0.1;
   const Couplings couplings(A, nodes);
   const double n_modes = modes_of_nodes(modes, nodes);
-  const bool may_be_short = A.NumGlobalRows() <= Semicoarsening::largest_of_lines,
-             is_cheap = n_modes < largest_cheap * couplings.rows_together ||
-                        (couplings.are_in_lines() &&
-                         (may_be_short || n_modes < largest_cheap * couplings.rows_of_line));
+  const bool are_few = A.NumGlobalRows() <= Semicoarsening::largest_of_lines,
+             is_cheap =
+                 n_modes < largest_cheap * couplings.rows_together ||
+                 (couplings.are_in_lines() && (are_few || n_modes < largest_cheap * couplings.rows_of_line));
   return couplings.share_of_far > least_share && (is_cheap || when == Semicoarsen::if_stretched);
 }
 
@@ -804,7 +806,7 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     Aggregation aggregation = make_bases(aggregate_of_rows(matrix, nodes, aggregates),
                                          static_cast<int>(aggregates.root.size()), *modes);
     const int n_coarse = size_of_basis(aggregation);
-    if (n_coarse > (are_short ? largest_of_short_lines : largest_growth) * n_unknowns)
+    if (n_coarse > (are_short ? growth_of_short_lines : largest_growth) * n_unknowns)
       break;
     const double share_of_next = double(n_coarse) / n_unknowns;
     n_unknowns = n_coarse;

@@ -50,7 +50,7 @@ struct Couplings
   double share_of_far = 0;               ///< of the nodes of all ranks: with a long one within a body
   double share_in_lines = 0;             ///< of the nodes of all ranks that are coupled with others
   double rows_together = 0; ///< mean of all ranks: of a node and those that short couplings connect with it
-  double rows_of_line = 0;  ///< mean of the nodes in lines
+  double rows_of_line = 0, nodes_of_line = 0; ///< means of the nodes in lines
 
   bool are_in_lines() const; ///< most of the nodes
   /// Most nodes are in lines of two or three, as across bodies that are one cell thick: an aggregate along
@@ -74,7 +74,8 @@ struct Couplings
 class Semicoarsening : public Cycle
 {
 public:
-  /// Where short couplings connect lines, an aggregate may be a whole line: the smoothers solve along lines.
+  /// Where short couplings connect lines, an aggregate may be a whole line: smoothers with factorisations
+  /// solve along lines. Lines of two or three nodes are whole in any case.
   enum class Lines {
     in_parts,
     whole_if_cheap, ///< where the levels of their parts would have about as many unknowns
@@ -97,7 +98,7 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes);
 
 /// When to take Semicoarsening in place of SmoothedAggregation.
 enum class Semicoarsen {
-  if_cheap,     ///< if that reduces the number of unknowns by about two or more
+  if_cheap,     ///< if that reduces the number of unknowns by about two or more, or if there are few in lines
   if_stretched, ///< if more than a tenth of the nodes have long couplings in their body
   always        ///< no aggregate has nodes of two bodies
 };

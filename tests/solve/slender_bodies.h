@@ -26,13 +26,14 @@ inline std::string slender_body(const SlenderBody &body, const std::string &more
          box(body.cells + " : " + body.begin + " : " + body.end, body.in_mesh) + more;
 }
 
-/// Clamped at x = 0, tied at the left end of the right one.
-inline std::string slender_bodies(const SlenderBody &left, const SlenderBody &right)
+/// Clamped at x = 0 or another face, tied at the left end of the right one.
+inline std::string slender_bodies(const SlenderBody &left, const SlenderBody &right,
+                                  const std::string &tie = "Nitsche", const std::string &clamped = "0")
 {
   const std::string clamp =
       set("Boundary conditions", "clamp") +
       subsection("Boundary condition clamp", set("Type", "value") + set("Field", "displacement") +
-                                                 set("Boundary ids", "0") + set("Expression", "0; 0; 0"));
+                                                 set("Boundary ids", clamped) + set("Expression", "0; 0; 0"));
   return set("Materials", "one") + set("Domains", "left, right") + set("Interfaces", "seam") +
          subsection("Material one",
                     subsection("Solid", set("Type", "linear elastic") + set("Young modulus", "1") +
@@ -40,7 +41,7 @@ inline std::string slender_bodies(const SlenderBody &left, const SlenderBody &ri
          subsection("Domain left", slender_body(left, clamp)) +
          subsection("Domain right", slender_body(right)) +
          subsection("Interface seam",
-                    set("Type", "Nitsche") + set("Source", "left : 1") + set("Destination", "right : 0"));
+                    set("Type", tie) + set("Source", "left : 1") + set("Destination", "right : 0"));
 }
 
 /// With 4 764 unknowns. @param half: where they meet. @param length: of both; height and width are one

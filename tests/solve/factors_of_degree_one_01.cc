@@ -10,7 +10,10 @@
 
 #include "slender_bodies.h"
 
+#include <iostream>
 #include <new>
+#include <string>
+#include <tuple>
 
 using namespace test;
 

@@ -22,8 +22,7 @@ class MumpsFactors;
 /// J. A. George: Nested dissection of a regular finite element mesh, 1973.
 double work_of_factors(double n_rows, unsigned int dim);
 
-/// Of a symmetric matrix. Up to 2000 rows KLU factorises on the first rank; more are left to
-/// MUMPS.
+/// Of a symmetric matrix. Up to 2000 rows KLU factorises on the first rank; more are left to MUMPS.
 ///
 /// T. A. Davis, E. Palamadai Natarajan: Algorithm 907: KLU, a direct sparse solver for circuit simulation
 /// problems, 2010.

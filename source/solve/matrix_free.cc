@@ -113,7 +113,6 @@ public:
 
 private:
   void make(const GroupOperator &K);
-  Upkeep::GivesUp patience(double goal);
   CoarseSolve next_for(double n_expected, unsigned int n) const;
   unsigned int solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal);
   unsigned int iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal,
@@ -183,12 +182,15 @@ unsigned int MatrixFree::solve_with_new(const GroupOperator &K, GroupVector &x, 
   const double usual_decades = 10;
   CoarseSolve next = coarse;
   Outlook outlook;
-  const auto is_hopeless = patience(goal);
+  expected = 0;
   const auto gives_up = [&](const unsigned int n, const double residual) {
     outlook.see(n, residual);
-    if (outlook.is_time_to_look())
-      next = next_for(outlook.iterations_since_largest(usual_decades), n);
-    return next != coarse || is_hopeless(n, residual);
+    if (!outlook.is_time_to_look())
+      return false;
+    next = next_for(outlook.iterations_since_largest(usual_decades), n);
+    const bool is_hopeless = next == coarse && outlook.is_hopeless(goal, facts.most_iterations);
+    expected = is_hopeless ? outlook.iterations_to(goal) : 0;
+    return next != coarse || is_hopeless;
   };
   return solve_in_two_attempts(
       K, x, b, [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, gives_up); },
@@ -201,19 +203,6 @@ unsigned int MatrixFree::solve_with_new(const GroupOperator &K, GroupVector &x, 
         upkeep.made();
         return solve_with_new(K, z, r, goal);
       });
-}
-
-/// With new levels.
-Upkeep::GivesUp MatrixFree::patience(const double goal)
-{
-  expected = 0;
-  return [this, goal, outlook = Outlook()](const unsigned int n, const double residual) mutable {
-    outlook.see(n, residual);
-    if (!outlook.is_time_to_look() || !outlook.is_hopeless(goal, facts.most_iterations))
-      return false;
-    expected = outlook.iterations_to(goal);
-    return true;
-  };
 }
 
 unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const GroupVector &b,

@@ -224,6 +224,7 @@ public:
   }
   void add_diagonal(double *diagonal) const override;
   void add_ones(double *numbers) const override;
+  void add_sums_over_cells(const double *x, double *sums) const override;
   std::unique_ptr<CellSolves> solves(const std::vector<bool> &is_held, const double *further, double *taken,
                                      bool in_single_precision) const override;
   void for_each_cell(const typename CellOperator<dim>::Prolongation &P,
@@ -787,6 +788,19 @@ void CellOperatorOf<dim, n_components>::add_ones(double *const numbers) const
   for (unsigned int slot = 0; slot < cells->n_slots(); ++slot)
     for (unsigned int i = 0; cells->is_filled(slot) && i < n_components * n_nodes; ++i)
       ++numbers[(*index)[place(slot, i)]];
+}
+
+template <int dim, int n_components>
+void CellOperatorOf<dim, n_components>::add_sums_over_cells(const double *const x, double *const sums) const
+{
+  for (unsigned int slot = 0; slot < cells->n_slots(); ++slot)
+    if (cells->is_filled(slot)) {
+      double sum = 0;
+      for (unsigned int i = 0; i < n_components * n_nodes; ++i)
+        sum += x[(*index)[place(slot, i)]];
+      for (unsigned int i = 0; i < n_components * n_nodes; ++i)
+        sums[(*index)[place(slot, i)]] += sum;
+    }
 }
 
 /// The cells beyond the ends of the lines of a cell.

@@ -394,6 +394,14 @@ double BlockMatrix::size_of_product(const unsigned int row, const Vector &x) con
         sums[local - first] += std::abs(view.values[k] * factors[view.columns[k]]);
     }
   }
+  if (const PartOperator *const summand = part_operator(p)) {
+    const Epetra_Map &map = part(p, p).trilinos_matrix().DomainMap();
+    Epetra_Vector own(map), sizes(map);
+    numberings[p].gather(x, own.Values());
+    summand->add_sizes_of_products(own, sizes);
+    for (unsigned int local = first; local < end; ++local)
+      sums[local - first] += sizes[local];
+  }
   const double square = std::inner_product(sums.begin(), sums.end(), sums.begin(), 0.);
   return std::sqrt(dealii::Utilities::MPI::sum(square, get_mpi_communicator()));
 }

@@ -120,7 +120,7 @@ double GroupSystem::contrast() const
 {
   if (group.blocks.size() == 1)
     return 1;
-  const std::vector<double> means = mean_diagonals();
+  const std::vector<double> means = usual_diagonals();
   double largest = 1;
   for (unsigned int i = 0; i < means.size(); ++i)
     for (unsigned int j = 0; j < means.size(); ++j)

@@ -32,14 +32,13 @@ namespace dovetail {
 
 namespace {
 
-/// The symmetric part of entries and cells; of cells in single precision, but beside GMRES where stiff bodies
-/// move with soft ones.
+/// The symmetric part of entries and cells; of cells in single precision, but where stiff bodies move with
+/// soft ones: what rounding leaves of a rotation would hold them.
 class SumLevel : public LevelOperator
 {
 public:
   SumLevel(const GroupOperator &K, const GroupFacts &facts)
-      : cells(*K.cells()), entries(K.entries()),
-        is_rough(facts.is_positive_definite() || !facts.has_large_contrast())
+      : cells(*K.cells()), entries(K.entries()), is_rough(!facts.has_large_contrast())
   {
     if (!facts.is_symmetric) {
       symmetric_entries = make_symmetric_part(*entries, facts.field_of_row());

@@ -151,11 +151,10 @@ GroupVector MergedMatrix::rounding_of_product(const GroupVector &x) const
         sums.trilinos_vector()[0][p.first_local + row] += std::abs(values[k]) * seen[columns[k]];
     }
   });
-  if (cells() != nullptr) { // of a smooth function, with rows as in largest_row
-    GroupVector of_cells = vector();
-    diagonal(of_cells);
-    of_cells.scale(sizes);
-    sums.add(std::sqrt(static_cast<double>(cells()->row_length())), of_cells);
+  if (cells() != nullptr) {
+    const Epetra_Vector own(View, entries()->DomainMap(), x.trilinos_vector()[0]);
+    Epetra_Vector all(View, entries()->RangeMap(), sums.trilinos_vector()[0]);
+    cells()->add_sizes_of_products(own, all);
   }
   sums *= std::numeric_limits<double>::epsilon() / 2;
   return sums;

@@ -261,7 +261,6 @@ void CellwiseTangent<dim>::subtract_moves(const dealii::AffineConstraints<double
   rows.scatter(own.Values(), b);
 }
 
-/// As if no product of two unknowns that one follows counted: near enough for a smoother.
 template <int dim>
 void CellwiseTangent<dim>::finish()
 {
@@ -281,22 +280,56 @@ void CellwiseTangent<dim>::find_diagonal()
   for (const auto &tie : ties)
     tie.add_diagonal(of_cells.Values());
   own.Export(of_cells, *import, Add);
-  Epetra_CrsMatrix squares(*follow);
-  for (int k = 0; k < squares.NumMyRows(); ++k) {
-    int n = 0;
-    double *values = nullptr;
-    squares.ExtractMyRowView(k, n, values);
-    std::transform(values, values + n, values, [](const double w) { return w * w; });
-  }
-  condense(own, squares, {});
   diagonal.assign(own.Values(), own.Values() + own.MyLength());
 }
 
+namespace {
+
+/// With @p change of each entry.
+Epetra_CrsMatrix changed(const Epetra_CrsMatrix &matrix, double (*const change)(double))
+{
+  Epetra_CrsMatrix result(matrix);
+  for (int k = 0; k < result.NumMyRows(); ++k) {
+    int n = 0;
+    double *values = nullptr;
+    result.ExtractMyRowView(k, n, values);
+    std::transform(values, values + n, values, change);
+  }
+  return result;
+}
+
+} // namespace
+
+/// As if no product of two unknowns that one follows counted: near enough for a smoother.
 template <int dim>
 void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
 {
+  Epetra_Vector own(Copy, *own_rows, const_cast<double *>(diagonal.data()));
+  condense(own, changed(*follow, [](const double w) { return w * w; }), {});
+  values.Update(1., own, 1.);
+}
+
+/// K_ij^2 <= K_ii K_jj where K is positive, and the entries of a row add up to about the root of the sum of
+/// their squares times that of their number: (K_ii sum of K_jj x_j^2)^(1/2) over the unknowns of the cells
+/// of i.
+template <int dim>
+void CellwiseTangent<dim>::add_sizes_of_products(const Epetra_Vector &x, Epetra_Vector &sizes) const
+{
+  Epetra_Vector squares(x), of_constrained(follow->RangeMap()), all(*columns), of_cells(*columns),
+      sums(*own_rows);
+  follow->Multiply(false, x, of_constrained);
+  for (unsigned int k = 0; k < constrained.size(); ++k)
+    squares[constrained[k]] = of_constrained[k];
   for (unsigned int i = 0; i < diagonal.size(); ++i)
-    values[i] += diagonal[i];
+    squares[i] *= std::abs(diagonal[i]) * squares[i];
+  all.Import(squares, *import, Insert);
+  for (const auto &[d, cells] : operators)
+    cells->add_sums_over_cells(all.Values(), of_cells.Values());
+  sums.Export(of_cells, *import, Add);
+  for (unsigned int i = 0; i < diagonal.size(); ++i)
+    sums[i] = std::sqrt(std::abs(diagonal[i]) * sums[i]);
+  condense(sums, changed(*follow, std::abs), {});
+  sizes.Update(1., sums, 1.);
 }
 
 namespace {

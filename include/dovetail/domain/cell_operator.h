@@ -58,6 +58,8 @@ public:
   virtual void add_diagonal(double *diagonal) const = 0;
   /// += the number of cells of an unknown
   virtual void add_ones(double *numbers) const = 0;
+  /// sums_i += sum over the cells of i, and there over the unknowns j, of x_j
+  virtual void add_sums_over_cells(const double *x, double *sums) const = 0;
   /// @param is_held of unknowns that are not solved for
   /// @param further what others add to the diagonal. On a face without neighbour it is taken for that of a
   /// mass matrix.

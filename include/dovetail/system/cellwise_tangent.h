@@ -64,6 +64,7 @@ public:
     add_product(rough, x, y);
   }
   void add_diagonal(Epetra_Vector &values) const override;
+  void add_sizes_of_products(const Epetra_Vector &x, Epetra_Vector &sizes) const override;
   std::unique_ptr<Approximation> cellwise_approximation(const Epetra_Vector &all_diagonal,
                                                         bool in_single_precision) const override;
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P,
@@ -115,7 +116,7 @@ private:
   std::shared_ptr<Epetra_CrsMatrix> follow; ///< a row for each of them: those it follows
   std::vector<bool> is_condensed;
   std::set<std::pair<unsigned int, unsigned int>> block_pairs;
-  std::vector<double> diagonal;
+  std::vector<double> diagonal; ///< of K, not of C^T K C
 };
 
 } // namespace dovetail

@@ -353,14 +353,16 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   system.distribute(dx);
   centre_pressures(x, dx);
   keep_stage(dx);
-  bool is_refined = false;
+  std::optional<double> inexact; // a share
   const bool is_rounded = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual;
   if (n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()))
-    *n_iterations += refine_by_laws(x, dx, is_rounded, is_refined);
-  if (is_rounded && !(is_refined && are_volumes_kept()))
+    *n_iterations += refine_by_laws(x, dx, is_rounded, inexact);
+  if (is_rounded && !(inexact == 0. && are_volumes_kept()))
     explain_linear_residual();
   else if (is_rounded) // what the laws leave is less than what K dx shows
     residual_of_solver = usual_linear_residual;
+  else if (inexact.value_or(0) > 0)
+    explain_share(*inexact);
   if (!model.is_linear())
     learn_scales(x, dx);
   return n_iterations;
@@ -383,11 +385,11 @@ double StepProblem<dim>::share_of(const Vector &correction, const Vector &dx) co
 /// residual of the laws, from the first group on that has stiff and soft bodies, or of all groups if @p
 /// is_rounded. A linear scene in time has it by products, which are rounded likewise.
 /// @param is_rounded whether rounding leaves more of K dx than is allowed
-/// @param is_refined whether dx is exact up to what is asked for
+/// @param inexact the share of dx that may be wrong, where that is more than is asked for, or 0
 /// @return the number of linear iterations
 template <int dim>
 unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const bool is_rounded,
-                                              bool &is_refined)
+                                              std::optional<double> &inexact)
 {
   const double rough = 1e-2;
   LinearSolver::Demand needed = demand();
@@ -413,14 +415,15 @@ unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const
   };
   const auto share = [this](const Vector &step, const Vector &update) { return share_of(step, update); };
   unsigned int n_iterations = 0;
-  is_refined = true;
+  inexact = 0;
   for (unsigned int g = first; g < end; ++g) {
     needed.first_group = g;
     needed.end_group = g + 1;
     IterativeRefinement refinement(residual, inverse, share, linear_solver.is_symmetric(g));
     refinement.refine(dx);
     n_iterations += refinement.n_iterations();
-    is_refined = is_refined && refinement.is_exact();
+    if (!refinement.is_exact())
+      inexact = std::max(*inexact, refinement.share_of_last_step());
   }
   centre_pressures(x, dx);
   return n_iterations;
@@ -574,6 +577,19 @@ void StepProblem<dim>::explain_linear_residual()
       << (has_solver_failed ? "the linear solver failed for what is left: its matrix may be "
                             : "rounding leaves no less: its matrix is ")
       << "close to singular. Check what holds the bodies, and how far their stiffnesses and penalties differ";
+  all_notes.push_back(of_singular_matrix(words.str()));
+}
+
+/// @param share that the last step of a refinement had, which did not go on
+template <int dim>
+void StepProblem<dim>::explain_share(const double share)
+{
+  std::ostringstream words;
+  words.precision(1);
+  words
+      << "rounding of the matrix leaves an error of about " << share
+      << " of the solution, where soft bodies hold stiff ones: it is close to singular. Check what holds the "
+         "bodies, and how far their stiffnesses and penalties differ";
   all_notes.push_back(of_singular_matrix(words.str()));
 }
 

@@ -17,15 +17,15 @@ IterativeRefinement::IterativeRefinement(Residual residual, Inverse inverse, Sha
 
 void IterativeRefinement::refine(Vector &x)
 {
-  const unsigned int most = 20;
-  const double sufficient = 1e-8, enough = 1e-11, largest_gain = 1e-2, least_gain = 0.6, largest_step = 100;
-  has_digits = false;
+  const unsigned int most = 20, patience = 3;
+  const double enough = 1e-11, largest_gain = 1e-2, least_gain = 0.6, largest_step = 100;
+  last_share = smallest_share = 1;
   iterations = 0;
   Vector r = x, next = x, c = x, d = x, change = x; // change is A d
   if (!residual(x, r))
     return;
-  double share_before = 1, product = 0; // d . A d
-  for (unsigned int pass = 0; pass < most; ++pass) {
+  double product = 0; // d . A d
+  for (unsigned int pass = 0, n_without_gain = 0; pass < most; ++pass) {
     const auto n = inverse(r, c);
     if (!n)
       return;
@@ -44,15 +44,17 @@ void IterativeRefinement::refine(Vector &x)
     Vector step = d;
     step *= length;
     const double size = share(step, x);
-    has_digits = size < sufficient;
-    const bool may_be_far_off = pass == 0 && product > 0;
-    if (!(size < (may_be_far_off ? largest_step : least_gain * share_before)))
+    n_without_gain = size < least_gain * smallest_share ? 0 : n_without_gain + 1;
+    const bool may_wait = product > 0 && !is_exact() && n_without_gain <= patience && size < largest_step;
+    if (n_without_gain > 0 && !may_wait)
       return;
     x += step;
-    if (size * std::max(size / share_before, largest_gain) < enough) // the next one
+    const bool is_done = size * std::max(size / last_share, largest_gain) < enough; // the next one
+    last_share = size;
+    smallest_share = std::min(smallest_share, size);
+    if (is_done)
       return;
     r.add(-length, change);
-    share_before = size;
   }
 }
 

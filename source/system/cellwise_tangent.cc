@@ -309,9 +309,8 @@ void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
   values.Update(1., own, 1.);
 }
 
-/// K_ij^2 <= K_ii K_jj where K is positive, and the entries of a row add up to about the root of the sum of
-/// their squares times that of their number: (K_ii sum of K_jj x_j^2)^(1/2) over the unknowns of the cells
-/// of i.
+/// (|K_ii| sum of |K_jj| x_j^2)^(1/2) over the unknowns j of the cells of i. K_ij^2 <= K_ii K_jj where K is
+/// positive, but most entries of a row are far smaller: the sum of |K_ij x_j| is a half of that, about.
 template <int dim>
 void CellwiseTangent<dim>::add_sizes_of_products(const Epetra_Vector &x, Epetra_Vector &sizes) const
 {

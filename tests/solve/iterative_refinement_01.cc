@@ -4,7 +4,8 @@
 // A is diagonal with entries from 1 to 1e8, and K sees three of its functions wrongly, by factors of 1/4, 2/3
 // and 3/2: three steps and a last one for its rounding solve A x = b, which corrections that are added as
 // they are reach after 1/(1 - 4) has diverged. With an inverse to two digits, the digits double their number
-// of steps at most. Where K fails or r is undefined, x stays where it was, and the result says that it has no
+// of steps at most. Where K has a hundred times A, too, and its inverse one digit, a step is larger than the
+// one before. Where K fails or r is undefined, x stays where it was, and the result says that it has no
 // digits. One block on each rank's share of 60 unknowns.
 //
 // ranks: 1, 2, 3
@@ -15,6 +16,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <limits>
 
 using namespace dovetail;
 using Vector = IterativeRefinement::Vector;
@@ -29,9 +31,9 @@ double entry(const unsigned int i)
 }
 
 /// What K has in place of A.
-double factor(const unsigned int i)
+double factor(const unsigned int i, const double largest)
 {
-  return i == 7 ? 0.25 : i == 20 ? 2. / 3 : i == 45 ? 1.5 : 1.;
+  return i == 7 ? 0.25 : i == 20 ? 2. / 3 : i == 45 ? 1.5 : i == 52 ? largest : 1.;
 }
 
 /// result_i = f(i, x_i)
@@ -47,10 +49,11 @@ struct Result
 {
   double error;
   unsigned int n_steps;
-  bool is_exact;
+  bool is_exact, grows; ///< whether a step was larger than the one before
 };
 
-Result solve(const double exactness, const unsigned int fails_at = 100, const unsigned int undefined_at = 100)
+Result solve(const double exactness, const unsigned int fails_at = 100, const unsigned int undefined_at = 100,
+             const double largest = 1)
 {
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(MPI_COMM_WORLD),
                      rank = dealii::Utilities::MPI::this_mpi_process(MPI_COMM_WORLD);
@@ -64,18 +67,24 @@ Result solve(const double exactness, const unsigned int fails_at = 100, const un
   };
   const auto inverse = [&](const Vector &r, Vector &c) -> std::optional<unsigned int> {
     for_each(r, c, [&](const unsigned int i, const double value) {
-      return value / (entry(i) * factor(i)) * (1 + exactness * (i % 2 ? 1 : -1));
+      return value / (entry(i) * factor(i, largest)) * (1 + exactness * (i % 2 ? 1 : -1));
     });
     if (++n_steps == fails_at)
       return {};
     return 1;
   };
-  const auto share = [](const Vector &step, const Vector &at) { return step.l2_norm() / at.l2_norm(); };
-  for_each(x, x, [](const unsigned int i, double) { return 1 / factor(i); });
+  double last = std::numeric_limits<double>::infinity();
+  bool grows = false;
+  const auto share = [&](const Vector &step, const Vector &at) {
+    const double its = step.l2_norm() / at.l2_norm();
+    grows = grows || its > last;
+    return last = its;
+  };
+  for_each(x, x, [&](const unsigned int i, double) { return 1 / factor(i, largest); });
   IterativeRefinement refinement(residual, inverse, share, true);
   refinement.refine(x);
   x.add(-1.);
-  return {x.linfty_norm(), n_steps, refinement.is_exact()};
+  return {x.linfty_norm(), n_steps, refinement.is_exact(), grows};
 }
 
 } // namespace
@@ -90,6 +99,10 @@ int main(int argc, char **argv)
       std::cout << "inverse to " << exactness << ": error below 1e-8 " << (result.error < 1e-8) << ", "
                 << result.n_steps << " steps, exact " << result.is_exact << std::endl;
   }
+  const Result growing = solve(0.1, 100, 100, 100.);
+  if (speaks)
+    std::cout << "inverse to 0.1: error below 1e-8 " << (growing.error < 1e-8) << ", exact "
+              << growing.is_exact << ", a step grows " << growing.grows << std::endl;
   const Result failed = solve(1e-2, 2), undefined = solve(1e-2, 100, 3);
   if (speaks)
     std::cout << "the inverse fails: exact " << failed.is_exact << "\nr is undefined: exact "

@@ -110,8 +110,9 @@ private:
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
-  unsigned int refine_by_laws(const Vector &x, Vector &dx, bool is_rounded, bool &is_refined);
+  unsigned int refine_by_laws(const Vector &x, Vector &dx, bool is_rounded, std::optional<double> &inexact);
   void explain_linear_residual();
+  void explain_share(double share);
   double share_of(const Vector &correction, const Vector &dx) const;
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);

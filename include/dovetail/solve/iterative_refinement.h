@@ -14,7 +14,8 @@ namespace dovetail {
 /// K^-1 is known to a few digits. Iterative refinement adds c = K^-1 r(x). If A is symmetric, flexible
 /// conjugate gradients (Notay 2000) make each c A-conjugate to the direction d before it, and go the length
 /// (d . r)/(d . A d) along it, where A d = r(x) - r(x + d): some functions that K sees wrongly by half take a
-/// few steps. Where d . A d is not positive, the whole of d is taken.
+/// few steps, and a step may be larger than the one before. Where d . A d is not positive, the whole of d is
+/// taken.
 class IterativeRefinement
 {
 public:
@@ -32,7 +33,8 @@ public:
   /// Until the next step is expected to be a share of 1e-11 at most, or steps no longer become smaller.
   void refine(Vector &x);
 
-  bool is_exact() const { return has_digits; }             ///< the last step was a share of 1e-8 at most
+  double share_of_last_step() const { return last_share; } ///< 1: none was taken
+  bool is_exact() const { return last_share < 1e-8; }
   unsigned int n_iterations() const { return iterations; } ///< linear ones
 
 private:
@@ -40,7 +42,7 @@ private:
   const Inverse inverse;
   const Share share;
   const bool is_symmetric;
-  bool has_digits = false;
+  double last_share = 1, smallest_share = 1; ///< of the steps that were taken
   unsigned int iterations = 0;
 };
 

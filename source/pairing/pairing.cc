@@ -344,11 +344,13 @@ std::optional<typename Pairing<dim>::Bridge>
 Pairing<dim>::bridge(const unsigned int side, const unsigned int q, const dealii::FiniteElement<dim> &element,
                      const unsigned int first_shape) const
 {
-  const double small = 0.02; // of the depth of the cell
+  const double small = 0.02; // of the cell
   const CellBehind<dim> &cell = cells[side][group_of(q).cells[side]];
   const dealii::Tensor<1, dim> gap = points[destination][q] - points[source][q] - shift;
+  const double depth = cell.cell_measure / cell.face_measure,
+               width_by_depth = std::pow(cell.face_measure, 1. / (dim - 1)) / depth;
   if (cell.nodes.empty() || element.degree < 2 || !element.has_support_points() ||
-      gap.norm() * cell.face_measure > small * cell.cell_measure)
+      gap.norm() > small * depth * std::max(1., std::pow(width_by_depth, element.degree)))
     return {};
   const dealii::Point<dim> &X = points[side][q];
   const dealii::Tensor<1, dim> into_cell =

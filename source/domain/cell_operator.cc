@@ -1021,8 +1021,8 @@ void CellOperatorOf<dim, n_components>::restrict_batch(
     multiply(work, batch, true);
     for (unsigned int lane = 0; lane < Lanes::size; ++lane)
       if (column < P[lane].columns.size())
-        for (const auto &entry : P[lane].entries)
-          products[lane](entry.column, column) += entry.weight * work.coefficients[entry.row][lane];
+        for (const auto &entry : P[lane].entries) // of a symmetric matrix, where they lie side by side
+          products[lane](column, entry.column) += entry.weight * work.coefficients[entry.row][lane];
   }
 }
 

@@ -334,9 +334,25 @@ LinearSolver::Demand StepProblem<dim>::demand_of_update()
   return result;
 }
 
+/// What rounding of K may change of dx . K dx, relative to that: u || |K| |dx| || ||dx||. A stiff body that a
+/// slender one holds, of the same stiffness, moves as far as the rounding of its forces moves it.
+/// @pre dx is zero where it is constrained
+template <int dim>
+double StepProblem<dim>::rounding_of_energy(const Vector &dx) const
+{
+  double rounding = 0, energy = 0;
+  for (unsigned int b = 0; b < has_block.size(); ++b)
+    if (has_block[b] && !model.numbering->blocks()[b].is_constraint) {
+      rounding += system.tangent().size_of_product(b, dx) * dx.block(b).l2_norm();
+      energy += dx.block(b) * update_loads.block(b);
+    }
+  return std::numeric_limits<double>::epsilon() / 2 * rounding / std::abs(energy);
+}
+
 template <int dim>
 std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
 {
+  const double largest_rounding = 1e-7;
   const Phases::Scope scope(phases, "solve");
   give_tangent();
   LinearSolver::Demand needed = demand_of_update();
@@ -350,13 +366,15 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   update_moves = moves_constraints();
   update_loads = system.negative_residual();
   moving_loads.reset();
+  const bool is_refined = n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()),
+             is_rounded = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual,
+             has_all = is_rounded || (is_refined && rounding_of_energy(dx) > largest_rounding);
   system.distribute(dx);
   centre_pressures(x, dx);
   keep_stage(dx);
   std::optional<double> inexact; // a share
-  const bool is_rounded = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual;
-  if (n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()))
-    *n_iterations += refine_by_laws(x, dx, is_rounded, inexact);
+  if (is_refined)
+    *n_iterations += refine_by_laws(x, dx, has_all, inexact);
   if (is_rounded && !(inexact == 0. && are_volumes_kept()))
     explain_linear_residual();
   else if (is_rounded) // what the laws leave is less than what K dx shows
@@ -383,19 +401,19 @@ double StepProblem<dim>::share_of(const Vector &correction, const Vector &dx) co
 /// a resultant, which moves it: the entries of K are rounded. Forces by the laws have none, whatever the
 /// rounding of strains: the gradients of the functions of a cell add up to zero. So dx is refined by the
 /// residual of the laws, from the first group on that has stiff and soft bodies, or of all groups if @p
-/// is_rounded. A linear scene in time has it by products, which are rounded likewise.
-/// @param is_rounded whether rounding leaves more of K dx than is allowed
+/// of_all. A linear scene in time has it by products, which are rounded likewise.
+/// @param of_all where rounding leaves more of K dx than is allowed, or may change much of its energy
 /// @param inexact the share of dx that may be wrong, where that is more than is asked for, or 0
 /// @return the number of linear iterations
 template <int dim>
-unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const bool is_rounded,
+unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const bool of_all,
                                               std::optional<double> &inexact)
 {
   const double rough = 1e-2;
   LinearSolver::Demand needed = demand();
   const unsigned int end = needed.end_group,
-                     first = is_rounded ? needed.first_group
-                                        : linear_solver.first_with_stiff_and_soft(needed.first_group, end);
+                     first = of_all ? needed.first_group
+                                    : linear_solver.first_with_stiff_and_soft(needed.first_group, end);
   if (first == end)
     return 0;
   needed.enough = std::max(needed.enough, rough);

@@ -32,13 +32,12 @@ namespace dovetail {
 
 namespace {
 
-/// The symmetric part of entries and cells; of cells in single precision, but where stiff bodies move with
-/// soft ones: what rounding leaves of a rotation would hold them.
+/// The symmetric part of entries and cells; of cells in single precision, if that is allowed.
 class SumLevel : public LevelOperator
 {
 public:
-  SumLevel(const GroupOperator &K, const GroupFacts &facts)
-      : cells(*K.cells()), entries(K.entries()), is_rough(!facts.has_large_contrast())
+  SumLevel(const GroupOperator &K, const GroupFacts &facts, const bool is_rough)
+      : cells(*K.cells()), entries(K.entries()), is_rough(is_rough)
   {
     if (!facts.is_symmetric) {
       symmetric_entries = make_symmetric_part(*entries, facts.field_of_row());
@@ -71,12 +70,13 @@ public:
     return cells.restricted(P, *restrict_few_rows(*entries, P));
   }
   bool is_condensed(const unsigned int row) const override { return cells.condensed()[row]; }
+  void leave_single_precision() { is_rough = false; }
 
 private:
   const PartOperator &cells;
   const Epetra_CrsMatrix *entries;
   std::unique_ptr<Epetra_CrsMatrix> symmetric_entries; ///< if they are not
-  const bool is_rough;
+  bool is_rough;
 };
 
 } // namespace
@@ -107,7 +107,7 @@ public:
     level.reset();
     upkeep.forget();
     coarse = CoarseSolve::by_levels;
-    lacks_factors = false;
+    lacks_factors = needs_digits = false;
   }
 
 private:
@@ -124,6 +124,7 @@ private:
   std::unique_ptr<DegreeCoarsening> cycle;
   CoarseSolve coarse = CoarseSolve::by_levels;
   bool lacks_factors = false; ///< they failed, for instance for lack of memory
+  bool needs_digits = false;  ///< those of double precision
 };
 
 void MatrixFree::prepare(const GroupOperator &K, const Agreement &all_ranks)
@@ -132,10 +133,14 @@ void MatrixFree::prepare(const GroupOperator &K, const Agreement &all_ranks)
   upkeep.prepare([&]() { make(K); }, preparations);
 }
 
+/// What rounding leaves of a rotation holds a stiff body that moves with a soft or a slender one.
 void MatrixFree::make(const GroupOperator &K)
 {
   cycle.reset();
-  ranks.run("level", [&]() { level = std::make_unique<SumLevel>(K, facts); });
+  ranks.run("level", [&]() {
+    needs_digits = facts.has_large_contrast() || needs_digits;
+    level = std::make_unique<SumLevel>(K, facts, !needs_digits);
+  });
   const auto make_cycle = [&]() {
     cycle = coarsen_degree(
         *level, facts,
@@ -162,12 +167,14 @@ unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const Gro
       [&](GroupVector &z, const GroupVector &r) { return solve_with_new(K, z, r, goal); });
 }
 
+const double slow = 40; ///< as many iterations
+
 /// What to go on with where so many iterations are expected. Aggregates of stiff and soft bodies serve most
 /// scenes, and cost the fewest iterations there. Where they do not, A_1 is factorised if that pays, or
 /// coarsened again, within bodies. @param n those that are done
 CoarseSolve MatrixFree::next_for(const double n_expected, const unsigned int n) const
 {
-  const double slow = 40, work_per_unknown = 1500;
+  const double work_per_unknown = 1500;
   if (coarse == CoarseSolve::by_factors || !(n_expected > slow))
     return coarse;
   if (!lacks_factors && cycle->factors_pay(n_expected - n, work_per_unknown * facts.n_unknowns))
@@ -180,13 +187,18 @@ unsigned int MatrixFree::solve_with_new(const GroupOperator &K, GroupVector &x, 
 {
   const double usual_decades = 10;
   CoarseSolve next = coarse;
+  bool wants_digits = false;
   Outlook outlook;
   expected = 0;
   const auto gives_up = [&](const unsigned int n, const double residual) {
     outlook.see(n, residual);
     if (!outlook.is_time_to_look())
       return false;
-    next = next_for(outlook.iterations_since_largest(usual_decades), n);
+    const double n_expected = outlook.iterations_since_largest(usual_decades);
+    wants_digits = !needs_digits && !(n_expected <= slow);
+    if (wants_digits)
+      return true;
+    next = next_for(n_expected, n);
     const bool is_hopeless = next == coarse && outlook.is_hopeless(goal, facts.most_iterations);
     expected = is_hopeless ? outlook.iterations_to(goal) : 0;
     return next != coarse || is_hopeless;
@@ -194,6 +206,11 @@ unsigned int MatrixFree::solve_with_new(const GroupOperator &K, GroupVector &x, 
   return solve_in_two_attempts(
       K, x, b, [&](GroupVector &z, const GroupVector &r) { return iterate(K, z, r, goal, gives_up); },
       [&](GroupVector &z, const GroupVector &r) {
+        if (wants_digits) {
+          needs_digits = true;
+          level->leave_single_precision();
+          return solve_with_new(K, z, r, goal);
+        }
         if (next == coarse)
           throw dealii::SolverControl::NoConvergence(0, r.l2_norm());
         coarse = next;

@@ -110,7 +110,8 @@ private:
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
-  unsigned int refine_by_laws(const Vector &x, Vector &dx, bool is_rounded, std::optional<double> &inexact);
+  unsigned int refine_by_laws(const Vector &x, Vector &dx, bool of_all, std::optional<double> &inexact);
+  double rounding_of_energy(const Vector &dx) const;
   void explain_linear_residual();
   void explain_share(double share);
   double share_of(const Vector &correction, const Vector &dx) const;

@@ -29,12 +29,13 @@ template <int dim>
 struct FaceOfCell
 {
   unsigned int face = 0; ///< of the side, as in SideFaces
+  double measure = 0;    ///< of the whole face
   std::vector<TracePoint<dim>> points;
 
   template <typename Archive>
   void serialize(Archive &archive, const unsigned int)
   {
-    archive &face &points;
+    archive &face &measure &points;
   }
 };
 
@@ -74,6 +75,26 @@ unsigned int n_weak_values(const Domain<dim> &domain, const std::string &field,
   return 0;
 }
 
+/// Of a cell, what all ranks know of its tied faces.
+template <int dim>
+struct Trace
+{
+  std::vector<TracePoint<dim>> points;
+  std::map<unsigned int, double> measures; ///< by face
+
+  /// What penalties are multiplied by where less than a half of the faces is covered: where a tie is narrow
+  /// beside the cell, the eigenvalue is small, and the cell knows no flux that varies over the tie.
+  double factor_of_penalty() const
+  {
+    double whole = 0, covered = 0;
+    for (const auto &[face, measure] : measures)
+      whole += measure;
+    for (const TracePoint<dim> &point : points)
+      covered += point.weight;
+    return covered > 0 ? std::max(1., whole / (2 * covered)) : 1;
+  }
+};
+
 /// The cells of this rank behind the faces of a side.
 template <int dim>
 class SideProblems
@@ -108,20 +129,22 @@ template <int dim>
 RankMap<std::vector<Pair>> SideProblems<dim>::solve(const double t, const ValuesOf &unknowns,
                                                     Questions<dim> questions) const
 {
-  std::map<cell_iterator, std::vector<TracePoint<dim>>> points_of_cell;
+  std::map<cell_iterator, Trace<dim>> traces;
   for (auto &[rank, faces] : questions)
-    for (auto &[face, points] : faces) {
-      auto &cell_points = points_of_cell[cell_of_face[face]];
-      std::move(points.begin(), points.end(), std::back_inserter(cell_points));
+    for (auto &[face, measure, points] : faces) {
+      Trace<dim> &trace = traces[cell_of_face[face]];
+      trace.measures[face] = measure;
+      std::move(points.begin(), points.end(), std::back_inserter(trace.points));
     }
   CellEigenvalues<dim> eigenvalues(domain, field, components, t);
   std::map<cell_iterator, Pair> lambda;
   std::vector<dealii::types::global_dof_index> dofs;
   std::vector<double> values;
-  for (const auto &[cell, points] : points_of_cell) {
+  for (const auto &[cell, trace] : traces) {
     domain.cell_dofs(domain.dof_cell(cell), dofs);
     unknowns(dofs, values);
-    Pair &pair = lambda[cell] = eigenvalues.evaluate(cell, points, values);
+    Pair &pair = lambda[cell] = eigenvalues.evaluate(cell, trace.points, values);
+    pair[1] *= trace.factor_of_penalty();
     for (double &value : pair)
       value *=
           1 + n_other_interfaces(interface_side, field.name, cell) + n_weak_values(domain, field.name, cell);
@@ -157,7 +180,7 @@ std::pair<Questions<dim>, RankMap<std::vector<unsigned int>>> ask_owners(const I
   Questions<dim> questions;
   RankMap<std::vector<unsigned int>> asked;
   for (unsigned int i = 0; i < cells.size(); ++i) {
-    questions[cells[i].rank].push_back({cells[i].face, std::move(points[i])});
+    questions[cells[i].rank].push_back({cells[i].face, cells[i].face_measure, std::move(points[i])});
     asked[cells[i].rank].push_back(i);
   }
   return {std::move(questions), std::move(asked)};

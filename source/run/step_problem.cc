@@ -334,19 +334,24 @@ LinearSolver::Demand StepProblem<dim>::demand_of_update()
   return result;
 }
 
-/// What rounding of K may change of dx . K dx, relative to that: u || |K| |dx| || ||dx||. A stiff body that a
-/// slender one holds, of the same stiffness, moves as far as the rounding of its forces moves it.
-/// @pre dx is zero where it is constrained
+/// What rounding of K may change of dx . K dx, relative to that, without multipliers and pressures: u || |K|
+/// |dx| || ||dx||. A stiff body that a slender one holds, of the same stiffness, moves as far as the rounding
+/// of its forces moves it. @pre dx is zero where it is constrained
 template <int dim>
 double StepProblem<dim>::rounding_of_energy(const Vector &dx) const
 {
+  Vector of_bodies = dx, product = dx;
+  for (unsigned int b = 0; b < has_block.size(); ++b)
+    if (!has_block[b] || model.numbering->blocks()[b].is_constraint)
+      of_bodies.block(b) = 0;
+  system.tangent().vmult(product, of_bodies);
   double rounding = 0, energy = 0;
   for (unsigned int b = 0; b < has_block.size(); ++b)
-    if (has_block[b] && !model.numbering->blocks()[b].is_constraint) {
-      rounding += system.tangent().size_of_product(b, dx) * dx.block(b).l2_norm();
-      energy += dx.block(b) * update_loads.block(b);
+    if (const double length = of_bodies.block(b).l2_norm(); length > 0) {
+      rounding += system.tangent().size_of_product(b, of_bodies) * length;
+      energy += of_bodies.block(b) * product.block(b);
     }
-  return std::numeric_limits<double>::epsilon() / 2 * rounding / std::abs(energy);
+  return energy == 0 ? 0. : std::numeric_limits<double>::epsilon() / 2 * rounding / std::abs(energy);
 }
 
 template <int dim>

@@ -18,7 +18,8 @@ struct TraceEigenvalues
   /// Of the tangent, infinite where that is not positive on the cell: no penalty is large enough.
   std::array<std::vector<double>, 2> tangent_values;
   /// To choose weights and penalty by, finite: the same but for cells on which the tangent has lost its
-  /// positivity or is about to (see cell_eigenvalues.cc). NaN only where a law is not defined.
+  /// positivity or is about to (see cell_eigenvalues.cc), and larger by half the ratio of tied faces to what
+  /// is covered of them, if that is above one. NaN only where a law is not defined.
   std::array<std::vector<double>, 2> penalty_values;
   bool is_defined = true; ///< all laws are at the current state, on all ranks
 };

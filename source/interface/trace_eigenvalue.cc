@@ -133,7 +133,8 @@ RankMap<std::vector<Pair>> SideProblems<dim>::solve(const double t, const Values
   for (auto &[rank, faces] : questions)
     for (auto &[face, measure, points] : faces) {
       Trace<dim> &trace = traces[cell_of_face[face]];
-      trace.measures[face] = measure;
+      if (!points.empty())
+        trace.measures[face] = measure;
       std::move(points.begin(), points.end(), std::back_inserter(trace.points));
     }
   CellEigenvalues<dim> eigenvalues(domain, field, components, t);

@@ -339,6 +339,25 @@ void Pairing<dim>::evaluate_shapes(const unsigned int side, const unsigned int q
     }
 }
 
+namespace {
+
+/// Of a cell's face, the geometric mean of its lengths along it. @param jacobian dX/dxi
+template <int dim>
+double width(const dealii::Tensor<2, dim> &jacobian, const unsigned int face_no)
+{
+  double product = 1;
+  for (unsigned int d = 0; d < dim; ++d)
+    if (d != face_no / 2) {
+      dealii::Tensor<1, dim> along;
+      for (unsigned int i = 0; i < dim; ++i)
+        along[i] = jacobian[i][d];
+      product *= along.norm();
+    }
+  return std::pow(product, 1. / (dim - 1));
+}
+
+} // namespace
+
 template <int dim>
 std::optional<typename Pairing<dim>::Bridge>
 Pairing<dim>::bridge(const unsigned int side, const unsigned int q, const dealii::FiniteElement<dim> &element,
@@ -347,14 +366,16 @@ Pairing<dim>::bridge(const unsigned int side, const unsigned int q, const dealii
   const double small = 0.02; // of the cell
   const CellBehind<dim> &cell = cells[side][group_of(q).cells[side]];
   const dealii::Tensor<1, dim> gap = points[destination][q] - points[source][q] - shift;
-  const double depth = cell.cell_measure / cell.face_measure,
-               width_by_depth = std::pow(cell.face_measure, 1. / (dim - 1)) / depth;
-  if (cell.nodes.empty() || element.degree < 2 || !element.has_support_points() ||
-      gap.norm() > small * depth * std::max(1., std::pow(width_by_depth, element.degree)))
+  if (cell.nodes.empty() || element.degree < 2 || !element.has_support_points())
+    return {};
+  const dealii::Tensor<2, dim> jacobian(invert(inverse_jacobians[side][q]));
+  const double depth_of_cell = cell.cell_measure / cell.face_measure,
+               flatness = std::max(1., width<dim>(jacobian, cell.face_no) / depth_of_cell);
+  if (gap.norm() > small * depth_of_cell * std::pow(flatness, element.degree))
     return {};
   const dealii::Point<dim> &X = points[side][q];
   const dealii::Tensor<1, dim> into_cell =
-      -invert(inverse_jacobians[side][q]) * dealii::GeometryInfo<dim>::unit_normal_vector[cell.face_no];
+      -jacobian * dealii::GeometryInfo<dim>::unit_normal_vector[cell.face_no];
   const dealii::Tensor<1, dim> *by_X = gradients(side, q) + first_shape;
   Bridge result;
   dealii::Tensor<1, dim> d;

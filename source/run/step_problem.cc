@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -334,24 +335,32 @@ LinearSolver::Demand StepProblem<dim>::demand_of_update()
   return result;
 }
 
-/// What rounding of K may change of dx . K dx, relative to that, without multipliers and pressures: u || |K|
-/// |dx| || ||dx||. A stiff body that a slender one holds, of the same stiffness, moves as far as the rounding
-/// of its forces moves it. @pre dx is zero where it is constrained
+/// What rounding of K may change of dx . K dx in a field, relative to that: u || |K| |dx| || ||dx||, of the
+/// field where this is largest. A stiff body that a slender one holds, of the same stiffness, moves as far as
+/// the rounding of its forces moves it. @pre dx is zero where it is constrained
 template <int dim>
 double StepProblem<dim>::rounding_of_energy(const Vector &dx) const
 {
-  Vector of_bodies = dx, product = dx;
-  for (unsigned int b = 0; b < has_block.size(); ++b)
-    if (!has_block[b] || model.numbering->blocks()[b].is_constraint)
-      of_bodies.block(b) = 0;
-  system.tangent().vmult(product, of_bodies);
-  double rounding = 0, energy = 0;
-  for (unsigned int b = 0; b < has_block.size(); ++b)
-    if (const double length = of_bodies.block(b).l2_norm(); length > 0) {
-      rounding += system.tangent().size_of_product(b, of_bodies) * length;
-      energy += of_bodies.block(b) * product.block(b);
+  const auto &field = system.fields_of_blocks();
+  double largest = 0;
+  for (const unsigned int f : std::set<unsigned int>(field.begin(), field.end())) {
+    Vector of_field = dx, product = dx;
+    for (unsigned int b = 0; b < has_block.size(); ++b)
+      if (!has_block[b] || field[b] != f || model.numbering->blocks()[b].is_constraint)
+        of_field.block(b) = 0;
+    if (of_field.linfty_norm() == 0)
+      continue;
+    const std::vector<double> sizes = system.tangent().sizes_of_products(of_field);
+    system.tangent().vmult(product, of_field);
+    double rounding = 0, energy = 0;
+    for (unsigned int b = 0; b < has_block.size(); ++b) {
+      rounding += sizes[b] * of_field.block(b).l2_norm();
+      energy += of_field.block(b) * product.block(b);
     }
-  return energy == 0 ? 0. : std::numeric_limits<double>::epsilon() / 2 * rounding / std::abs(energy);
+    if (energy != 0)
+      largest = std::max(largest, std::numeric_limits<double>::epsilon() / 2 * rounding / std::abs(energy));
+  }
+  return largest;
 }
 
 template <int dim>
@@ -384,20 +393,28 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
     explain_linear_residual();
   else if (is_rounded) // what the laws leave is less than what K dx shows
     residual_of_solver = usual_linear_residual;
-  else if (inexact.value_or(0) > 0)
+  else if (model.is_linear() && inexact.value_or(0) > 0)
     explain_share(*inexact);
   if (!model.is_linear())
     learn_scales(x, dx);
   return n_iterations;
 }
 
-/// Of bodies: the largest of their norms relative to those of @p dx.
+/// Of bodies: the largest of their norms relative to those of @p dx. What is nothing beside @p x or beside
+/// other bodies is rounding.
 template <int dim>
-double StepProblem<dim>::share_of(const Vector &correction, const Vector &dx) const
+double StepProblem<dim>::share_of(const Vector &correction, const Vector &x, const Vector &dx) const
 {
+  const double nothing = 1e-12;
+  const auto &field = system.fields_of_blocks();
+  std::vector<double> least(has_block.size(), 0.); // by field
+  for (unsigned int b = 0; b < has_block.size(); ++b)
+    least[field[b]] =
+        std::max({least[field[b]], nothing * x.block(b).l2_norm(), nothing * dx.block(b).l2_norm()});
   double largest = 0;
   for (unsigned int b = 0; b < has_block.size(); ++b)
-    if (const double size = dx.block(b).l2_norm(); size > 0 && !model.numbering->blocks()[b].is_constraint)
+    if (const double size = std::max(dx.block(b).l2_norm(), least[field[b]]);
+        size > 0 && !model.numbering->blocks()[b].is_constraint)
       largest = std::max(largest, correction.block(b).l2_norm() / size);
   return largest;
 }
@@ -436,7 +453,7 @@ unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const
     keep_stage(correction);
     return n_iterations;
   };
-  const auto share = [this](const Vector &step, const Vector &update) { return share_of(step, update); };
+  const auto share = [&](const Vector &step, const Vector &update) { return share_of(step, x, update); };
   unsigned int n_iterations = 0;
   inexact = 0;
   for (unsigned int g = first; g < end; ++g) {
@@ -548,11 +565,11 @@ template <int dim>
 bool is_rounding(BlockSystem<dim> &system, const BlockMatrix::Vector &dx)
 {
   BlockMatrix::Vector rest = system.owned_vector();
-  const std::vector<double> residuals = system.linear_residuals(dx, rest);
+  const std::vector<double> residuals = system.linear_residuals(dx, rest),
+                            sizes = system.tangent().sizes_of_products(dx);
   for (unsigned int b = 0; b < residuals.size(); ++b)
     if (!(residuals[b] <= exact_linear_residual) &&
-        !(rest.block(b).l2_norm() <=
-          std::numeric_limits<double>::epsilon() * system.tangent().size_of_product(b, dx)))
+        !(rest.block(b).l2_norm() <= std::numeric_limits<double>::epsilon() * sizes[b]))
       return false;
   return true;
 }
@@ -603,16 +620,20 @@ void StepProblem<dim>::explain_linear_residual()
   all_notes.push_back(of_singular_matrix(words.str()));
 }
 
-/// @param share that the last step of a refinement had, which did not go on
+/// @param share of the last step of a refinement that did not get to its end, 1 if it took none
 template <int dim>
 void StepProblem<dim>::explain_share(const double share)
 {
   std::ostringstream words;
   words.precision(1);
-  words
-      << "rounding of the matrix leaves an error of about " << share
-      << " of the solution, where soft bodies hold stiff ones: it is close to singular. Check what holds the "
-         "bodies, and how far their stiffnesses and penalties differ";
+  words << "rounding of the matrix ";
+  if (share < 1)
+    words << "leaves an error of about " << share << " of the solution";
+  else
+    words << "may change the solution";
+  words << ", where soft or slender bodies hold stiff ones: it is close to singular. Check what holds the "
+           "bodies, and "
+           "how far their stiffnesses and penalties differ";
   all_notes.push_back(of_singular_matrix(words.str()));
 }
 

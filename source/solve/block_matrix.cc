@@ -381,29 +381,35 @@ Epetra_Vector BlockMatrix::ghosted(const unsigned int p, const unsigned int q, c
   return result;
 }
 
-double BlockMatrix::size_of_product(const unsigned int row, const Vector &x) const
+std::vector<double> BlockMatrix::sizes_of_products(const Vector &x) const
 {
-  const auto [p, i] = place[row];
-  const unsigned int first = numberings[p].first_local_of(i), end = numberings[p].first_local_of(i + 1);
-  std::vector<double> sums(end - first, 0.);
-  for (const auto &[q, part] : parts[p]) {
-    const Epetra_Vector factors = ghosted(p, q, x);
-    for (unsigned int local = first; local < end; ++local) {
-      const RowView view(part->trilinos_matrix(), local);
-      for (int k = 0; k < view.n; ++k)
-        sums[local - first] += std::abs(view.values[k] * factors[view.columns[k]]);
+  std::vector<double> sizes(owned.size(), 0.);
+  for (unsigned int p = 0; p < parts.size(); ++p) {
+    const Epetra_Map &map = part(p, p).trilinos_matrix().DomainMap();
+    Epetra_Vector sums(map);
+    if (const PartOperator *const summand = part_operator(p)) {
+      Epetra_Vector own(map);
+      numberings[p].gather(x, own.Values());
+      summand->add_sizes_of_products(own, sums);
+    }
+    for (const auto &[q, entries] : parts[p]) {
+      const Epetra_Vector factors = ghosted(p, q, x);
+      for (int row = 0; row < sums.MyLength(); ++row) {
+        const RowView view(entries->trilinos_matrix(), row);
+        for (int k = 0; k < view.n; ++k)
+          sums[row] += std::abs(view.values[k] * factors[view.columns[k]]);
+      }
+    }
+    for (unsigned int i = 0; i < numberings[p].blocks().size(); ++i) {
+      const double *const first = sums.Values() + numberings[p].first_local_of(i),
+                          *const end = sums.Values() + numberings[p].first_local_of(i + 1);
+      sizes[numberings[p].blocks()[i]] = std::inner_product(first, end, first, 0.);
     }
   }
-  if (const PartOperator *const summand = part_operator(p)) {
-    const Epetra_Map &map = part(p, p).trilinos_matrix().DomainMap();
-    Epetra_Vector own(map), sizes(map);
-    numberings[p].gather(x, own.Values());
-    summand->add_sizes_of_products(own, sizes);
-    for (unsigned int local = first; local < end; ++local)
-      sums[local - first] += sizes[local];
-  }
-  const double square = std::inner_product(sums.begin(), sums.end(), sums.begin(), 0.);
-  return std::sqrt(dealii::Utilities::MPI::sum(square, get_mpi_communicator()));
+  dealii::Utilities::MPI::sum(sizes, get_mpi_communicator(), sizes);
+  std::transform(sizes.begin(), sizes.end(), sizes.begin(),
+                 [](const double square) { return std::sqrt(square); });
+  return sizes;
 }
 
 /// Of the blocks of a pair of parts, in one pass through each row.

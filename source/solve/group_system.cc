@@ -114,7 +114,7 @@ bool GroupSystem::are_coupled(const unsigned int block, const unsigned int other
                                               });
 }
 
-/// The largest ratio of the mean diagonal entries of two blocks that are coupled. In a long chain of bodies
+/// The largest ratio of the usual diagonal entries of two blocks that are coupled. In a long chain of bodies
 /// each of which is a little stiffer than the one before, only neighbours matter.
 double GroupSystem::contrast() const
 {

@@ -18,7 +18,8 @@ IterativeRefinement::IterativeRefinement(Residual residual, Inverse inverse, Sha
 void IterativeRefinement::refine(Vector &x)
 {
   const unsigned int most = 20, patience = 3;
-  const double enough = 1e-11, largest_gain = 1e-2, least_gain = 0.6, largest_step = 100;
+  const double enough = 1e-11, largest_gain = 1e-2, least_gain = 0.6, largest_step = 100,
+               largest_growth = 1e3;
   last_share = smallest_share = 1;
   iterations = 0;
   Vector r = x, next = x, c = x, d = x, change = x; // change is A d
@@ -45,9 +46,13 @@ void IterativeRefinement::refine(Vector &x)
     step *= length;
     const double size = share(step, x);
     n_without_gain = size < least_gain * smallest_share ? 0 : n_without_gain + 1;
-    const bool may_wait = product > 0 && !is_exact() && n_without_gain <= patience && size < largest_step;
-    if (n_without_gain > 0 && !may_wait)
+    const double largest = std::min(largest_step, largest_growth * smallest_share);
+    const bool may_wait = product > 0 && !is_exact() && n_without_gain <= patience && size < largest;
+    if (n_without_gain > 0 && !may_wait) {
+      if (!is_exact())
+        last_share = std::max(last_share, std::min(size, 1.));
       return;
+    }
     x += step;
     const bool is_done = size * std::max(size / last_share, largest_gain) < enough; // the next one
     last_share = size;

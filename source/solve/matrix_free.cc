@@ -79,6 +79,8 @@ private:
   bool is_rough;
 };
 
+const double slow = 40; ///< as many iterations
+
 } // namespace
 
 class MatrixFree : public GroupSolver
@@ -166,8 +168,6 @@ unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const Gro
       },
       [&](GroupVector &z, const GroupVector &r) { return solve_with_new(K, z, r, goal); });
 }
-
-const double slow = 40; ///< as many iterations
 
 /// What to go on with where so many iterations are expected. Aggregates of stiff and soft bodies serve most
 /// scenes, and cost the fewest iterations there. Where they do not, A_1 is factorised if that pays, or

@@ -513,10 +513,7 @@ bool BlockSystem<dim>::assemble(const Vector &x, const bool with_tangent, const 
   if ((!with_tangent || n_tangents >= few_tangents) && affine_residual() != nullptr) {
     if (with_tangent) {
       combine_tangent();
-      std::vector<double> products;
-      for (unsigned int b = 0; b < x.n_blocks(); ++b)
-        products.push_back(matrix.size_of_product(b, x));
-      sizes.set_tangent(products, cell_terms[0]->longest_sum());
+      sizes.set_tangent(matrix.sizes_of_products(x), cell_terms[0]->longest_sum());
     }
     if (assemble_by_products(x))
       return true;
@@ -893,10 +890,13 @@ std::vector<double> BlockSystem<dim>::linear_residuals(const Vector &dx, Vector 
       if (row != column)
         reference[row] = std::max(reference[row], product.l2_norm());
     });
+  std::vector<double> sizes_of_products; // where both sides may be one block
   for (unsigned int b = 0; b < dx.n_blocks(); ++b)
-    if ((model.numbering->blocks()[b].is_of_pressure() || is_of_multipliers[field_of_block[b]]) &&
-        !is_zero) // both sides may be one block
-      reference[b] = std::max(reference[b], matrix.size_of_product(b, dx));
+    if ((model.numbering->blocks()[b].is_of_pressure() || is_of_multipliers[field_of_block[b]]) && !is_zero) {
+      if (sizes_of_products.empty())
+        sizes_of_products = matrix.sizes_of_products(dx);
+      reference[b] = std::max(reference[b], sizes_of_products[b]);
+    }
   // a block on which nothing acts keeps the rounding of the others, with which it is solved
   std::vector<double> rounding(fields.size(), 0.);
   for (unsigned int b = 0; b < dx.n_blocks(); ++b)

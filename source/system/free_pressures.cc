@@ -165,8 +165,8 @@ std::vector<FreePressure<dim>> find_free_pressures(const Model<dim> &model, cons
         if (constraints.is_constrained(blocks[b].begin + blocks[b].owned.nth_index_in_set(i)))
           z.block(b).trilinos_vector()[0][i] = 0;
     double size = 0;
-    for (unsigned int b = 0; b < blocks.size(); ++b)
-      size = std::hypot(size, tangent.size_of_product(b, z));
+    for (const double of_block : tangent.sizes_of_products(z))
+      size = std::hypot(size, of_block);
     if (size == 0 || // not assembled, as while another stage is solved
         Closing<dim>(model, tangent).close(z, seen_by_rounding * size) > seen_by_rounding * size)
       continue;

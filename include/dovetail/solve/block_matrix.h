@@ -100,8 +100,8 @@ public:
   void for_each_product(const Vector &x, const VisitProduct &visit) const;
   /// The unknowns that the own rows of a pair of parts multiply, by local column. Collective.
   Epetra_Vector ghosted(unsigned int row, unsigned int column, const Vector &x) const;
-  /// || |K| |x| || of the rows of a block. Collective.
-  double size_of_product(unsigned int row, const Vector &x) const;
+  /// || |K| |x| || of the rows of each block. Collective.
+  std::vector<double> sizes_of_products(const Vector &x) const;
 
   /// Of an unknown that this rank owns. @pre Its part has entries only.
   void extract_row(size_type row, std::vector<size_type> &columns, std::vector<double> &values) const;

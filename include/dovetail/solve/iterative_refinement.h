@@ -33,7 +33,8 @@ public:
   /// Until the next step is expected to be a share of 1e-11 at most, or steps no longer become smaller.
   void refine(Vector &x);
 
-  double share_of_last_step() const { return last_share; } ///< 1: none was taken
+  /// Or of one that was larger and was not taken; 1 without any.
+  double share_of_last_step() const { return last_share; }
   bool is_exact() const { return last_share < 1e-8; }
   unsigned int n_iterations() const { return iterations; } ///< linear ones
 

@@ -631,9 +631,8 @@ void StepProblem<dim>::explain_share(const double share)
     words << "leaves an error of about " << share << " of the solution";
   else
     words << "may change the solution";
-  words << ", where soft or slender bodies hold stiff ones: it is close to singular. Check what holds the "
-           "bodies, and "
-           "how far their stiffnesses and penalties differ";
+  words << ", where soft or slender bodies hold stiff ones: it is close to singular. Check what holds "
+           "them, and how far their stiffnesses and penalties differ";
   all_notes.push_back(of_singular_matrix(words.str()));
 }
 

@@ -394,7 +394,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   else if (is_rounded) // what the laws leave is less than what K dx shows
     residual_of_solver = usual_linear_residual;
   else if (model.is_linear() && inexact.value_or(0) > 0)
-    explain_share(*inexact);
+    explain_share(*inexact * part_of_solution(x, dx));
   if (!model.is_linear())
     learn_scales(x, dx);
   return n_iterations;
@@ -416,6 +416,27 @@ double StepProblem<dim>::share_of(const Vector &correction, const Vector &x, con
     if (const double size = std::max(dx.block(b).l2_norm(), least[field[b]]);
         size > 0 && !model.numbering->blocks()[b].is_constraint)
       largest = std::max(largest, correction.block(b).l2_norm() / size);
+  return largest;
+}
+
+/// How much of x + dx the update is, of the field where this is largest: where nothing happens in a step, dx
+/// is rounding.
+template <int dim>
+double StepProblem<dim>::part_of_solution(const Vector &x, const Vector &dx) const
+{
+  Vector sum = x;
+  sum += dx;
+  const auto &field = system.fields_of_blocks();
+  std::vector<double> of_update(has_block.size(), 0.), of_sum(has_block.size(), 0.); // by field
+  for (unsigned int b = 0; b < has_block.size(); ++b)
+    if (!model.numbering->blocks()[b].is_constraint) {
+      of_update[field[b]] = std::hypot(of_update[field[b]], dx.block(b).l2_norm());
+      of_sum[field[b]] = std::hypot(of_sum[field[b]], sum.block(b).l2_norm());
+    }
+  double largest = 0;
+  for (unsigned int f = 0; f < of_sum.size(); ++f)
+    if (of_update[f] > 0)
+      largest = std::max(largest, of_update[f] / std::max(of_update[f], of_sum[f]));
   return largest;
 }
 
@@ -620,10 +641,13 @@ void StepProblem<dim>::explain_linear_residual()
   all_notes.push_back(of_singular_matrix(words.str()));
 }
 
-/// @param share of the last step of a refinement that did not get to its end, 1 if it took none
+/// @param share that the last step of a refinement had, which did not get to its end, 1 if it took none
 template <int dim>
 void StepProblem<dim>::explain_share(const double share)
 {
+  const double exact = 1e-8;
+  if (share < exact)
+    return;
   std::ostringstream words;
   words.precision(1);
   words << "rounding of the matrix ";

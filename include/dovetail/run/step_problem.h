@@ -114,6 +114,7 @@ private:
   double rounding_of_energy(const Vector &dx) const;
   void explain_linear_residual();
   void explain_share(double share);
+  double part_of_solution(const Vector &x, const Vector &dx) const;
   double share_of(const Vector &correction, const Vector &x, const Vector &dx) const;
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);

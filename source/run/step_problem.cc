@@ -382,13 +382,13 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   moving_loads.reset();
   const bool is_refined = n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()),
              is_rounded = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual,
-             has_all = is_rounded || (is_refined && rounding_of_energy(dx) > largest_rounding);
+             of_all = is_rounded || (is_refined && rounding_of_energy(dx) > largest_rounding);
   system.distribute(dx);
   centre_pressures(x, dx);
   keep_stage(dx);
   std::optional<double> inexact; // a share
   if (is_refined)
-    *n_iterations += refine_by_laws(x, dx, has_all, inexact);
+    *n_iterations += refine_by_laws(x, dx, of_all, inexact);
   if (is_rounded && !(inexact == 0. && are_volumes_kept()))
     explain_linear_residual();
   else if (is_rounded) // what the laws leave is less than what K dx shows
@@ -645,8 +645,7 @@ void StepProblem<dim>::explain_linear_residual()
 template <int dim>
 void StepProblem<dim>::explain_share(const double share)
 {
-  const double exact = 1e-8;
-  if (share < exact)
+  if (share < IterativeRefinement::exact_share)
     return;
   std::ostringstream words;
   words.precision(1);

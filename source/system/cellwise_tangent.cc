@@ -271,18 +271,6 @@ void CellwiseTangent<dim>::finish()
   find_diagonal();
 }
 
-template <int dim>
-void CellwiseTangent<dim>::find_diagonal()
-{
-  Epetra_Vector of_cells(*columns), own(*own_rows);
-  for (const auto &[d, cells] : operators)
-    cells->add_diagonal(of_cells.Values());
-  for (const auto &tie : ties)
-    tie.add_diagonal(of_cells.Values());
-  own.Export(of_cells, *import, Add);
-  diagonal.assign(own.Values(), own.Values() + own.MyLength());
-}
-
 namespace {
 
 /// With @p change of each entry.
@@ -302,11 +290,29 @@ Epetra_CrsMatrix changed(const Epetra_CrsMatrix &matrix, double (*const change)(
 
 /// As if no product of two unknowns that one follows counted: near enough for a smoother.
 template <int dim>
+void CellwiseTangent<dim>::find_diagonal()
+{
+  Epetra_Vector of_cells(*columns), own(*own_rows);
+  for (const auto &[d, cells] : operators)
+    cells->add_diagonal(of_cells.Values());
+  for (const auto &tie : ties)
+    tie.add_diagonal(of_cells.Values());
+  own.Export(of_cells, *import, Add);
+  diagonal.assign(own.Values(), own.Values() + own.MyLength());
+  condense(own, changed(*follow, [](const double w) { return w * w; }), {});
+  other_diagonal.clear();
+  for (unsigned int i = 0; i < diagonal.size(); ++i)
+    if (own[i] != diagonal[i]) {
+      other_diagonal.emplace_back(i, diagonal[i]);
+      diagonal[i] = own[i];
+    }
+}
+
+template <int dim>
 void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
 {
-  Epetra_Vector own(Copy, *own_rows, const_cast<double *>(diagonal.data()));
-  condense(own, changed(*follow, [](const double w) { return w * w; }), {});
-  values.Update(1., own, 1.);
+  for (unsigned int i = 0; i < diagonal.size(); ++i)
+    values[i] += diagonal[i];
 }
 
 /// (|K_ii| sum of |K_jj| x_j^2)^(1/2) over the unknowns j of the cells of i. K_ij^2 <= K_ii K_jj where K is
@@ -314,19 +320,22 @@ void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
 template <int dim>
 void CellwiseTangent<dim>::add_sizes_of_products(const Epetra_Vector &x, Epetra_Vector &sizes) const
 {
+  std::vector<double> of_K = diagonal;
+  for (const auto &[i, value] : other_diagonal)
+    of_K[i] = value;
   Epetra_Vector squares(x), of_constrained(follow->RangeMap()), all(*columns), of_cells(*columns),
       sums(*own_rows);
   follow->Multiply(false, x, of_constrained);
   for (unsigned int k = 0; k < constrained.size(); ++k)
     squares[constrained[k]] = of_constrained[k];
-  for (unsigned int i = 0; i < diagonal.size(); ++i)
-    squares[i] *= std::abs(diagonal[i]) * squares[i];
+  for (unsigned int i = 0; i < of_K.size(); ++i)
+    squares[i] *= std::abs(of_K[i]) * squares[i];
   all.Import(squares, *import, Insert);
   for (const auto &[d, cells] : operators)
     cells->add_sums_over_cells(all.Values(), of_cells.Values());
   sums.Export(of_cells, *import, Add);
-  for (unsigned int i = 0; i < diagonal.size(); ++i)
-    sums[i] = std::sqrt(std::abs(diagonal[i]) * sums[i]);
+  for (unsigned int i = 0; i < of_K.size(); ++i)
+    sums[i] = std::sqrt(std::abs(of_K[i]) * sums[i]);
   condense(sums, changed(*follow, std::abs), {});
   sizes.Update(1., sums, 1.);
 }

@@ -35,7 +35,8 @@ public:
 
   /// Or of one that was larger and was not taken; 1 without any.
   double share_of_last_step() const { return last_share; }
-  bool is_exact() const { return last_share < 1e-8; }
+  bool is_exact() const { return last_share < exact_share; }
+  static constexpr double exact_share = 1e-8;
   unsigned int n_iterations() const { return iterations; } ///< linear ones
 
 private:
@@ -43,7 +44,7 @@ private:
   const Inverse inverse;
   const Share share;
   const bool is_symmetric;
-  double last_share = 1, smallest_share = 1; ///< of the steps that were taken
+  double last_share = 1, smallest_share = 1;
   unsigned int iterations = 0;
 };
 

@@ -116,7 +116,8 @@ private:
   std::shared_ptr<Epetra_CrsMatrix> follow; ///< a row for each of them: those it follows
   std::vector<bool> is_condensed;
   std::set<std::pair<unsigned int, unsigned int>> block_pairs;
-  std::vector<double> diagonal; ///< of K, not of C^T K C
+  std::vector<double> diagonal;                                ///< of C^T K C
+  std::vector<std::pair<unsigned int, double>> other_diagonal; ///< of K, in the own rows where that differs
 };
 
 } // namespace dovetail

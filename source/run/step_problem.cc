@@ -12,7 +12,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <sstream>
 #include <utility>
 
@@ -47,7 +46,7 @@ StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system,
     : model(model), system(system), linear_solver(solver), phases(phases), log(log),
       criterion(system.fields_of_blocks(), blocks_of_constraints(*model.numbering),
                 newton.residual_tolerance(), newton.absolute_tolerance()),
-      stages(make_stages())
+      stages(make_stages()), sizes(model.numbering->blocks(), system.fields_of_blocks())
 {
   enter_all_stages();
   for (const Block &block : model.numbering->blocks()) {
@@ -91,6 +90,8 @@ std::vector<typename StepProblem<dim>::Stage> StepProblem<dim>::make_stages() co
 template <int dim>
 void StepProblem<dim>::enter_stage(const unsigned int number)
 {
+  if (stages.size() > 1)
+    rounding_of_tangent.reset();
   present_stage = number;
   residual_of_update = 0;
   tangent_at_rest.clear(); // it has the rows of one stage
@@ -158,6 +159,7 @@ void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
     start = x;
   is_first_assembly = true;
   criterion.begin_step();
+  is_moved.assign(x.n_blocks(), false);
   present_stage = 0; // whose tangent is assembled
   enter_all_stages();
   smallest_at_start.clear();
@@ -167,6 +169,17 @@ void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
     largest_at_start.push_back(x.block(b).max());
   }
   scales.assign(x.n_blocks(), 0.);
+}
+
+template <int dim>
+void StepProblem<dim>::constrain(Vector &x)
+{
+  const double rounding = 1e-14;
+  Vector move = x;
+  system.constrain(x);
+  move -= x;
+  for (unsigned int b = 0; b < is_moved.size(); ++b)
+    is_moved[b] = move.block(b).linfty_norm() > rounding * x.block(b).linfty_norm();
 }
 
 template <int dim>
@@ -263,6 +276,7 @@ void StepProblem<dim>::give_matrix()
     tangent_of_held.copy_from(system.tangent());
     hold(free_pressures, tangent_of_held);
   }
+  rounding_of_tangent.reset();
   linear_solver.set_matrix(free_pressures.empty() ? system.tangent() : tangent_of_held);
   has_new_tangent = false;
   for (const auto &pressure : free_pressures)
@@ -324,6 +338,16 @@ LinearSolver::Demand StepProblem<dim>::demand() const
   return result;
 }
 
+/// Of what another residual measures.
+template <int dim>
+LinearSolver::Demand StepProblem<dim>::rough_demand(const double share) const
+{
+  LinearSolver::Demand result = demand();
+  result.enough = std::max(result.enough, share);
+  result.ends_at_rounding = false;
+  return result;
+}
+
 /// Of an update: as demand(), unless what the update leaves is surely more than the tolerance.
 template <int dim>
 LinearSolver::Demand StepProblem<dim>::demand_of_update()
@@ -335,39 +359,39 @@ LinearSolver::Demand StepProblem<dim>::demand_of_update()
   return result;
 }
 
-/// What rounding of K may change of dx . K dx in a field, relative to that: u || |K| |dx| || ||dx||, of the
-/// field where this is largest. A stiff body that a slender one holds, of the same stiffness, moves as far as
-/// the rounding of its forces moves it. @pre dx is zero where it is constrained
+/// What rounding of K may change of the energy of an update. Where prescribed displacements have moved, dx
+/// begins where nothing else has, and nearly all of its energy brings the rest after them. Then y takes its
+/// place, with K y = dx to one digit: it is as smooth as a solution without moves, and serves as long as K
+/// does.
 template <int dim>
-double StepProblem<dim>::rounding_of_energy(const Vector &dx) const
+double StepProblem<dim>::rounding_of_energy(const Vector &x, const Vector &dx, unsigned int &n_iterations)
 {
-  const auto &field = system.fields_of_blocks();
-  double largest = 0;
-  for (const unsigned int f : std::set<unsigned int>(field.begin(), field.end())) {
-    Vector of_field = dx, product = dx;
+  const double digit = 0.1;
+  bool are_moved = false;
+  for (unsigned int b = 0; b < has_block.size(); ++b)
+    are_moved = are_moved || (has_block[b] && is_vector(b) && (is_moved[b] || system.moves_constraints(b)));
+  if (!are_moved)
+    return sizes.rounding_of_energy(system.tangent(), dx);
+  if (!rounding_of_tangent) {
+    Vector force = dx, y = dx;
     for (unsigned int b = 0; b < has_block.size(); ++b)
-      if (!has_block[b] || field[b] != f || model.numbering->blocks()[b].is_constraint)
-        of_field.block(b) = 0;
-    if (of_field.linfty_norm() == 0)
-      continue;
-    const std::vector<double> sizes = system.tangent().sizes_of_products(of_field);
-    system.tangent().vmult(product, of_field);
-    double rounding = 0, energy = 0;
-    for (unsigned int b = 0; b < has_block.size(); ++b) {
-      rounding += sizes[b] * of_field.block(b).l2_norm();
-      energy += of_field.block(b) * product.block(b);
-    }
-    if (energy != 0)
-      largest = std::max(largest, std::numeric_limits<double>::epsilon() / 2 * rounding / std::abs(energy));
+      if (model.numbering->blocks()[b].is_constraint)
+        force.block(b) = 0;
+    const auto more = solve_with_any_matrix(x, y, force, rough_demand(digit));
+    keep_stage(y);
+    n_iterations += more.value_or(0);
+    rounding_of_tangent = more ? sizes.rounding_of_energy(system.tangent(), y) : 0;
   }
-  return largest;
+  return *rounding_of_tangent;
 }
 
 template <int dim>
 std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
 {
-  const double largest_rounding = 1e-7;
   const Phases::Scope scope(phases, "solve");
+  const bool is_in_time = model.is_linear() && is_remembered(),
+             may_be_refined =
+                 has_linear_stage() && (!is_in_time || has_new_tangent || !system.takes_products());
   give_tangent();
   LinearSolver::Demand needed = demand_of_update();
   if (model.is_linear() || has_linear_stage())
@@ -380,9 +404,12 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   update_moves = moves_constraints();
   update_loads = system.negative_residual();
   moving_loads.reset();
-  const bool is_refined = n_iterations && has_linear_stage() && !(model.is_linear() && is_remembered()),
-             is_rounded = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual,
-             of_all = is_rounded || (is_refined && rounding_of_energy(dx) > largest_rounding);
+  keep_stage(dx);
+  const bool is_rounded = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual,
+             of_all = is_rounded || (n_iterations && may_be_refined &&
+                                     rounding_of_energy(x, dx, *n_iterations) >
+                                         BlockSystem<dim>::largest_rounding_of_energy),
+             is_refined = n_iterations && may_be_refined && (of_all || !is_in_time);
   system.distribute(dx);
   centre_pressures(x, dx);
   keep_stage(dx);
@@ -394,50 +421,10 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   else if (is_rounded) // what the laws leave is less than what K dx shows
     residual_of_solver = usual_linear_residual;
   else if (model.is_linear() && inexact.value_or(0) > 0)
-    explain_share(*inexact * part_of_solution(x, dx));
+    explain_share(*inexact * sizes.part_of_solution(x, dx));
   if (!model.is_linear())
     learn_scales(x, dx);
   return n_iterations;
-}
-
-/// Of bodies: the largest of their norms relative to those of @p dx. What is nothing beside @p x or beside
-/// other bodies is rounding.
-template <int dim>
-double StepProblem<dim>::share_of(const Vector &correction, const Vector &x, const Vector &dx) const
-{
-  const double nothing = 1e-12;
-  const auto &field = system.fields_of_blocks();
-  std::vector<double> least(has_block.size(), 0.); // by field
-  for (unsigned int b = 0; b < has_block.size(); ++b)
-    least[field[b]] =
-        std::max({least[field[b]], nothing * x.block(b).l2_norm(), nothing * dx.block(b).l2_norm()});
-  double largest = 0;
-  for (unsigned int b = 0; b < has_block.size(); ++b)
-    if (const double size = std::max(dx.block(b).l2_norm(), least[field[b]]);
-        size > 0 && !model.numbering->blocks()[b].is_constraint)
-      largest = std::max(largest, correction.block(b).l2_norm() / size);
-  return largest;
-}
-
-/// How much of x + dx the update is, of the field where this is largest: where nothing happens in a step, dx
-/// is rounding.
-template <int dim>
-double StepProblem<dim>::part_of_solution(const Vector &x, const Vector &dx) const
-{
-  Vector sum = x;
-  sum += dx;
-  const auto &field = system.fields_of_blocks();
-  std::vector<double> of_update(has_block.size(), 0.), of_sum(has_block.size(), 0.); // by field
-  for (unsigned int b = 0; b < has_block.size(); ++b)
-    if (!model.numbering->blocks()[b].is_constraint) {
-      of_update[field[b]] = std::hypot(of_update[field[b]], dx.block(b).l2_norm());
-      of_sum[field[b]] = std::hypot(of_sum[field[b]], sum.block(b).l2_norm());
-    }
-  double largest = 0;
-  for (unsigned int f = 0; f < of_sum.size(); ++f)
-    if (of_update[f] > 0)
-      largest = std::max(largest, of_update[f] / std::max(of_update[f], of_sum[f]));
-  return largest;
 }
 
 /// Of a linear stage. What rounding leaves of K dx in a stiff body that soft ones hold, or a soft spring, has
@@ -452,15 +439,13 @@ template <int dim>
 unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const bool of_all,
                                               std::optional<double> &inexact)
 {
-  const double rough = 1e-2;
-  LinearSolver::Demand needed = demand();
+  const double two_digits = 1e-2;
+  LinearSolver::Demand needed = rough_demand(two_digits);
   const unsigned int end = needed.end_group,
                      first = of_all ? needed.first_group
                                     : linear_solver.first_with_stiff_and_soft(needed.first_group, end);
   if (first == end)
     return 0;
-  needed.enough = std::max(needed.enough, rough);
-  needed.ends_at_rounding = false;
   const auto residual = [&](const Vector &update, Vector &rest) {
     Vector state = x;
     state += update;
@@ -474,7 +459,9 @@ unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const
     keep_stage(correction);
     return n_iterations;
   };
-  const auto share = [&](const Vector &step, const Vector &update) { return share_of(step, x, update); };
+  const auto share = [&](const Vector &step, const Vector &update) {
+    return sizes.share_of(step, x, update);
+  };
   unsigned int n_iterations = 0;
   inexact = 0;
   for (unsigned int g = first; g < end; ++g) {

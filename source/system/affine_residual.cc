@@ -394,19 +394,23 @@ void AffineResidual<dim>::find_kinds()
 {
   const auto &blocks = model.numbering->blocks();
   std::map<std::string, int> number_of_field;
-  Vector component = all;
-  component = 0;
+  components = all;
+  components = 0;
   for (const auto &[dof, c] : component_of)
     if (model.numbering->owned.is_element(dof))
-      component(dof) = c;
-  component.compress(dealii::VectorOperation::insert);
+      components(dof) = c;
+  components.compress(dealii::VectorOperation::insert);
 
-  for (const Block &block : blocks)
-    if (!block.is_of_multipliers)
-      number_of_field.try_emplace(block.field, number_of_field.size());
   unsigned int n_parts = 0;
-  for (unsigned int b = 0; b < blocks.size(); ++b)
+  for (unsigned int b = 0; b < blocks.size(); ++b) {
     n_parts = std::max(n_parts, stiffness.part_of(b) + 1);
+    if (blocks[b].is_of_multipliers)
+      continue;
+    number_of_field.try_emplace(blocks[b].field, number_of_field.size());
+    const Domain<dim> &domain = *model.domains[blocks[b].domain_index];
+    if (domain.fields()[blocks[b].field_index].n_components > 1)
+      blocks_of_vectors.push_back(b);
+  }
   kinds.resize(n_parts);
   for (unsigned int p = 0; p < n_parts; ++p) {
     const Epetra_CrsMatrix &matrix = stiffness.part(p, p).trilinos_matrix();
@@ -415,10 +419,10 @@ void AffineResidual<dim>::find_kinds()
       const Block &block = blocks[numbering.blocks()[i]];
       return block.is_of_multipliers ? -1 : number_of_field.at(block.field);
     };
-    const Epetra_Vector components = stiffness.ghosted(p, p, component);
+    const Epetra_Vector of_columns = stiffness.ghosted(p, p, components);
     for (int k = 0; k < matrix.NumMyCols(); ++k) {
       kinds[p].fields.push_back(field_of(numbering.unknown(matrix.GCID(k)).first));
-      kinds[p].components.push_back(static_cast<int>(components[k]));
+      kinds[p].components.push_back(static_cast<int>(of_columns[k]));
     }
     std::array<int, dim> nowhere;
     nowhere.fill(-1);
@@ -496,6 +500,40 @@ void AffineResidual<dim>::multiply(const Vector &x)
     for (unsigned int q = 0; q < kinds.size(); ++q)
       if (stiffness.has_part(p, q))
         multiply_part(p, q, x);
+  find_rounding(x);
+}
+
+/// Of vectors, beside their means, which the pairs in a product do not see.
+template <int dim>
+void AffineResidual<dim>::find_rounding(const Vector &x)
+{
+  const auto for_each = [&](const auto &visit) {
+    for (const unsigned int b : blocks_of_vectors) {
+      const double *const component = components.block(b).trilinos_vector()[0],
+                          *const values = x.block(b).trilinos_vector()[0],
+                          *const forces = product.block(b).trilinos_vector()[0];
+      for (unsigned int k = 0; k < model.numbering->blocks()[b].owned.n_elements(); ++k)
+        visit(static_cast<unsigned int>(component[k]), values[k], forces[k]);
+    }
+  };
+  std::vector<double> values(dim, 0.), numbers(dim, 0.), sums(4, 0.);
+  for_each([&](const unsigned int c, const double value, double) {
+    values[c] += value;
+    numbers[c] += 1;
+  });
+  for (auto *by_component : {&values, &numbers})
+    dealii::Utilities::MPI::sum(*by_component, model.communicator, *by_component);
+  for_each([&](const unsigned int c, const double value, const double force) {
+    const double beside_mean = value - values[c] / numbers[c];
+    sums[0] += beside_mean * beside_mean;
+    sums[1] += beside_mean * force;
+    sums[2] += value * force;
+  });
+  for (const unsigned int b : blocks_of_vectors)
+    sums[3] += pair_squares[b];
+  dealii::Utilities::MPI::sum(sums, model.communicator, sums);
+  const double rounding = std::numeric_limits<double>::epsilon() / 2 * std::sqrt(sums[0] * sums[3]);
+  share_of_rounding = rounding > 0 ? rounding / std::max(std::abs(sums[1]), std::abs(sums[2])) : 0.;
 }
 
 /// As sum_j K_ij (x_j - x_i) + s_i x_i over the columns of the field of the row, where i is the same

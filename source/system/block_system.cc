@@ -119,6 +119,7 @@ void BlockSystem<dim>::make_sparsity(const double t)
   has_tangent = false;
   n_tangents = 0;
   affine.reset();
+  are_products_rounded = false;
   summands.clear();
   sums.reinit();
   matrix.clear();
@@ -366,12 +367,12 @@ ValuesOf BlockSystem<dim>::ghosted_values() const
   };
 }
 
-/// Only in time, where it is asked for again and again.
+/// Only in time, where it is asked for again and again, and until rounding shows in it.
 template <int dim>
 AffineResidual<dim> *BlockSystem<dim>::affine_residual()
 {
-  if (!has_tangent || !has_rates() || !cellwise.empty() || entries.form != Form::direct ||
-      stages.size() > 1 || !AffineResidual<dim>::is_possible(model, time))
+  if (are_products_rounded || !has_tangent || !has_rates() || !cellwise.empty() ||
+      entries.form != Form::direct || stages.size() > 1 || !AffineResidual<dim>::is_possible(model, time))
     return nullptr;
   if (!affine) {
     const dealii::IndexSet &relevant = constraints.relevant_unknowns();
@@ -383,14 +384,11 @@ AffineResidual<dim> *BlockSystem<dim>::affine_residual()
   return affine->is_defined() ? affine.get() : nullptr;
 }
 
-/// The residual alone. @return whether it is defined; if not, integrals say where and why.
+/// At @p x. @return false, and there are no products any more, if rounding shows in them.
 /// @pre affine_residual()
 template <int dim>
-bool BlockSystem<dim>::assemble_by_products(const Vector &x)
+bool BlockSystem<dim>::evaluate_products(const Vector &x)
 {
-  ++n_assemblies.residuals_by_products;
-  ghosts->update(ghosted_scratch, x);
-  constraints.move_from(ghosted_scratch, share);
   std::exception_ptr fault;
   try {
     affine->find_loads(time);
@@ -399,6 +397,24 @@ bool BlockSystem<dim>::assemble_by_products(const Vector &x)
   }
   throw_on_all_ranks(fault, model.communicator);
   affine->evaluate(x, owned_rates);
+  if (affine->rounding_of_energy() <= largest_rounding_of_energy)
+    return true;
+  are_products_rounded = true;
+  affine.reset();
+  summands.clear();
+  return false;
+}
+
+/// The residual alone. @return whether it is defined, and exact; if not, integrals are, or say where and why.
+/// @pre affine_residual()
+template <int dim>
+bool BlockSystem<dim>::assemble_by_products(const Vector &x)
+{
+  ++n_assemblies.residuals_by_products;
+  ghosts->update(ghosted_scratch, x);
+  constraints.move_from(ghosted_scratch, share);
+  if (!evaluate_products(x))
+    return false;
   right_hand_side.equ(-1., affine->residual());
   std::vector<std::pair<dealii::types::global_dof_index, double>> passed_on;
   for (const auto &line : constraints.of_update().get_lines())
@@ -794,17 +810,8 @@ bool BlockSystem<dim>::has_multipliers() const
 template <int dim>
 NodalForces<dim> BlockSystem<dim>::nodal_forces(const Vector &x)
 {
-  AffineResidual<dim> *products = affine_residual();
-  if (products != nullptr) {
-    std::exception_ptr fault;
-    try {
-      products->find_loads(time);
-    } catch (...) {
-      fault = std::current_exception();
-    }
-    throw_on_all_ranks(fault, model.communicator);
-    products->evaluate(x, owned_rates);
-  }
+  AffineResidual<dim> *const products =
+      affine_residual() != nullptr && evaluate_products(x) ? affine.get() : nullptr;
   std::vector<std::optional<Flows>> given(model.domains.size());
   for (unsigned int d = 0; d < given.size(); ++d)
     if (const Flows *flows = cell_terms[d]->given_flows(); flows != nullptr && time == time_of_given)

@@ -8,6 +8,7 @@
 #include <dovetail/material/content_update.h>
 #include <dovetail/output/log.h>
 #include <dovetail/output/phases.h>
+#include <dovetail/run/update_sizes.h>
 #include <dovetail/solve/convergence.h>
 #include <dovetail/solve/linear_solver.h>
 #include <dovetail/solve/newton.h>
@@ -30,6 +31,8 @@ public:
 
   /// From @p x to time @p t. @pre The system has begun the step.
   void begin_step(double t, const Vector &x);
+  /// Of a linear scene: @p x, at which the step begins, satisfies its constraints from now on.
+  void constrain(Vector &x);
   /// From now on steps do not start from a guess.
   void set_converged() { starts_from_guess = false; }
   /// Whether solids may jump past limit points; not as long as a smaller step may find a solution nearby.
@@ -101,6 +104,7 @@ private:
   void keep_stage(Vector &dx) const;
   LinearSolver::Demand demand() const;
   LinearSolver::Demand demand_of_update();
+  LinearSolver::Demand rough_demand(double share) const;
   double forcing() const;
   std::optional<unsigned int> solve_from_guess(const Vector &x, Vector &dx);
   std::optional<unsigned int> solve_with_any_matrix(const Vector &x, Vector &dx, const Vector &b,
@@ -111,11 +115,9 @@ private:
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
   unsigned int refine_by_laws(const Vector &x, Vector &dx, bool of_all, std::optional<double> &inexact);
-  double rounding_of_energy(const Vector &dx) const;
+  double rounding_of_energy(const Vector &x, const Vector &dx, unsigned int &n_iterations);
   void explain_linear_residual();
   void explain_share(double share);
-  double part_of_solution(const Vector &x, const Vector &dx) const;
-  double share_of(const Vector &correction, const Vector &x, const Vector &dx) const;
   Vector find_moving_loads(const Vector &x);
   void learn_scales(const Vector &x, const Vector &dx);
   void check_is_held() const;
@@ -136,6 +138,7 @@ private:
   Log &log;
   Convergence criterion;
   std::vector<Stage> stages;
+  const UpdateSizes sizes;
   std::vector<std::unique_ptr<const ContentUpdate<dim>>> content_updates; ///< by block; nullptr: not needed
 
   // of a solve
@@ -148,6 +151,7 @@ private:
   std::vector<double> smallest_at_start, largest_at_start; ///< values, by block
   std::vector<double> scales;                              ///< of the updates, by block
   std::array<double, 2> loads_at_start{};
+  std::vector<bool> is_moved; ///< a block, by constrain()
   bool is_first_assembly = true;
   bool may_adapt_penalties = true; ///< once, in a step from a guess
   bool may_jump = false;           ///< past limit points
@@ -169,6 +173,7 @@ private:
   bool is_at_start = false;                      ///< the last assembly, with the tangent, was start_at()
   std::vector<FreePressure<dim>> free_pressures; ///< by the tangent that the linear solver has
   BlockMatrix tangent_of_held;                   ///< which it has if there are any
+  std::optional<double> rounding_of_tangent;     ///< once prescribed values move with it
   NoteList all_notes;
 };
 

@@ -54,6 +54,11 @@ public:
   /// At @p x, owned, and with owned rates. Collective. @pre find_loads()
   void evaluate(const Vector &x, const Rates &rates);
   const Vector &residual() const { return all; }
+  /// Of evaluate(): what rounding may change of x . K x in vectors, relative to that:
+  /// @f$ u \, \| x - \bar x \| (\sum_{ij} (K_{ij} (x_j - x_i))^2)^{1/2} / | x \cdot K x | @f$ [-]. Pairs of
+  /// unknowns see no translation, but entries of K are rounded, so that a rotation of a stiff body has
+  /// forces.
+  double rounding_of_energy() const { return share_of_rounding; }
   /// As BlockSystem::forces(), the squares of this rank by block: of what each pair of unknowns gives, loads,
   /// and what is stored.
   const std::vector<double> &squares_of_forces() const { return force_squares; }
@@ -105,6 +110,7 @@ private:
   void find_kinds();
   void find_nodes(unsigned int part);
   void multiply(const Vector &x);
+  void find_rounding(const Vector &x);
   void multiply_part(unsigned int row, unsigned int column, const Vector &x);
   void find_storage(const Vector &x, const Rates &rates);
   void find_rates(const Vector &x, const Rates &rates);
@@ -120,6 +126,9 @@ private:
   /// what a constant gives. Kept apart, since rounding in K would make something of it where that is nothing.
   std::array<Vector, dim> row_sums;
   std::map<Index, unsigned int> component_of; ///< of unknowns of this rank's terms, where it is not 0
+  Vector components;                          ///< of the unknowns of this rank
+  std::vector<unsigned int> blocks_of_vectors;
+  double share_of_rounding = 0;
   Vector loads_at_rest, moving_loads, product, unpaired, storage, rate, all, last_x;
   bool has_product = false;
   std::vector<double> pair_squares, storage_squares, force_squares; ///< by block

@@ -123,6 +123,12 @@ public:
   };
   const Assemblies &assemblies() const { return n_assemblies; }
 
+  /// What rounding of K may change of the energy x . K x of a field, relative to that, before integrals take
+  /// the place of products.
+  static constexpr double largest_rounding_of_energy = 1e-7;
+  /// Whether the last residual alone was one by products.
+  bool takes_products() const { return affine != nullptr; }
+
   const BlockMatrix &tangent() const { return matrix; }
   /// Until the next assembly of a tangent. @p other: one of this system since set_up().
   void add_to_tangent(const double factor, const BlockMatrix &other) { matrix.add(factor, other); }
@@ -214,6 +220,7 @@ private:
                          dealii::FullMatrix<double> *rest);
   void find_dropped(double t);
   AffineResidual<dim> *affine_residual();
+  bool evaluate_products(const Vector &x);
   bool assemble_by_products(const Vector &x);
   void combine_tangent();
   void find_summands();
@@ -253,6 +260,7 @@ private:
   Rates step_rates;                            ///< ghosted
   Rates owned_rates;                           ///< the same, without the past
   std::unique_ptr<AffineResidual<dim>> affine; ///< since set_up, once it is asked for
+  bool are_products_rounded = false;           ///< of affine, since set_up
   std::array<double, 2> rates_of_tangent{};    ///< derivatives of the rates in the last tangent
   Undefined problem, problem_here;             ///< over all ranks; on this one, in the present assembly
   Assemblies n_assemblies;

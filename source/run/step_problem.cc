@@ -359,30 +359,33 @@ LinearSolver::Demand StepProblem<dim>::demand_of_update()
   return result;
 }
 
-/// What rounding of K may change of the energy of an update. Where prescribed displacements have moved, dx
-/// begins where nothing else has, and nearly all of its energy brings the rest after them. Then y takes its
-/// place, with K y = dx to one digit: it is as smooth as a solution without moves, and serves as long as K
-/// does.
+/// Whether rounding of K may change the energy of an update by more than is allowed. Where strains of stiff
+/// bodies have most of that energy (by heat, or where prescribed displacements have moved and dx brings the
+/// rest after them), it says nothing of motions that cost little. Then y takes the place of dx, with K y = dx
+/// very roughly: it is as smooth as such a motion, and serves as long as K does.
 template <int dim>
-double StepProblem<dim>::rounding_of_energy(const Vector &x, const Vector &dx, unsigned int &n_iterations)
+bool StepProblem<dim>::is_rounded(const Vector &x, const Vector &dx, unsigned int &n_iterations)
 {
-  const double digit = 0.1;
-  bool are_moved = false;
+  const double largest = BlockSystem<dim>::largest_rounding_of_energy, rough = 0.99;
+  bool has_vectors = false, are_moved = false;
   for (unsigned int b = 0; b < has_block.size(); ++b)
-    are_moved = are_moved || (has_block[b] && is_vector(b) && (is_moved[b] || system.moves_constraints(b)));
-  if (!are_moved)
-    return sizes.rounding_of_energy(system.tangent(), dx);
-  if (!rounding_of_tangent) {
+    if (has_block[b] && is_vector(b)) {
+      has_vectors = true;
+      are_moved = are_moved || is_moved[b] || system.moves_constraints(b);
+    }
+  if (!are_moved && sizes.rounding_of_energy(system.tangent(), dx) > largest)
+    return true;
+  if (has_vectors && !rounding_of_tangent) {
     Vector force = dx, y = dx;
     for (unsigned int b = 0; b < has_block.size(); ++b)
       if (model.numbering->blocks()[b].is_constraint)
         force.block(b) = 0;
-    const auto more = solve_with_any_matrix(x, y, force, rough_demand(digit));
+    const auto more = solve_with_any_matrix(x, y, force, rough_demand(rough));
     keep_stage(y);
     n_iterations += more.value_or(0);
     rounding_of_tangent = more ? sizes.rounding_of_energy(system.tangent(), y) : 0;
   }
-  return *rounding_of_tangent;
+  return rounding_of_tangent.value_or(0) > largest;
 }
 
 template <int dim>
@@ -405,10 +408,8 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   update_loads = system.negative_residual();
   moving_loads.reset();
   keep_stage(dx);
-  const bool is_rounded = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual,
-             of_all = is_rounded || (n_iterations && may_be_refined &&
-                                     rounding_of_energy(x, dx, *n_iterations) >
-                                         BlockSystem<dim>::largest_rounding_of_energy),
+  const bool leaves_much = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual,
+             of_all = leaves_much || (n_iterations && may_be_refined && is_rounded(x, dx, *n_iterations)),
              is_refined = n_iterations && may_be_refined && (of_all || !is_in_time);
   system.distribute(dx);
   centre_pressures(x, dx);
@@ -416,9 +417,9 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   std::optional<double> inexact; // a share
   if (is_refined)
     *n_iterations += refine_by_laws(x, dx, of_all, inexact);
-  if (is_rounded && !(inexact == 0. && are_volumes_kept()))
+  if (leaves_much && !(inexact == 0. && are_volumes_kept()))
     explain_linear_residual();
-  else if (is_rounded) // what the laws leave is less than what K dx shows
+  else if (leaves_much) // what the laws leave is less than what K dx shows
     residual_of_solver = usual_linear_residual;
   else if (model.is_linear() && inexact.value_or(0) > 0)
     explain_share(*inexact * sizes.part_of_solution(x, dx));

@@ -115,7 +115,7 @@ private:
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
   unsigned int refine_by_laws(const Vector &x, Vector &dx, bool of_all, std::optional<double> &inexact);
-  double rounding_of_energy(const Vector &x, const Vector &dx, unsigned int &n_iterations);
+  bool is_rounded(const Vector &x, const Vector &dx, unsigned int &n_iterations);
   void explain_linear_residual();
   void explain_share(double share);
   Vector find_moving_loads(const Vector &x);
@@ -173,7 +173,7 @@ private:
   bool is_at_start = false;                      ///< the last assembly, with the tangent, was start_at()
   std::vector<FreePressure<dim>> free_pressures; ///< by the tangent that the linear solver has
   BlockMatrix tangent_of_held;                   ///< which it has if there are any
-  std::optional<double> rounding_of_tangent;     ///< once prescribed values move with it
+  std::optional<double> rounding_of_tangent;     ///< once it is asked for
   NoteList all_notes;
 };
 

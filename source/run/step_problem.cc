@@ -364,26 +364,25 @@ LinearSolver::Demand StepProblem<dim>::demand_of_update()
 /// rest after them), it says nothing of motions that cost little. Then y takes the place of dx, with K y = dx
 /// very roughly: it is as smooth as such a motion, and serves as long as K does.
 template <int dim>
-bool StepProblem<dim>::is_rounded(const Vector &x, const Vector &dx, unsigned int &n_iterations)
+bool StepProblem<dim>::is_rounded(const Vector &x, const Vector &dx)
 {
   const double largest = BlockSystem<dim>::largest_rounding_of_energy, rough = 0.99;
-  bool has_vectors = false, are_moved = false;
+  bool has_motion = false, are_moved = false;
   for (unsigned int b = 0; b < has_block.size(); ++b)
     if (has_block[b] && is_vector(b)) {
-      has_vectors = true;
+      has_motion = has_motion || dx.block(b).linfty_norm() > 0;
       are_moved = are_moved || is_moved[b] || system.moves_constraints(b);
     }
   if (!are_moved && sizes.rounding_of_energy(system.tangent(), dx) > largest)
     return true;
-  if (has_vectors && !rounding_of_tangent) {
+  if (has_motion && !rounding_of_tangent) {
     Vector force = dx, y = dx;
     for (unsigned int b = 0; b < has_block.size(); ++b)
       if (model.numbering->blocks()[b].is_constraint)
         force.block(b) = 0;
-    const auto more = solve_with_any_matrix(x, y, force, rough_demand(rough));
+    const bool is_solved = solve_with_any_matrix(x, y, force, rough_demand(rough)).has_value();
     keep_stage(y);
-    n_iterations += more.value_or(0);
-    rounding_of_tangent = more ? sizes.rounding_of_energy(system.tangent(), y) : 0;
+    rounding_of_tangent = is_solved ? sizes.rounding_of_energy(system.tangent(), y) : 0;
   }
   return rounding_of_tangent.value_or(0) > largest;
 }
@@ -409,7 +408,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   moving_loads.reset();
   keep_stage(dx);
   const bool leaves_much = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual,
-             of_all = leaves_much || (n_iterations && may_be_refined && is_rounded(x, dx, *n_iterations)),
+             of_all = leaves_much || (n_iterations && may_be_refined && is_rounded(x, dx)),
              is_refined = n_iterations && may_be_refined && (of_all || !is_in_time);
   system.distribute(dx);
   centre_pressures(x, dx);

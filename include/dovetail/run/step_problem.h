@@ -115,7 +115,7 @@ private:
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   double refine_linear_solution(const Vector &x, Vector &dx);
   unsigned int refine_by_laws(const Vector &x, Vector &dx, bool of_all, std::optional<double> &inexact);
-  bool is_rounded(const Vector &x, const Vector &dx, unsigned int &n_iterations);
+  bool is_rounded(const Vector &x, const Vector &dx);
   void explain_linear_residual();
   void explain_share(double share);
   Vector find_moving_loads(const Vector &x);

@@ -34,8 +34,8 @@ void evaluate_state(const CellLayout<dim> &layout, const double *all_values,
 template <int dim>
 CellPoints<dim>::CellPoints(const Domain<dim> &domain, const double t)
     : domain(domain), state(domain.n_components()), response(domain.n_components()),
-      shape(domain.layout().n_shapes()), gradient(domain.layout().n_shapes()),
-      trial_memory(domain.material.initial_memory())
+      linearised(domain.n_components()), shape(domain.layout().n_shapes()),
+      gradient(domain.layout().n_shapes()), trial_memory(domain.material.initial_memory())
 {
   state.t = t;
   const std::vector<double> &initial = domain.material.initial_memory();
@@ -49,28 +49,48 @@ void CellPoints<dim>::remember()
     state.memory.accepted = domain.memory->nearest(cell, state.X);
 }
 
-/// The numbers of one shape function at all points follow each other in deal.II's tables, as do the three of
-/// a gradient.
 template <int dim>
 void CellPoints<dim>::enter(const dealii::FEValuesBase<dim> &values, const std::vector<double> &unknowns,
                             const std::vector<bool> &needed)
 {
-  const unsigned int n = values.n_quadrature_points;
   points = &values;
-  values_at_points.resize(domain.n_components() * n);
-  gradients_at_points.resize(domain.n_components() * n);
+  interpolate(unknowns, needed, present);
+  state.linearised_at = nullptr;
+  if (domain.memory)
+    cell = values.get_cell();
+}
+
+template <int dim>
+void CellPoints<dim>::enter_linearised(const std::vector<double> &unknowns)
+{
+  interpolate(unknowns, {}, before);
+  state.linearised_at = &linearised;
+}
+
+/// The numbers of one shape function at all points follow each other in deal.II's tables, as do the three of
+/// a gradient.
+template <int dim>
+void CellPoints<dim>::interpolate(const std::vector<double> &unknowns, const std::vector<bool> &needed,
+                                  AtPoints &result)
+{
+  const dealii::FEValuesBase<dim> &values = *points;
+  const unsigned int n = values.n_quadrature_points;
+  result.values.resize(domain.n_components() * n);
+  result.gradients.resize(domain.n_components() * n);
   for (unsigned int c = 0; c < domain.n_components(); ++c) {
+    double *const values_here = &result.values[c * n];
+    dealii::Tensor<1, dim> *const gradients_here = &result.gradients[c * n];
     if (!needed.empty() && !needed[c]) {
       constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-      std::fill_n(&values_at_points[c * n], n, unknown);
-      std::fill_n(&gradients_at_points[c * n][0], n * dim, unknown);
+      std::fill_n(values_here, n, unknown);
+      std::fill_n(&gradients_here[0][0], n * dim, unknown);
       continue;
     }
     const unsigned int n_nodes = domain.layout().n_nodes(c);
     const double *const of_component = &unknowns[domain.layout().first(c)];
     if (std::all_of(of_component, of_component + n_nodes, [](const double x) { return x == 0; })) {
-      std::fill_n(&values_at_points[c * n], n, 0.); // as nearly all cells at the first state
-      std::fill_n(&gradients_at_points[c * n], n, dealii::Tensor<1, dim>());
+      std::fill_n(values_here, n, 0.); // as nearly all cells at the first state
+      std::fill_n(gradients_here, n, dealii::Tensor<1, dim>());
       continue;
     }
     rows.resize(n_nodes);
@@ -78,15 +98,13 @@ void CellPoints<dim>::enter(const dealii::FEValuesBase<dim> &values, const std::
       rows[a] = &values.shape_value(domain.layout().shape_of_node(c, a), 0);
     Assert(&values.shape_value(domain.layout().shape_of_node(c, 0), n - 1) == rows[0] + n - 1,
            dealii::ExcInternalError());
-    combine_rows(n_nodes, rows.data(), of_component, n, &values_at_points[c * n]);
+    combine_rows(n_nodes, rows.data(), of_component, n, values_here);
     for (unsigned int a = 0; a < n_nodes; ++a)
       rows[a] = &values.shape_grad(domain.layout().shape_of_node(c, a), 0)[0];
     Assert(&values.shape_grad(domain.layout().shape_of_node(c, 0), n - 1)[0] == rows[0] + (n - 1) * dim,
            dealii::ExcInternalError());
-    combine_rows(n_nodes, rows.data(), of_component, n * dim, &gradients_at_points[c * n][0]);
+    combine_rows(n_nodes, rows.data(), of_component, n * dim, &gradients_here[0][0]);
   }
-  if (domain.memory)
-    cell = values.get_cell();
 }
 
 template <int dim>
@@ -94,9 +112,16 @@ void CellPoints<dim>::go_to(const unsigned int q)
 {
   const unsigned int n = points->n_quadrature_points;
   set_position(points->quadrature_point(q));
-  for (unsigned int c = 0; c < domain.n_components(); ++c) {
-    state.value[c] = values_at_points[c * n + q];
-    state.gradient[c] = gradients_at_points[c * n + q];
+  const auto set = [&](const AtPoints &all, State<dim> &of_point) {
+    for (unsigned int c = 0; c < domain.n_components(); ++c) {
+      of_point.value[c] = all.values[c * n + q];
+      of_point.gradient[c] = all.gradients[c * n + q];
+    }
+  };
+  set(present, state);
+  if (state.linearised_at != nullptr) {
+    set(before, linearised);
+    linearised.X = state.X;
   }
   if (!state.rate.empty())
     evaluate_rates([&](const std::vector<double> &cell_values, const unsigned int c) {
@@ -121,7 +146,7 @@ void CellPoints<dim>::evaluate_uniform(const Response<dim> &response, const std:
       if (are_needed[c] && domain.material.coupling(c, d).flux_by_gradient)
         for (unsigned int q = 0; q < n_points; ++q)
           of_component[q] +=
-              weights[q] * (response.by_gradient[c * n + d] * gradients_at_points[d * n_points + q]);
+              weights[q] * (response.by_gradient[c * n + d] * present.gradients[d * n_points + q]);
   }
 }
 
@@ -154,6 +179,7 @@ void CellPoints<dim>::reinit(const dealii::Point<dim> &X, const double *shape_va
                              const std::vector<double> &unknowns)
 {
   set_position(X);
+  state.linearised_at = nullptr;
   evaluate_state(domain.layout(), shape_values, shape_gradients, unknowns.data(), state);
   if (!state.rate.empty())
     evaluate_rates([&](const std::vector<double> &cell_values, const unsigned int c) {

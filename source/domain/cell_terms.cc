@@ -307,6 +307,12 @@ bool CellTerms<dim>::add_laws(const cell_iterator &cell, const std::vector<doubl
   const unsigned int n_points = cell_values.n_quadrature_points;
   source_at_points.resize(with_source.size() * n_points);
   point.enter(cell_values, unknowns, is_needed);
+  if (tangent && linearised_at != nullptr && domain.material.predicts_stress()) {
+    domain.cell_dofs(cell, dofs);
+    unknowns_before.resize(dofs.size());
+    linearised_at->extract_subvector_to(dofs.begin(), dofs.end(), unknowns_before.begin());
+    point.enter_linearised(unknowns_before);
+  }
   for (const unsigned int q : cell_values.quadrature_point_indices()) {
     point.go_to(q);
     if (move.is_done)

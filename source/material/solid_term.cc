@@ -90,6 +90,9 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
     explain_undefined();
     return false;
   }
+  if (with_derivatives && state.linearised_at != nullptr && law->has_large_strain() &&
+      n_internal_variables == 0)
+    predict_stress(state, local);
   for (unsigned int i = 0; i < dim; ++i) {
     response.flux[first + i] += restrict_to<dim>(local.P[i]);
     if (!with_derivatives)
@@ -107,6 +110,30 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
   if (is_axisymmetric)
     add_hoop(state, with_derivatives, local, response);
   return true;
+}
+
+/// With S* in place of S = F^-1 P in the part of dP/dF that S has, I x S: at F0, where the last tangent was
+/// made, that tangent says S* = S(F0) + C(F0) : sym(F0^T dF), F0 (C : sym(F0^T dF)) = dP/dF(F0) : dF - dF
+/// S(F0). Where a slender body turns, S has strains of second order in dF that the next update takes away.
+template <int dim>
+void SolidTerm<dim>::predict_stress(const State<dim> &state, SolidLaw::Response &local) const
+{
+  thread_local SolidLaw::Response before;
+  static_cast<SolidLaw::Place &>(before) = place(state);
+  before.P = 0;
+  before.dP_dF = 0;
+  before.needs_dP_de = false;
+  const Tensor<2, 3> H = displacement_gradient(state), H_0 = displacement_gradient(*state.linearised_at),
+                     dF = H - H_0;
+  if (!law->evaluate(H_0, thermal_strain(state), true, before))
+    return;
+  const Tensor<2, 3> inverse = invert(Deformation(H_0).F), S_0 = inverse * before.P,
+                     dP = dealii::double_contract<2, 0, 3, 1>(before.dP_dF, dF),
+                     more = S_0 + inverse * (dP - dF * S_0) - invert(Deformation(H).F) * local.P;
+  for (unsigned int J = 0; J < 3; ++J)
+    for (unsigned int L = 0; L < 3; ++L)
+      for (unsigned int i = 0; i < 3; ++i)
+        local.dP_dF[i][J][i][L] += (more[J][L] + more[L][J]) / 2;
 }
 
 /// Whose law it is.

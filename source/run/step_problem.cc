@@ -29,6 +29,9 @@ const NoteName of_free_pressure("free pressure",
 const double exact_linear_residual = 1e-11;
 const double usual_linear_residual = 1e-8; ///< more is told
 const double share_of_exact = 0.1;         ///< that the solver is asked for
+/// Relative to the forces at work: what a first update leaves that bends a slender body. The strains of
+/// second order in its rotation are membrane strains, which have far more force than those of bending.
+const double raised_residual = 3;
 
 std::vector<bool> blocks_of_constraints(const Numbering &numbering)
 {
@@ -46,7 +49,10 @@ StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system,
     : model(model), system(system), linear_solver(solver), phases(phases), log(log),
       criterion(system.fields_of_blocks(), blocks_of_constraints(*model.numbering),
                 newton.residual_tolerance(), newton.absolute_tolerance()),
-      stages(make_stages()), sizes(model.numbering->blocks(), system.fields_of_blocks())
+      stages(make_stages()), sizes(model.numbering->blocks(), system.fields_of_blocks()),
+      may_predict_stress(!model.is_linear() &&
+                         std::any_of(model.domains.begin(), model.domains.end(),
+                                     [](const auto &domain) { return domain->material.predicts_stress(); }))
 {
   enter_all_stages();
   for (const Block &block : model.numbering->blocks()) {
@@ -159,6 +165,8 @@ void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
     start = x;
   is_first_assembly = true;
   criterion.begin_step();
+  n_updates = 0;
+  linearised_at = Vector();
   is_moved.assign(x.n_blocks(), false);
   present_stage = 0; // whose tangent is assembled
   enter_all_stages();
@@ -220,7 +228,33 @@ double StepProblem<dim>::residual_and_tangent(const Vector &x)
   is_stabilised = is_stabilised && !with_tangent;
   const std::vector<bool> asked = blocks_of_residual(with_tangent);
   has_all_residuals = asked.empty();
-  return measure(system.assemble(x, with_tangent, stages[present_stage].has_block, asked));
+  const auto assemble = [&]() {
+    return measure(system.assemble(x, with_tangent, stages[present_stage].has_block, asked));
+  };
+  if (!with_tangent || !has_been_led_to(x))
+    return assemble();
+  if (predicts_stress)
+    system.linearise_at(&linearised_at);
+  double norm = assemble();
+  if (!predicts_stress && n_updates == 1 && norm > raised_residual) {
+    predicts_stress = true;
+    log.detail("  the first update bends slender bodies: tangents have the stress that updates predict");
+    system.linearise_at(&linearised_at);
+    norm = assemble();
+  }
+  system.linearise_at(nullptr);
+  return norm;
+}
+
+/// Whether an update with the last tangent that was solved with leads to @p x.
+template <int dim>
+bool StepProblem<dim>::has_been_led_to(const Vector &x) const
+{
+  if (linearised_at.size() == 0)
+    return false;
+  Vector way = x;
+  way -= linearised_at;
+  return way.linfty_norm() > 0;
 }
 
 /// What has been assembled.
@@ -395,6 +429,8 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
              may_be_refined =
                  has_linear_stage() && (!is_in_time || has_new_tangent || !system.takes_products());
   give_tangent();
+  ++n_updates;
+  linearised_at = may_predict_stress && !is_stabilised ? x : Vector();
   LinearSolver::Demand needed = demand_of_update();
   if (model.is_linear() || has_linear_stage())
     needed.excess = [this](const Vector &update, const auto &blocks) { return excess(update, blocks); };
@@ -853,6 +889,7 @@ void StepProblem<dim>::iteration_ends(const unsigned int number, const double re
                                       const unsigned int linear_iterations, const double damping)
 {
   log.newton_iteration(number, residual, linear_iterations, damping);
+  predicts_stress = predicts_stress && (number > 1 || damping == 1); // else it was no bending
 }
 
 template class StepProblem<2>;

@@ -519,6 +519,17 @@ void BlockSystem<dim>::begin_tangent()
       cells->begin(constraints.of_update());
 }
 
+template <int dim>
+void BlockSystem<dim>::linearise_at(const Vector *const x)
+{
+  if (x != nullptr) {
+    linearised = ghosts->ghosted_vector();
+    ghosts->update(linearised, *x);
+  }
+  for (const auto &terms : cell_terms)
+    terms->linearise_at(x == nullptr ? nullptr : &linearised);
+}
+
 /// Where the second tangent is that of another step, as in the start of a scheme, a third one may never come.
 /// The rounding that its products stand for falls and grows with x also where the tangent is a sum.
 template <int dim>

@@ -49,6 +49,8 @@ public:
   /// of others are NaN there. Empty: all.
   void enter(const dealii::FEValuesBase<dim> &values, const std::vector<double> &unknowns,
              const std::vector<bool> &needed = {});
+  /// Before go_to(): State::linearised_at has these unknowns.
+  void enter_linearised(const std::vector<double> &unknowns);
   void go_to(unsigned int q);
   /// A point X anywhere in that cell, where the shape functions of the layout have these values and
   /// gradients.
@@ -101,9 +103,17 @@ private:
   template <typename Function>
   void evaluate_rates(const Function &at);
 
+  /// [component][point]
+  struct AtPoints
+  {
+    std::vector<double> values;
+    std::vector<dealii::Tensor<1, dim>> gradients;
+  };
+  void interpolate(const std::vector<double> &unknowns, const std::vector<bool> &needed, AtPoints &result);
+
   const dealii::FEValuesBase<dim> *points = nullptr; ///< of enter()
-  std::vector<double> values_at_points;              ///< [component][point]
-  std::vector<dealii::Tensor<1, dim>> gradients_at_points;
+  AtPoints present, before;
+  State<dim> linearised;            ///< of enter_linearised()
   std::vector<const double *> rows; ///< scratch
 
   std::vector<double> shape;

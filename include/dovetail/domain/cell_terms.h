@@ -48,6 +48,10 @@ public:
 
   /// The rates of all unknowns (ghosted) in the step, kept by reference; nullptr: none are known.
   void set_rates(const Rates *step_rates) { rates = step_rates; }
+  /// The state (ghosted) whose tangent has led to the next one, kept by reference, if tangents shall have the
+  /// stress that it predicts (SolidTerm); nullptr: that of the state itself. For laws of large strain without
+  /// memory.
+  void linearise_at(const Rates::Vector *state) { linearised_at = state; }
 
   /// From now on the terms of a field's own tangent go there, and not to the matrix of a cell. Boundaries'
   /// still do.
@@ -270,11 +274,13 @@ private:
   std::vector<unsigned int> with_source;                        ///< components for which the laws have one
   bool has_loads = false;                                       ///< some of them is not storage alone
   const Rates *rates = nullptr;
+  const Rates::Vector *linearised_at = nullptr;
   const std::vector<unsigned int> lumped; ///< components whose capacity is
   Response<dim> lumped_response;
   std::vector<double> node_weights;                  ///< row sums of a cell
   dealii::FullMatrix<double> lumped_tangent;         ///< of a cell
   std::vector<dealii::types::global_dof_index> dofs; ///< scratch
+  std::vector<double> unknowns_before;               // likewise
   std::vector<const Condition<dim> *> flux_conditions;
   bool leaves_out_given = false, leaves_out_boundary = false;
   std::vector<double> left_out; // scratch

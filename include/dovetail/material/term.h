@@ -50,6 +50,9 @@ struct State
   std::vector<double> value;
   std::vector<dealii::Tensor<1, dim>> gradient;
   Memory memory; ///< empty if no term remembers anything; of terms one after the other
+  /// At this point, the state whose tangent has led here, if derivatives shall have the stress that this
+  /// tangent predicts (SolidTerm); its values and gradients alone are known.
+  const State *linearised_at = nullptr;
 
   /// In transient scenes, where a term of the material asks for them, dB_c/dt and d2B_c/dt2 with their
   /// derivatives by B_c, which a time scheme gives. Empty where nobody knows them: on interfaces, in

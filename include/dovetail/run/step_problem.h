@@ -110,6 +110,7 @@ private:
   std::optional<unsigned int> solve_with_any_matrix(const Vector &x, Vector &dx, const Vector &b,
                                                     const LinearSolver::Demand &needed);
   double measure(bool is_defined);
+  bool has_been_led_to(const Vector &x) const;
   std::vector<bool> blocks_of_residual(bool with_tangent) const;
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
@@ -139,6 +140,8 @@ private:
   Convergence criterion;
   std::vector<Stage> stages;
   const UpdateSizes sizes;
+  const bool may_predict_stress; ///< some law
+  bool predicts_stress = false;  ///< since a first update has raised the residual
   std::vector<std::unique_ptr<const ContentUpdate<dim>>> content_updates; ///< by block; nullptr: not needed
 
   // of a solve
@@ -152,6 +155,8 @@ private:
   std::vector<double> scales;                              ///< of the updates, by block
   std::array<double, 2> loads_at_start{};
   std::vector<bool> is_moved; ///< a block, by constrain()
+  unsigned int n_updates = 0; ///< that were solved for
+  Vector linearised_at;       ///< where the last one was; empty if no tangent predicts from there
   bool is_first_assembly = true;
   bool may_adapt_penalties = true; ///< once, in a step from a guess
   bool may_jump = false;           ///< past limit points

@@ -115,6 +115,10 @@ public:
   /// Make @p x satisfy the constraints of the current time, by moving the constrained unknowns alone.
   void constrain(Vector &x);
 
+  /// From now on tangents have the stress that the tangent at @p x predicts, where a law knows it
+  /// (SolidTerm); nullptr: that of the state itself.
+  void linearise_at(const Vector *x);
+
   /// How often assemble() has been called with and without the tangent.
   struct Assemblies
   {
@@ -257,6 +261,7 @@ private:
   unsigned int n_tangents = 0;                                            ///< assembled, likewise
   /// Of the tangent, by order of the rates by whose derivative they are multiplied; 0: the rest.
   std::map<unsigned int, BlockMatrix> summands;
+  Vector linearised;                           ///< ghosted, of linearise_at()
   Rates step_rates;                            ///< ghosted
   Rates owned_rates;                           ///< the same, without the past
   std::unique_ptr<AffineResidual<dim>> affine; ///< since set_up, once it is asked for

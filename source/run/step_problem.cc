@@ -354,9 +354,9 @@ double StepProblem<dim>::forcing() const
   const double largest = 1e-4, share = 0.1;
   if (stages[present_stage].is_linear || is_stabilised || !(residual_of_last > 0) || moves_constraints())
     return 0;
-  if (!(residual_of_update > residual_of_last))
-    return std::min(largest, share * residual_of_last);
-  return std::min(largest, share * std::pow(residual_of_last / residual_of_update, 2));
+  const double forces = std::max(1., residual_of_last), // membranes may have far more than what is at work
+      gain = residual_of_update > residual_of_last ? residual_of_last / residual_of_update : 0;
+  return std::min(largest, share * (gain > 0 ? gain * gain : residual_of_last)) / forces;
 }
 
 /// The last iteration does not have to solve far below the tolerance; if the residual is remembered, it does.

@@ -73,7 +73,7 @@ void check_closed_form(const std::string &name, const std::string &geometry)
 
 void check_order(const std::string &type)
 {
-  const Material<3> material = make_material<3>("set Type = " + type);
+  const Material<3> material = make_material<3>("set Type = " + type, "");
   Random random;
   const State<3> first = random.state(material), last = random.state(material);
   double size[2];

@@ -8,6 +8,8 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <boost/scope_exit.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -228,33 +230,36 @@ double StepProblem<dim>::residual_and_tangent(const Vector &x)
   is_stabilised = is_stabilised && !with_tangent;
   const std::vector<bool> asked = blocks_of_residual(with_tangent);
   has_all_residuals = asked.empty();
-  const auto assemble = [&]() {
+  const auto assemble = [&](const bool predicts) {
+    BOOST_SCOPE_EXIT_ALL(this)
+    {
+      system.linearise_at(nullptr);
+    };
+    if (predicts)
+      system.linearise_at(&linearised_at);
     return measure(system.assemble(x, with_tangent, stages[present_stage].has_block, asked));
   };
-  if (!with_tangent || !has_been_led_to(x))
-    return assemble();
-  if (predicts_stress)
-    system.linearise_at(&linearised_at);
-  double norm = assemble();
-  if (!predicts_stress && n_updates == 1 && norm > raised_residual) {
-    predicts_stress = true;
-    log.detail("  the first update bends slender bodies: tangents have the stress that updates predict");
-    system.linearise_at(&linearised_at);
-    norm = assemble();
-  }
-  system.linearise_at(nullptr);
-  return norm;
+  const double share = with_tangent ? share_of_update(x) : 0;
+  if (with_tangent && n_updates == 1 && share == 0)
+    predicts_stress = false; // the first update is not taken: it was no bending
+  const double norm = assemble(predicts_stress && share > 0);
+  if (predicts_stress || n_updates != 1 || !(share > 0.99 && norm > raised_residual))
+    return norm;
+  log.detail("  the first update bends slender bodies: tangents have the stress that updates predict");
+  predicts_stress = true;
+  return assemble(true);
 }
 
-/// Whether an update with the last tangent that was solved with leads to @p x.
+/// Of the last update, the share that leads from where its tangent was to @p x; 0 if there was none, or if no
+/// law predicts anything.
 template <int dim>
-bool StepProblem<dim>::has_been_led_to(const Vector &x) const
+double StepProblem<dim>::share_of_update(const Vector &x) const
 {
   if (linearised_at.size() == 0)
-    return false;
+    return 0;
   Vector way = x;
   way -= linearised_at;
-  return way.linfty_norm() > 0;
+  return size_of_update > 0 ? way.l2_norm() / size_of_update : 0;
 }
 
 /// What has been assembled.
@@ -460,6 +465,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
     explain_share(*inexact * sizes.part_of_solution(x, dx));
   if (!model.is_linear())
     learn_scales(x, dx);
+  size_of_update = dx.l2_norm();
   return n_iterations;
 }
 
@@ -889,7 +895,6 @@ void StepProblem<dim>::iteration_ends(const unsigned int number, const double re
                                       const unsigned int linear_iterations, const double damping)
 {
   log.newton_iteration(number, residual, linear_iterations, damping);
-  predicts_stress = predicts_stress && (number > 1 || damping == 1); // else it was no bending
 }
 
 template class StepProblem<2>;

@@ -110,7 +110,7 @@ private:
   std::optional<unsigned int> solve_with_any_matrix(const Vector &x, Vector &dx, const Vector &b,
                                                     const LinearSolver::Demand &needed);
   double measure(bool is_defined);
-  bool has_been_led_to(const Vector &x) const;
+  double share_of_update(const Vector &x) const;
   std::vector<bool> blocks_of_residual(bool with_tangent) const;
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
@@ -157,6 +157,7 @@ private:
   std::vector<bool> is_moved; ///< a block, by constrain()
   unsigned int n_updates = 0; ///< that were solved for
   Vector linearised_at;       ///< where the last one was; empty if no tangent predicts from there
+  double size_of_update = 0;  ///< of the last one
   bool is_first_assembly = true;
   bool may_adapt_penalties = true; ///< once, in a step from a guess
   bool may_jump = false;           ///< past limit points

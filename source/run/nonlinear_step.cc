@@ -517,7 +517,7 @@ template <int dim>
 NewtonResult NonlinearStep<dim>::solve(Vector &x, const Newton::Start start)
 {
   if (model.is_linear())
-    problem->constrain(x);
+    present_system->constrain(x);
   NewtonResult result = iterate(x, start);
   const unsigned int largest_number_of_passes = 5;
   for (unsigned int pass = 1; pass < largest_number_of_passes && result.is_converged &&

@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <sstream>
 #include <utility>
 
@@ -100,6 +101,7 @@ void StepProblem<dim>::enter_stage(const unsigned int number)
 {
   if (stages.size() > 1)
     rounding_of_tangent.reset();
+  forget_updates();
   present_stage = number;
   residual_of_update = 0;
   tangent_at_rest.clear(); // it has the rows of one stage
@@ -167,9 +169,7 @@ void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
     start = x;
   is_first_assembly = true;
   criterion.begin_step();
-  n_updates = 0;
-  linearised_at = Vector();
-  is_moved.assign(x.n_blocks(), false);
+  forget_updates();
   present_stage = 0; // whose tangent is assembled
   enter_all_stages();
   smallest_at_start.clear();
@@ -179,17 +179,6 @@ void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
     largest_at_start.push_back(x.block(b).max());
   }
   scales.assign(x.n_blocks(), 0.);
-}
-
-template <int dim>
-void StepProblem<dim>::constrain(Vector &x)
-{
-  const double rounding = 1e-14;
-  Vector move = x;
-  system.constrain(x);
-  move -= x;
-  for (unsigned int b = 0; b < is_moved.size(); ++b)
-    is_moved[b] = move.block(b).linfty_norm() > rounding * x.block(b).linfty_norm();
 }
 
 template <int dim>
@@ -230,36 +219,51 @@ double StepProblem<dim>::residual_and_tangent(const Vector &x)
   is_stabilised = is_stabilised && !with_tangent;
   const std::vector<bool> asked = blocks_of_residual(with_tangent);
   has_all_residuals = asked.empty();
-  const auto assemble = [&](const bool predicts) {
+  const auto assemble = [&](const Vector &before) { // empty: the stress is that of the state
     BOOST_SCOPE_EXIT_ALL(this)
     {
       system.linearise_at(nullptr);
     };
-    if (predicts)
-      system.linearise_at(&linearised_at);
+    if (before.size() > 0)
+      system.linearise_at(&before);
+    if (with_tangent)
+      predicted_from = before;
     return measure(system.assemble(x, with_tangent, stages[present_stage].has_block, asked));
   };
-  const double share = with_tangent ? share_of_update(x) : 0;
-  if (with_tangent && n_updates == 1 && share == 0)
-    predicts_stress = false; // the first update is not taken: it was no bending
-  const double norm = assemble(predicts_stress && share > 0);
-  if (predicts_stress || n_updates != 1 || !(share > 0.99 && norm > raised_residual))
+  if (!with_tangent || linearised_at.size() == 0)
+    return assemble({});
+  const double share = share_of_update(x);
+  if (share == 0) { // the update is not taken as a whole: if it is the first one, it was no bending
+    predicts_stress = predicts_stress && n_updates > 1;
+    return assemble(came_from);
+  }
+  if (predicts_stress)
+    return assemble(linearised_at);
+  const double norm = assemble({});
+  const unsigned int worst = criterion.worst_part();
+  const bool is_of_solid = is_vector(worst) || model.numbering->blocks()[worst].is_constraint;
+  if (n_updates != 1 || !(share > 0.99 && norm > raised_residual && is_of_solid))
     return norm;
   log.detail("  the first update bends slender bodies: tangents have the stress that updates predict");
   predicts_stress = true;
-  return assemble(true);
+  return assemble(linearised_at);
 }
 
-/// Of the last update, the share that leads from where its tangent was to @p x; 0 if there was none, or if no
-/// law predicts anything.
+/// Of the last update, the share that leads to @p x.
 template <int dim>
 double StepProblem<dim>::share_of_update(const Vector &x) const
 {
-  if (linearised_at.size() == 0)
-    return 0;
   Vector way = x;
   way -= linearised_at;
   return size_of_update > 0 ? way.l2_norm() / size_of_update : 0;
+}
+
+/// The next tangent is no longer one that an update leads to.
+template <int dim>
+void StepProblem<dim>::forget_updates()
+{
+  n_updates = 0;
+  linearised_at = came_from = predicted_from = Vector();
 }
 
 /// What has been assembled.
@@ -400,30 +404,38 @@ LinearSolver::Demand StepProblem<dim>::demand_of_update()
 
 /// Whether rounding of K may change the energy of an update by more than is allowed. Where strains of stiff
 /// bodies have most of that energy (by heat, or where prescribed displacements have moved and dx brings the
-/// rest after them), it says nothing of motions that cost little. Then y takes the place of dx, with K y = dx
-/// very roughly: it is as smooth as such a motion, and serves as long as K does.
+/// rest after them), it says nothing of motions that cost little. Therefore y is looked at, too, which K y =
+/// f gives very roughly, with f as dx and random in equal parts: it is as smooth as such a motion, and serves
+/// as long as K does.
 template <int dim>
 bool StepProblem<dim>::is_rounded(const Vector &x, const Vector &dx)
 {
   const double largest = BlockSystem<dim>::largest_rounding_of_energy, rough = 0.99;
-  bool has_motion = false, are_moved = false;
-  for (unsigned int b = 0; b < has_block.size(); ++b)
-    if (has_block[b] && is_vector(b)) {
-      has_motion = has_motion || dx.block(b).linfty_norm() > 0;
-      are_moved = are_moved || is_moved[b] || system.moves_constraints(b);
-    }
-  if (!are_moved && sizes.rounding_of_energy(system.tangent(), dx) > largest)
+  if (sizes.rounding_of_energy(system.tangent(), dx) > largest)
     return true;
-  if (has_motion && !rounding_of_tangent) {
-    Vector force = dx, y = dx;
-    for (unsigned int b = 0; b < has_block.size(); ++b)
-      if (model.numbering->blocks()[b].is_constraint)
-        force.block(b) = 0;
-    const bool is_solved = solve_with_any_matrix(x, y, force, rough_demand(rough)).has_value();
-    keep_stage(y);
-    rounding_of_tangent = is_solved ? sizes.rounding_of_energy(system.tangent(), y) : 0;
+  if (rounding_of_tangent)
+    return *rounding_of_tangent > largest;
+  Vector force = dx, y = dx;
+  force = 0;
+  std::minstd_rand numbers; // the same in each run
+  std::uniform_real_distribution<double> random(-1, 1);
+  for (unsigned int b = 0; b < has_block.size(); ++b) {
+    if (!has_block[b] || !is_vector(b))
+      continue;
+    force.block(b) = dx.block(b);
+    const Block &block = model.numbering->blocks()[b];
+    const double size = dx.block(b).l2_norm() / std::sqrt(double(dx.block(b).size()));
+    for (unsigned int i = 0; i < block.owned.n_elements(); ++i)
+      if (!system.is_constrained(block.begin + block.owned.nth_index_in_set(i)))
+        force.block(b).trilinos_vector()[0][i] += size * random(numbers);
   }
-  return rounding_of_tangent.value_or(0) > largest;
+  if (force.linfty_norm() == 0)
+    return false;
+  const bool is_solved = solve_with_any_matrix(x, y, force, rough_demand(rough)).has_value();
+  keep_stage(y);
+  rounding_of_tangent =
+      is_solved ? sizes.rounding_of_energy(system.tangent(), y) : std::numeric_limits<double>::infinity();
+  return *rounding_of_tangent > largest;
 }
 
 template <int dim>
@@ -436,6 +448,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   give_tangent();
   ++n_updates;
   linearised_at = may_predict_stress && !is_stabilised ? x : Vector();
+  came_from = predicted_from;
   LinearSolver::Demand needed = demand_of_update();
   if (model.is_linear() || has_linear_stage())
     needed.excess = [this](const Vector &update, const auto &blocks) { return excess(update, blocks); };
@@ -455,6 +468,8 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   centre_pressures(x, dx);
   keep_stage(dx);
   std::optional<double> inexact; // a share
+  if (is_refined && is_in_time)
+    system.give_up_products(); // which are rounded as K is
   if (is_refined)
     *n_iterations += refine_by_laws(x, dx, of_all, inexact);
   if (leaves_much && !(inexact == 0. && are_volumes_kept()))
@@ -473,7 +488,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
 /// a resultant, which moves it: the entries of K are rounded. Forces by the laws have none, whatever the
 /// rounding of strains: the gradients of the functions of a cell add up to zero. So dx is refined by the
 /// residual of the laws, from the first group on that has stiff and soft bodies, or of all groups if @p
-/// of_all. A linear scene in time has it by products, which are rounded likewise.
+/// of_all.
 /// @param of_all where rounding leaves more of K dx than is allowed, or may change much of its energy
 /// @param inexact the share of dx that may be wrong, where that is more than is asked for, or 0
 /// @return the number of linear iterations
@@ -674,8 +689,9 @@ void StepProblem<dim>::explain_linear_residual()
 template <int dim>
 void StepProblem<dim>::explain_share(const double share)
 {
-  if (share < IterativeRefinement::exact_share)
+  if (share < std::max(IterativeRefinement::exact_share, 2 * told_share)) // each step may have one
     return;
+  told_share = share;
   std::ostringstream words;
   words.precision(1);
   words << "rounding of the matrix ";
@@ -847,6 +863,7 @@ bool StepProblem<dim>::adapt(const Vector &x)
 template <int dim>
 bool StepProblem<dim>::stabilise(const Vector &x, const double share)
 {
+  forget_updates();
   if (tangent_at_rest.n_block_rows() == 0) {
     Vector rest = x;
     for (unsigned int b = 0; b < rest.n_blocks(); ++b)

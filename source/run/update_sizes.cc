@@ -25,8 +25,9 @@ double UpdateSizes::rounding_of_energy(const BlockMatrix &K, const Vector &dx) c
     double rounding = 0;
     for (unsigned int b = 0; b < blocks.size(); ++b)
       rounding += sizes[b] * of_field.block(b).l2_norm();
-    if (const double energy = of_field * product; energy != 0)
-      largest = std::max(largest, std::numeric_limits<double>::epsilon() / 2 * rounding / std::abs(energy));
+    const double energy = std::abs(of_field * product);
+    largest = std::max(largest, energy > 0 ? std::numeric_limits<double>::epsilon() / 2 * rounding / energy
+                                           : std::numeric_limits<double>::infinity());
   }
   return largest;
 }

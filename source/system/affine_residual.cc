@@ -404,12 +404,15 @@ void AffineResidual<dim>::find_kinds()
   unsigned int n_parts = 0;
   for (unsigned int b = 0; b < blocks.size(); ++b) {
     n_parts = std::max(n_parts, stiffness.part_of(b) + 1);
+    is_vector.push_back(false);
     if (blocks[b].is_of_multipliers)
       continue;
     number_of_field.try_emplace(blocks[b].field, number_of_field.size());
     const Domain<dim> &domain = *model.domains[blocks[b].domain_index];
-    if (domain.fields()[blocks[b].field_index].n_components > 1)
+    if (domain.fields()[blocks[b].field_index].n_components > 1) {
       blocks_of_vectors.push_back(b);
+      is_vector.back() = true;
+    }
   }
   kinds.resize(n_parts);
   for (unsigned int p = 0; p < n_parts; ++p) {
@@ -496,44 +499,53 @@ void AffineResidual<dim>::multiply(const Vector &x)
   product = 0;
   unpaired = 0;
   pair_squares.assign(x.n_blocks(), 0.);
+  find_means(x);
+  own_energy = {{0, 0}};
   for (unsigned int p = 0; p < kinds.size(); ++p)
     for (unsigned int q = 0; q < kinds.size(); ++q)
       if (stiffness.has_part(p, q))
         multiply_part(p, q, x);
-  find_rounding(x);
+  find_rounding();
 }
 
-/// Of vectors, beside their means, which the pairs in a product do not see.
+/// Of the components of vectors, and the sum of the squares beside them.
 template <int dim>
-void AffineResidual<dim>::find_rounding(const Vector &x)
+void AffineResidual<dim>::find_means(const Vector &x)
 {
   const auto for_each = [&](const auto &visit) {
     for (const unsigned int b : blocks_of_vectors) {
-      const double *const component = components.block(b).trilinos_vector()[0],
-                          *const values = x.block(b).trilinos_vector()[0],
-                          *const forces = product.block(b).trilinos_vector()[0];
+      const double *const component = components.block(b).trilinos_vector()[0], *const values =
+                                                                                    x.block(b)
+                                                                                        .trilinos_vector()[0];
       for (unsigned int k = 0; k < model.numbering->blocks()[b].owned.n_elements(); ++k)
-        visit(static_cast<unsigned int>(component[k]), values[k], forces[k]);
+        visit(static_cast<unsigned int>(component[k]), values[k]);
     }
   };
-  std::vector<double> values(dim, 0.), numbers(dim, 0.), sums(4, 0.);
-  for_each([&](const unsigned int c, const double value, double) {
-    values[c] += value;
+  std::vector<double> sums(dim, 0.), numbers(dim, 0.);
+  for_each([&](const unsigned int c, const double value) {
+    sums[c] += value;
     numbers[c] += 1;
   });
-  for (auto *by_component : {&values, &numbers})
+  for (auto *by_component : {&sums, &numbers})
     dealii::Utilities::MPI::sum(*by_component, model.communicator, *by_component);
-  for_each([&](const unsigned int c, const double value, const double force) {
-    const double beside_mean = value - values[c] / numbers[c];
-    sums[0] += beside_mean * beside_mean;
-    sums[1] += beside_mean * force;
-    sums[2] += value * force;
+  for (unsigned int c = 0; c < dim; ++c)
+    means[c] = numbers[c] > 0 ? sums[c] / numbers[c] : 0;
+  square_beside_means = 0;
+  for_each([&](const unsigned int c, const double value) {
+    square_beside_means += (value - means[c]) * (value - means[c]);
   });
+}
+
+/// Of vectors, whose means the pairs in a product do not see.
+template <int dim>
+void AffineResidual<dim>::find_rounding()
+{
+  std::vector<double> sums = {own_energy[0], own_energy[1], square_beside_means, 0.};
   for (const unsigned int b : blocks_of_vectors)
     sums[3] += pair_squares[b];
   dealii::Utilities::MPI::sum(sums, model.communicator, sums);
-  const double rounding = std::numeric_limits<double>::epsilon() / 2 * std::sqrt(sums[0] * sums[3]);
-  share_of_rounding = rounding > 0 ? rounding / std::max(std::abs(sums[1]), std::abs(sums[2])) : 0.;
+  const double rounding = std::numeric_limits<double>::epsilon() / 2 * std::sqrt(sums[2] * sums[3]);
+  share_of_rounding = rounding > 0 ? rounding / std::max(std::abs(sums[0]), std::abs(sums[1])) : 0.;
 }
 
 /// As sum_j K_ij (x_j - x_i) + s_i x_i over the columns of the field of the row, where i is the same
@@ -568,11 +580,18 @@ void AffineResidual<dim>::multiply_part(const unsigned int p, const unsigned int
         } else
           of_others += values[k] * factors[column];
       }
+      double of_own = 0;
       for (unsigned int c = 0; is_of_field && c < dim; ++c)
         if (const int own = kind.at_node[row][c]; own >= 0)
-          of_others += row_sums[c].block(block).trilinos_vector()[0][row - first] * factors[own];
-      sums[row - first] += of_pairs + of_others;
-      rests[row - first] += of_others;
+          of_own += row_sums[c].block(block).trilinos_vector()[0][row - first] * factors[own];
+      sums[row - first] += of_pairs + of_others + of_own;
+      rests[row - first] += of_others + of_own;
+      if (is_of_field && is_vector[block]) {
+        const unsigned int c = components.block(block).trilinos_vector()[0][row - first];
+        const double own_x = factors[kind.at_node[row][c]];
+        own_energy[0] += own_x * (of_pairs + of_own);
+        own_energy[1] += (own_x - means[c]) * (of_pairs + of_own);
+      }
     }
     pair_squares[block] += squares;
   }

@@ -399,10 +399,22 @@ bool BlockSystem<dim>::evaluate_products(const Vector &x)
   affine->evaluate(x, owned_rates);
   if (affine->rounding_of_energy() <= largest_rounding_of_energy)
     return true;
+  give_up_products();
+  return false;
+}
+
+template <int dim>
+bool BlockSystem<dim>::takes_products() const
+{
+  return affine != nullptr && affine->is_defined();
+}
+
+template <int dim>
+void BlockSystem<dim>::give_up_products()
+{
   are_products_rounded = true;
   affine.reset();
   summands.clear();
-  return false;
 }
 
 /// The residual alone. @return whether it is defined, and exact; if not, integrals are, or say where and why.

@@ -31,8 +31,6 @@ public:
 
   /// From @p x to time @p t. @pre The system has begun the step.
   void begin_step(double t, const Vector &x);
-  /// Of a linear scene: @p x, at which the step begins, satisfies its constraints from now on.
-  void constrain(Vector &x);
   /// From now on steps do not start from a guess.
   void set_converged() { starts_from_guess = false; }
   /// Whether solids may jump past limit points; not as long as a smaller step may find a solution nearby.
@@ -111,6 +109,7 @@ private:
                                                     const LinearSolver::Demand &needed);
   double measure(bool is_defined);
   double share_of_update(const Vector &x) const;
+  void forget_updates();
   std::vector<bool> blocks_of_residual(bool with_tangent) const;
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
@@ -154,10 +153,11 @@ private:
   std::vector<double> smallest_at_start, largest_at_start; ///< values, by block
   std::vector<double> scales;                              ///< of the updates, by block
   std::array<double, 2> loads_at_start{};
-  std::vector<bool> is_moved; ///< a block, by constrain()
-  unsigned int n_updates = 0; ///< that were solved for
-  Vector linearised_at;       ///< where the last one was; empty if no tangent predicts from there
+  unsigned int n_updates = 0; ///< that were solved for, since a stage began
   double size_of_update = 0;  ///< of the last one
+  Vector linearised_at;       ///< where its tangent was; empty if no tangent predicts from there
+  Vector came_from;           ///< from where that tangent predicted; empty: it did not
+  Vector predicted_from;      ///< likewise the last tangent that was assembled
   bool is_first_assembly = true;
   bool may_adapt_penalties = true; ///< once, in a step from a guess
   bool may_jump = false;           ///< past limit points
@@ -173,6 +173,7 @@ private:
   std::optional<Vector> moving_loads;
   std::optional<Vector> guess; ///< of the next update
   unsigned int n_guesses = 0;
+  double told_share = 0;                         ///< the largest one, by explain_share()
   double residual_of_update = 0;                 ///< where the last update of this stage began; 0: none yet
   bool is_stabilised = false;                    ///< the tangent
   bool has_all_residuals = true;                 ///< those of other stages, too

@@ -54,7 +54,8 @@ public:
   /// At @p x, owned, and with owned rates. Collective. @pre find_loads()
   void evaluate(const Vector &x, const Rates &rates);
   const Vector &residual() const { return all; }
-  /// Of evaluate(): what rounding may change of x . K x in vectors, relative to that:
+  /// Of evaluate(): what rounding may change of x . K x with the entries K of vectors among themselves,
+  /// relative to that or to the same beside the means @f$ \bar x @f$ of components, if it is larger:
   /// @f$ u \, \| x - \bar x \| (\sum_{ij} (K_{ij} (x_j - x_i))^2)^{1/2} / | x \cdot K x | @f$ [-]. Pairs of
   /// unknowns see no translation, but entries of K are rounded, so that a rotation of a stiff body has
   /// forces.
@@ -110,7 +111,8 @@ private:
   void find_kinds();
   void find_nodes(unsigned int part);
   void multiply(const Vector &x);
-  void find_rounding(const Vector &x);
+  void find_means(const Vector &x);
+  void find_rounding();
   void multiply_part(unsigned int row, unsigned int column, const Vector &x);
   void find_storage(const Vector &x, const Rates &rates);
   void find_rates(const Vector &x, const Rates &rates);
@@ -128,6 +130,10 @@ private:
   std::map<Index, unsigned int> component_of; ///< of unknowns of this rank's terms, where it is not 0
   Vector components;                          ///< of the unknowns of this rank
   std::vector<unsigned int> blocks_of_vectors;
+  std::vector<bool> is_vector;        ///< by block: whether it is one of these
+  std::array<double, dim> means{};    ///< of their components
+  double square_beside_means = 0;     ///< of this rank, as what follows
+  std::array<double, 2> own_energy{}; ///< x . K x, and that beside the means
   double share_of_rounding = 0;
   Vector loads_at_rest, moving_loads, product, unpaired, storage, rate, all, last_x;
   bool has_product = false;

@@ -130,8 +130,9 @@ public:
   /// What rounding of K may change of the energy x . K x of a field, relative to that, before integrals take
   /// the place of products.
   static constexpr double largest_rounding_of_energy = 1e-7;
-  /// Whether the last residual alone was one by products.
-  bool takes_products() const { return affine != nullptr; }
+  /// Whether residuals alone are products, as far as is known.
+  bool takes_products() const;
+  void give_up_products(); ///< for integrals, until set_up() is called again
 
   const BlockMatrix &tangent() const { return matrix; }
   /// Until the next assembly of a tangent. @p other: one of this system since set_up().

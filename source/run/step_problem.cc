@@ -32,7 +32,7 @@ const NoteName of_free_pressure("free pressure",
 const double exact_linear_residual = 1e-11;
 const double usual_linear_residual = 1e-8; ///< more is told
 const double share_of_exact = 0.1;         ///< that the solver is asked for
-/// Relative to the forces at work: what a first update leaves that bends a slender body. The strains of
+/// Relative to the forces at work. A first update that leaves more has bent a slender body: the strains of
 /// second order in its rotation are membrane strains, which have far more force than those of bending.
 const double raised_residual = 3;
 

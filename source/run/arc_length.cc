@@ -50,6 +50,7 @@ NewtonResult ArcLength<dim>::solve(const Vector &x_0, const double t_0, Vector &
   bool is_small = false;
   t = t_0;
   x = x_0;
+  equations.first_stage(); // no update has led here
   for (unsigned int iteration = 0; iteration <= most_iterations; ++iteration) {
     step.system().set_time(t);
     const double norm = equations.residual_and_tangent(x);

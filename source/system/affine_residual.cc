@@ -514,9 +514,8 @@ void AffineResidual<dim>::find_means(const Vector &x)
 {
   const auto for_each = [&](const auto &visit) {
     for (const unsigned int b : blocks_of_vectors) {
-      const double *const component = components.block(b).trilinos_vector()[0], *const values =
-                                                                                    x.block(b)
-                                                                                        .trilinos_vector()[0];
+      const double *const component = components.block(b).trilinos_vector()[0];
+      const double *const values = x.block(b).trilinos_vector()[0];
       for (unsigned int k = 0; k < model.numbering->blocks()[b].owned.n_elements(); ++k)
         visit(static_cast<unsigned int>(component[k]), values[k]);
     }

@@ -468,10 +468,11 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   centre_pressures(x, dx);
   keep_stage(dx);
   std::optional<double> inexact; // a share
-  if (is_refined && is_in_time)
-    system.give_up_products(); // which are rounded as K is
-  if (is_refined)
+  if (is_refined) {
+    if (is_in_time)
+      system.give_up_products(); // which are rounded as K is
     *n_iterations += refine_by_laws(x, dx, of_all, inexact);
+  }
   if (leaves_much && !(inexact == 0. && are_volumes_kept()))
     explain_linear_residual();
   else if (leaves_much) // what the laws leave is less than what K dx shows
@@ -480,7 +481,8 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
     explain_share(*inexact * sizes.part_of_solution(x, dx));
   if (!model.is_linear())
     learn_scales(x, dx);
-  size_of_update = dx.l2_norm();
+  if (linearised_at.size() > 0)
+    size_of_update = dx.l2_norm();
   return n_iterations;
 }
 

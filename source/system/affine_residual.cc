@@ -409,11 +409,9 @@ void AffineResidual<dim>::find_kinds()
       continue;
     number_of_field.try_emplace(blocks[b].field, number_of_field.size());
     const Domain<dim> &domain = *model.domains[blocks[b].domain_index];
-    if (domain.fields()[blocks[b].field_index].n_components > 1) {
-      blocks_of_vectors.push_back(b);
-      is_vector.back() = true;
-    }
+    is_vector.back() = domain.fields()[blocks[b].field_index].n_components > 1;
   }
+  has_vectors = std::find(is_vector.begin(), is_vector.end(), true) != is_vector.end();
   kinds.resize(n_parts);
   for (unsigned int p = 0; p < n_parts; ++p) {
     const Epetra_CrsMatrix &matrix = stiffness.part(p, p).trilinos_matrix();
@@ -499,13 +497,14 @@ void AffineResidual<dim>::multiply(const Vector &x)
   product = 0;
   unpaired = 0;
   pair_squares.assign(x.n_blocks(), 0.);
-  find_means(x);
-  own_energy = {{0, 0}};
+  if (has_vectors)
+    find_means(x);
   for (unsigned int p = 0; p < kinds.size(); ++p)
     for (unsigned int q = 0; q < kinds.size(); ++q)
       if (stiffness.has_part(p, q))
         multiply_part(p, q, x);
-  find_rounding();
+  if (has_vectors)
+    find_rounding();
 }
 
 /// Of the components of vectors, and the sum of the squares beside them.
@@ -513,22 +512,22 @@ template <int dim>
 void AffineResidual<dim>::find_means(const Vector &x)
 {
   const auto for_each = [&](const auto &visit) {
-    for (const unsigned int b : blocks_of_vectors) {
+    for (unsigned int b = 0; b < x.n_blocks(); ++b) {
       const double *const component = components.block(b).trilinos_vector()[0];
       const double *const values = x.block(b).trilinos_vector()[0];
-      for (unsigned int k = 0; k < model.numbering->blocks()[b].owned.n_elements(); ++k)
+      for (unsigned int k = 0; is_vector[b] && k < model.numbering->blocks()[b].owned.n_elements(); ++k)
         visit(static_cast<unsigned int>(component[k]), values[k]);
     }
   };
-  std::vector<double> sums(dim, 0.), numbers(dim, 0.);
+  std::vector<double> sums(2 * dim, 0.); // of values, and of ones
   for_each([&](const unsigned int c, const double value) {
     sums[c] += value;
-    numbers[c] += 1;
+    sums[dim + c] += 1;
   });
-  for (auto *by_component : {&sums, &numbers})
-    dealii::Utilities::MPI::sum(*by_component, model.communicator, *by_component);
+  dealii::Utilities::MPI::sum(sums, model.communicator, sums);
   for (unsigned int c = 0; c < dim; ++c)
-    means[c] = numbers[c] > 0 ? sums[c] / numbers[c] : 0;
+    means[c] = sums[c] / sums[dim + c];
+  own_energy = {{0, 0}};
   square_beside_means = 0;
   for_each([&](const unsigned int c, const double value) {
     square_beside_means += (value - means[c]) * (value - means[c]);
@@ -540,8 +539,8 @@ template <int dim>
 void AffineResidual<dim>::find_rounding()
 {
   std::vector<double> sums = {own_energy[0], own_energy[1], square_beside_means, 0.};
-  for (const unsigned int b : blocks_of_vectors)
-    sums[3] += pair_squares[b];
+  for (unsigned int b = 0; b < is_vector.size(); ++b)
+    sums[3] += is_vector[b] ? pair_squares[b] : 0.;
   dealii::Utilities::MPI::sum(sums, model.communicator, sums);
   const double rounding = std::numeric_limits<double>::epsilon() / 2 * std::sqrt(sums[2] * sums[3]);
   share_of_rounding = rounding > 0 ? rounding / std::max(std::abs(sums[0]), std::abs(sums[1])) : 0.;

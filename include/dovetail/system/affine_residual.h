@@ -129,8 +129,8 @@ private:
   std::array<Vector, dim> row_sums;
   std::map<Index, unsigned int> component_of; ///< of unknowns of this rank's terms, where it is not 0
   Vector components;                          ///< of the unknowns of this rank
-  std::vector<unsigned int> blocks_of_vectors;
-  std::vector<bool> is_vector;        ///< by block: whether it is one of these
+  std::vector<bool> is_vector;                ///< by block: whether its field has several components
+  bool has_vectors = false;
   std::array<double, dim> means{};    ///< of their components
   double square_beside_means = 0;     ///< of this rank, as what follows
   std::array<double, 2> own_energy{}; ///< x . K x, and that beside the means

@@ -385,8 +385,10 @@ void NonlinearStep<dim>::set_up(const double t)
   const Phases::Scope scope(phases, "setup");
   linear_solver.forget_matrix();
   model.check_ties(t);
-  present_system->choose_entries(linear_solver.needs_entries());
-  present_system->set_up(t);
+  present_system->set_up(t, [this]() {
+    linear_solver.consider_constraints();
+    return linear_solver.needs_entries();
+  });
   add_notes();
 }
 

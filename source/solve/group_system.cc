@@ -36,6 +36,12 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
     all_facts.places = [this](const Selection *rows) { return places(rows); };
 }
 
+void GroupSystem::consider_constraints()
+{
+  if (group.present_followed)
+    all_facts.n_followed = group.present_followed();
+}
+
 void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
 {
   matrix = &new_matrix;

@@ -31,6 +31,7 @@ public:
   /// The matrix has new entries.
   void set_matrix(const BlockMatrix &matrix);
   void forget_matrix();
+  void consider_constraints();
   void limit_iterations(const double most) { all_facts.most_iterations = most; }
   void set_next_goal(GroupFacts::NextGoal next_goal) { all_facts.next_goal = std::move(next_goal); }
   /// Between set_matrix and the first use of scaled(). Collective.

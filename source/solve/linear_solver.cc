@@ -23,7 +23,8 @@ const std::string automatic = "automatic", name_of_direct = "direct", name_of_mu
                   name_of_matrix_free = "matrix-free";
 
 const double few_iterations = 14, many_iterations = 100;
-const double few_entries = 6e5; ///< up to which factors cost about as much as products
+const double few_entries = 6e5;  ///< up to which factors cost about as much as products
+const double large_share = 0.15; ///< of a row, for what an unknown follows
 
 /// About, of quadrilaterals or hexahedra: (degree + 2)^dim nodes. Products take about the same time for each
 /// degree, and what makes or factorises entries takes time for each of them.
@@ -152,7 +153,8 @@ double LinearSolver::Group::iterations_worth_factors() const
 /// Factorisation wins while the fill is small, and longer for L D L^T: the tables of
 /// doc/theory/linear_solvers.md. In thin bodies the fill is small, and in flat ones aggregates longer than
 /// the thickness leave much to the iteration. Beside products the entries cost, too, unless the bodies may be
-/// slender: that takes many iterations.
+/// slender: that takes many iterations. Where unknowns follow many others, which follow others again, coarser
+/// matrices are fuller than K.
 bool LinearSolver::Group::is_direct_by_size() const
 {
   const GroupFacts &facts = system.facts();
@@ -162,10 +164,11 @@ bool LinearSolver::Group::is_direct_by_size() const
     largest = std::min(largest, few_entries * std::sqrt(facts.n_solves) /
                                     (entries_of_row(facts) * (is_cheaper ? 1 : 2)));
   const bool is_flat = facts.shape.distance_by_thickness > 0.7,
+             is_filled = facts.n_followed > large_share * entries_of_row(facts) / facts.n_components,
              is_thin = knows_shape &&
                        iterations_of_direct() < (is_flat ? many_iterations : iterations_worth_factors());
   return owner.type == name_of_direct ||
-         (owner.type == automatic && !is_patient && (facts.n_unknowns <= largest || is_thin));
+         (owner.type == automatic && !is_patient && (facts.n_unknowns <= largest || is_thin || is_filled));
 }
 
 /// Products win over a matrix where rows are long: from degree 2 on.
@@ -401,6 +404,12 @@ std::optional<ExpectedCost> LinearSolver::expected_cost(const unsigned int group
 {
   const Group &its = *groups[group];
   return (its.takes_direct() ? its.direct : its.chosen).solver->expected_cost(size);
+}
+
+void LinearSolver::consider_constraints()
+{
+  for (auto &group : groups)
+    group->system.consider_constraints();
 }
 
 std::vector<bool> LinearSolver::needs_entries() const

@@ -70,12 +70,15 @@ bool BlockSystem<dim>::is_outdated(const double t) const
 }
 
 template <int dim>
-void BlockSystem<dim>::set_up(const double t)
+void BlockSystem<dim>::set_up(const double t,
+                              const std::function<std::vector<bool>()> &entries_for_constraints)
 {
   toggles_of_set_up = model.active_toggles(t);
   time_of_set_up = t;
   time = t;
   constraints.set_up(t);
+  if (entries_for_constraints)
+    choose_entries(entries_for_constraints());
   make_sparsity(t);
   right_hand_side = owned_vector();
   const Numbering &numbering = *model.numbering;

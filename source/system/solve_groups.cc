@@ -105,6 +105,22 @@ BodyShape shape_of(const Model<dim> &model, const std::vector<unsigned int> &blo
   return {2 * n_nodes / nodes_of_area, std::sqrt(area / nodes_of_area) * area / (2 * volume)};
 }
 
+/// GroupTraits::n_followed
+template <int dim>
+double mean_followed(const Model<dim> &model, const std::vector<unsigned int> &blocks,
+                     const dealii::AffineConstraints<double> &constraints)
+{
+  unsigned long n_entries = 0, n_unknowns = 0;
+  for (const unsigned int b : blocks) {
+    const Block &block = model.numbering->blocks()[b];
+    n_unknowns += block.end - block.begin;
+    for (const auto i : block.owned)
+      if (const auto *entries = constraints.get_constraint_entries(block.begin + i); entries != nullptr)
+        n_entries += entries->size();
+  }
+  return dealii::Utilities::MPI::sum(static_cast<double>(n_entries), model.communicator) / n_unknowns;
+}
+
 template <int dim>
 RowSums linear_part_of(const Model<dim> &model, const unsigned int number, const BlockMatrix &K,
                        const dealii::AffineConstraints<double> &constraints)
@@ -203,6 +219,9 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
       };
     if (dim == 3 && std::all_of(components.begin(), components.end(), [](const auto n) { return n > 1; }))
       group.present_shape = [&model, blocks = group.blocks]() { return shape_of(model, blocks); };
+    group.present_followed = [&model, system, blocks = group.blocks]() {
+      return mean_followed(model, blocks, system().all_constraints());
+    };
     group.field = [&model](const unsigned int block) { return model.numbering->blocks()[block].field; };
     groups.push_back(std::move(group));
   }

@@ -79,6 +79,7 @@ struct GroupTraits
   bool is_symmetric = true;      ///< and, but for multipliers, positive definite; may change with K
   std::string why_entries;       ///< why the cells' part of K must have entries; empty if products do
   BodyShape shape;               ///< of bodies in space that resist to be bent
+  double n_followed = 0;         ///< unknowns that an unknown follows by constraints, on average
 };
 
 /// What is known of a group beside its operator. The functions may be called in GroupSolver::prepare.

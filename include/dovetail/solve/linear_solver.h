@@ -27,6 +27,8 @@ struct SolveGroup : GroupTraits
   std::vector<unsigned int> multiplier_blocks; ///< of interfaces, and of constraints within bodies
   /// BodyShape of the present mesh. Collective. If missing, it is not known.
   std::function<BodyShape()> present_shape;
+  /// n_followed of the present constraints. Collective. If missing, there are none.
+  std::function<double()> present_followed;
   bool allows_jumps = false; ///< some bodies may come apart: each needs its own near-null space
   /// Near-null space of a block at some of this rank's unknowns, [mode][unknown], as part of that of all
   /// blocks together or by itself; asked for only if a solver does.
@@ -70,6 +72,8 @@ public:
   LinearSolver(const Section &section, std::vector<SolveGroup> groups, Choice choice = Choice::of_scene);
   ~LinearSolver();
 
+  /// There are other constraints, and no matrix yet. Collective.
+  void consider_constraints();
   /// Of each group: whether its matrix must have all entries. If not, the tangent of cells may be products.
   std::vector<bool> needs_entries() const;
   /// Whether a group that has failed waits for them, or for products in their place.

@@ -56,8 +56,9 @@ public:
   void leave_out_couplings(const bool are_left_out) { has_couplings = !are_left_out; }
   bool leaves_out_couplings() const { return !has_couplings; }
 
-  /// Constraints, sparsity and matrix for what is active at time @p t. Collective.
-  void set_up(double t);
+  /// Constraints, sparsity and matrix for what is active at time @p t. @p entries_for_constraints: asked when
+  /// the constraints are there, for what choose_entries() has not been told. May be missing. Collective.
+  void set_up(double t, const std::function<std::vector<bool>()> &entries_for_constraints = {});
   /// Those entries that choose_entries() has asked for, and nothing else anew. Collective.
   void make_matrix() { make_sparsity(time); }
   /// Whether set_up must be called again because toggles have changed, or prescribed jumps of strong ties.

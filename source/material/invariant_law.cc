@@ -48,12 +48,12 @@ struct InvariantKinematics
       : F(deformation.F), Q(transpose(invert(deformation.F)))
   {
     const double tr_E = deformation.trace_of_green_strain(), J = deformation.J;
-    const Tensor<2, 3> F_minus_Q = deformation.H + Q * transpose(deformation.H);
+    const Tensor<2, 3> E = deformation.green_strain(), F_minus_Q = 2. * Q * E; // as P F^T keeps its symmetry
     add(2. / 3., 1 / std::cbrt(J * J), 2. * F, 2. * F_minus_Q, 2 * tr_E);
     if (!with_second)
       return;
     // I_2 = 3 + 4 tr E + 2 ((tr E)^2 - E:E), N = 2 F (I_1 I - C) = 4 F (I + tr E I - E)
-    const Tensor<2, 3> E = deformation.green_strain(), F_E = tr_E * F - F * E;
+    const Tensor<2, 3> F_E = tr_E * F - F * E;
     C = 2. * E;
     for (unsigned int i = 0; i < 3; ++i)
       C[i][i] += 1;

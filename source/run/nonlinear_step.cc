@@ -409,7 +409,8 @@ bool NonlinearStep<dim>::is_solution(const double t, const Vector &x)
     return false;
   present_system->set_time(t);
   problem->begin_step(t, x);
-  return problem->residual(x) <= tolerance() && !present_system->moves_constraints();
+  return problem->residual(x) <= tolerance() && !present_system->moves_constraints() &&
+         !problem->has_hidden_load();
 }
 
 template <int dim>

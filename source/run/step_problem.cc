@@ -2,6 +2,7 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/run/step_problem.h>
+#include <dovetail/system/mean_gradient.h>
 
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/solve/iterative_refinement.h>
@@ -35,6 +36,8 @@ const double share_of_exact = 0.1;         ///< that the solver is asked for
 /// Relative to the forces at work. A first update that leaves more has bent a slender body: the strains of
 /// second order in its rotation are membrane strains, which have far more force than those of bending.
 const double raised_residual = 3;
+const double far_residual = 100;      ///< likewise: it may lead much too far
+const double largest_gradient = 0.35; ///< of a share of such an update: a turn by 1/4, about
 
 std::vector<bool> blocks_of_constraints(const Numbering &numbering)
 {
@@ -148,6 +151,18 @@ void StepProblem<dim>::keep_stage(Vector &dx) const
 }
 
 template <int dim>
+bool StepProblem<dim>::has_hidden_load() const
+{
+  const double growth = 2; // of what rounding has left
+  if (!criterion.is_hidden())
+    return false;
+  for (unsigned int b = 0; b < last_residuals.size(); ++b)
+    if (last_residuals[b] > (residuals_of_solution.empty() ? 0 : growth * residuals_of_solution[b]))
+      return true;
+  return false;
+}
+
+template <int dim>
 bool StepProblem<dim>::moves_constraints() const
 {
   for (unsigned int b = 0; b < has_block.size(); ++b)
@@ -168,6 +183,8 @@ void StepProblem<dim>::begin_step(const double t_of_step, const Vector &x)
   if (may_adapt_penalties)
     start = x;
   is_first_assembly = true;
+  if (std::exchange(has_solved, false) && residual_of_last <= criterion.tolerance())
+    residuals_of_solution = last_residuals;
   criterion.begin_step();
   forget_updates();
   present_stage = 0; // whose tangent is assembled
@@ -240,13 +257,43 @@ double StepProblem<dim>::residual_and_tangent(const Vector &x)
   if (predicts_stress)
     return assemble(linearised_at);
   const double norm = assemble({});
-  const unsigned int worst = criterion.worst_part();
-  const bool is_of_solid = is_vector(worst) || model.numbering->blocks()[worst].is_constraint;
-  if (n_updates != 1 || !(share > 0.99 && norm > raised_residual && is_of_solid))
+  if (n_updates != 1 || !(share > 0.99 && has_residual_above(raised_residual)))
     return norm;
-  log.detail("  the first update bends slender bodies: tangents have the stress that updates predict");
-  predicts_stress = true;
+  predict_from_now_on();
   return assemble(linearised_at);
+}
+
+/// Of a solid, at the state of the last assembly. A state that is not defined has none.
+template <int dim>
+bool StepProblem<dim>::has_residual_above(const double size) const
+{
+  const unsigned int worst = criterion.worst_part();
+  return residual_of_last > size && (is_vector(worst) || model.numbering->blocks()[worst].is_constraint);
+}
+
+template <int dim>
+void StepProblem<dim>::predict_from_now_on()
+{
+  if (!std::exchange(predicts_stress, true))
+    log.detail("  updates bend slender bodies: tangents have the stress that updates predict");
+}
+
+template <int dim>
+bool StepProblem<dim>::may_overshoot() const
+{
+  return linearised_at.size() > 0 && (predicts_stress || n_updates == 1) && has_residual_above(far_residual);
+}
+
+/// As far as bodies turn by about 1/4 in the mean: a linear turn by an angle strains them by half of its
+/// square.
+template <int dim>
+double StepProblem<dim>::sensible_share(const Vector &dx)
+{
+  const double gradient = largest_mean_gradient(model, system.ghosted(dx));
+  if (!(gradient > largest_gradient))
+    return 1;
+  predict_from_now_on();
+  return largest_gradient / gradient;
 }
 
 /// Of the last update, the share that leads to @p x.
@@ -273,7 +320,8 @@ double StepProblem<dim>::measure(const bool is_defined)
   if (is_first_assembly)
     loads_at_start = {{system.negative_residual().l2_norm(), system.largest_move()}};
   is_first_assembly = false;
-  residual_of_last = is_defined ? criterion.residual({system.residuals(), system.forces(), system.rounding()})
+  last_residuals = system.residuals();
+  residual_of_last = is_defined ? criterion.residual({last_residuals, system.forces(), system.rounding()})
                                 : std::numeric_limits<double>::quiet_NaN();
   return residual_of_last;
 }
@@ -447,6 +495,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
                  has_linear_stage() && (!is_in_time || has_new_tangent || !system.takes_products());
   give_tangent();
   ++n_updates;
+  has_solved = true;
   linearised_at = may_predict_stress && !is_stabilised ? x : Vector();
   came_from = predicted_from;
   LinearSolver::Demand needed = demand_of_update();

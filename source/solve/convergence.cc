@@ -39,6 +39,7 @@ double Convergence::residual(const WorkingForces &now)
   last_forces = now.forces;
 
   double largest = 0;
+  hides_any = false;
   for (unsigned int p = 0; p < n_parts; ++p) {
     const double first = first_forces[field_of_part[p]];
     if (!is_measured[p])
@@ -47,10 +48,14 @@ double Convergence::residual(const WorkingForces &now)
       worst = p;
       return std::numeric_limits<double>::quiet_NaN();
     }
-    if (now.residuals[p] <= std::max(now.rounding[p], absolute_tolerance))
+    if (now.residuals[p] <= absolute_tolerance)
       continue;
     const double reference = std::min(now.forces[p], largest_growth * first);
     const double relative = reference > 0 ? now.residuals[p] / reference : 1.;
+    if (now.residuals[p] <= now.rounding[p]) {
+      hides_any = hides_any || relative > relative_tolerance;
+      continue;
+    }
     if (relative > largest)
       worst = p;
     largest = std::max(largest, relative);

@@ -33,7 +33,8 @@ const double largest_reduction = 10; ///< of a damping that was too bold: far of
 /// Of the residual, by a full update that is trusted. That of a body of slenderness s grows by less than s^3.
 const double largest_growth = 1e10;
 const double growth_at_limit_point = 10; ///< of updates within a step
-const unsigned int most_passes = 5;      ///< of the iterations of a step, to get past it
+const double reduction_of_overshoot = 0.2, largest_return = 0.25;
+const unsigned int most_passes = 5; ///< of the iterations of a step, to get past it
 /// A linear system is solved once; how far rounding lets the residual down depends on its condition.
 /// A singular system leaves a residual of order one.
 const double largest_linear_residual = 1e-3;
@@ -60,6 +61,8 @@ private:
   void reduce_rest(double &norm);
   void iteration_ends(double norm, double damping);
   double predict() const;
+  double share_along(const Vector &other) const;
+  double try_as_sensible(bool is_first);
   bool is_confirmed_by_next_update(double update);
   double search_line(double norm, bool with_tangent);
   void iterate(double norm);
@@ -71,6 +74,7 @@ private:
   /// Of the last iteration; what the next one predicts its damping from.
   struct Damping
   {
+    bool is_chosen = false; ///< by the problem, and trusted
     double factor = 1, update = 0, update_before = 0, correction = 0;
   };
 
@@ -136,7 +140,7 @@ void Newton::Iteration::iteration_ends(const double norm, const double damping)
 /// search_line demands (Deuflhard 2004, section 3.3.3).
 double Newton::Iteration::predict() const
 {
-  if (!settings.line_search || damping.factor == 1)
+  if (!settings.line_search || damping.factor == 1 || damping.is_chosen)
     return 1;
   Vector difference = correction;
   difference -= dx;
@@ -159,39 +163,74 @@ bool Newton::Iteration::is_confirmed_by_next_update(const double update)
   return false;
 }
 
+/// The factor of dx in the part of @p other that is along dx.
+double Newton::Iteration::share_along(const Vector &other) const
+{
+  Vector sum = other, difference = other;
+  sum += dx;
+  difference -= dx;
+  const double squares[] = {problem.norm(sum), problem.norm(difference), problem.norm(dx)};
+  return (squares[0] * squares[0] - squares[1] * squares[1]) / (4 * squares[2] * squares[2]);
+}
+
+/// The full update is there and trusted. Where it may lead too far it is taken as far as the problem makes
+/// sense of it, and, if it is the first one, no further than to where the next one does not go back by much:
+/// a clamped plate that stiffens by stretching goes back by half of what is too far each time, and gets lost.
+/// @return the norm at the trial state.
+double Newton::Iteration::try_as_sensible(const bool is_first)
+{
+  double norm = problem.residual_and_tangent(trial);
+  if (!settings.line_search || problem.moves_constraints() || !problem.may_overshoot())
+    return norm;
+  for (double share = problem.sensible_share(dx); share > smallest_damping; share *= reduction_of_overshoot) {
+    if (share < 1) {
+      damping.factor = share;
+      damping.is_chosen = true;
+      try_update(share);
+      norm = problem.residual_and_tangent(trial);
+    }
+    if (!is_first || !problem.may_overshoot())
+      break;
+    if (std::isfinite(norm) && correct(1) && share_along(correction) > -largest_return * share)
+      break;
+  }
+  return norm;
+}
+
 /// The updates are measured, not the residual. The full update is taken as long as it is defined and not
 /// larger than the two before: a slender body goes through states with large residuals, and needs them, but
-/// not through any. Else, and until a full update is taken again, the tangent K that dx was solved with must
-/// confirm what is taken: the correction c = -K^-1 R(x + a dx) is smaller than dx, by a/4 where a < 1
-/// (Deuflhard's natural monotonicity test). While prescribed values move, only the share a of them does, and
-/// the residual @p norm at x says nothing.
+/// not through any. It is shortened where the problem knows how far its linear equations lead. Else, and
+/// until a full update is taken again, the tangent K that dx was solved with must confirm what is taken: the
+/// correction c = -K^-1 R(x + a dx) is smaller than dx, by a/4 where a < 1 (Deuflhard's natural monotonicity
+/// test). While prescribed values move, only the share a of them does, and the residual @p norm at x says
+/// nothing.
 /// @return the norm at the trial state, NaN if no damping helps.
 double Newton::Iteration::search_line(const double norm, const bool with_tangent)
 {
   const double update = problem.norm(dx), before = std::max(damping.update, damping.update_before);
   damping.factor = predict();
+  damping.is_chosen = false;
   damping.update_before = damping.update;
   damping.update = update;
   const bool is_first = before == 0;
   bool is_trusted = !settings.line_search || problem.has_linear_stage() ||
                     (damping.factor == 1 && (is_first ? start != Start::guess : update <= before));
-  const double largest_norm =
-      problem.moves_constraints() ? std::numeric_limits<double>::max() : largest_growth * norm;
+  const double any = std::numeric_limits<double>::max(),
+               largest_norm = problem.moves_constraints() ? any : largest_growth * norm;
   const auto reduce = [&](const double proposed) {
     damping.factor = std::max(std::min(proposed, damping.factor / 2), damping.factor / largest_reduction);
   };
   for (bool may_grow = true; damping.factor >= smallest_damping;) {
-    const bool is_full = damping.factor == 1;
+    const bool is_full = damping.factor == 1, replaces_tangent = with_tangent && is_full && is_trusted;
     try_update(damping.factor);
-    const bool replaces_tangent = with_tangent && is_full && is_trusted;
-    const double new_norm = replaces_tangent ? problem.residual_and_tangent(trial) : problem.residual(trial);
-    if (is_trusted && (!settings.line_search || new_norm <= largest_norm))
+    const double new_norm = replaces_tangent ? try_as_sensible(is_first) : problem.residual(trial);
+    if (is_trusted && (!settings.line_search || new_norm <= (damping.is_chosen ? any : largest_norm)))
       return new_norm;
     if (replaces_tangent) { // that at x is still needed
       problem.residual_and_tangent(x);
       problem.residual(trial);
     }
-    is_trusted = false;
+    is_trusted = damping.is_chosen = false;
     if (!std::isfinite(new_norm)) {
       reduce(damping.factor / 2);
       may_grow = false;
@@ -316,7 +355,7 @@ void Newton::Iteration::solve_stage()
     return;
   const bool was_solution = start != Start::predicted && !problem.is_remembered();
   const double sufficient = was_solution ? settings.relative_tolerance : 0;
-  if (norm <= sufficient && !problem.moves_constraints()) // nothing has changed
+  if (norm <= sufficient && !problem.moves_constraints() && !problem.has_hidden_load()) // nothing has changed
     result.is_converged = true;
   else if (problem.is_linear())
     solve_linear();

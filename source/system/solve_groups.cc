@@ -105,6 +105,15 @@ BodyShape shape_of(const Model<dim> &model, const std::vector<unsigned int> &blo
   return {2 * n_nodes / nodes_of_area, std::sqrt(area / nodes_of_area) * area / (2 * volume)};
 }
 
+template <int dim>
+std::vector<bool> find_dropped(const Block &block, const BlockSystem<dim> &system)
+{
+  std::vector<bool> own_part;
+  for (const auto i : block.owned)
+    own_part.push_back(system.is_dropped(block.begin + i));
+  return own_part;
+}
+
 /// GroupTraits::n_followed
 template <int dim>
 double mean_followed(const Model<dim> &model, const std::vector<unsigned int> &blocks,
@@ -190,10 +199,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
       return !model.numbering->blocks()[number].is_of_multipliers;
     };
     group.dropped = [&model, system](const unsigned int block) {
-      std::vector<bool> own_part;
-      for (const auto i : model.numbering->blocks()[block].owned)
-        own_part.push_back(system().is_dropped(model.numbering->blocks()[block].begin + i));
-      return own_part;
+      return find_dropped(model.numbering->blocks()[block], system());
     };
     const auto &blocks = model.numbering->blocks();
     std::set<std::string> body_fields;

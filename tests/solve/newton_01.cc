@@ -6,7 +6,8 @@
 // whose full update of 402 would make the residual grow by 1e174, so it is not trusted. exp(5 x) has no zero,
 // but its residual vanishes as x runs off: its updates never become small. A failure is a status, not an
 // exception. Beyond a limit point: x^3 - 3 x + 3 from 1.6, where nothing but the root at -2.1038 is left;
-// with and without what stabilises.
+// with and without what stabilises. x + 1000 x^3 - 36 from 0: the first update of 36 is a hundred times too
+// far.
 
 #include <dovetail/scene/scene_text.h>
 #include <dovetail/solve/newton.h>
@@ -29,7 +30,7 @@ struct Toy : NonlinearProblem
 
   std::function<double(double)> f, slope;
   double x;
-  bool is_affine = false, moves = false;
+  bool is_affine = false, moves = false, overshoots = false, hides_load = false;
   Newton::Start start = Newton::Start::nearby;
   double adapts_to = 0; ///< if not 0: the factor of the equation after the first full update
   double residual_of_solver = 0;
@@ -63,11 +64,13 @@ struct Toy : NonlinearProblem
     dx = -R / solved_with;
     return 3;
   }
+  bool may_overshoot() const override { return overshoots && std::abs(R) > 3; }
+  bool has_hidden_load() const override { return hides_load; }
   double linear_residual() const override { return residual_of_solver; }
   bool moves_constraints() const override { return moves; }
   bool correct(const Vector &, const Vector &, double, Vector &correction) override
   {
-    correction = -R / solved_with;
+    correction = -R / (tangent != 0 ? tangent : solved_with);
     return true;
   }
   double norm(const Vector &dx) const override { return std::abs(dx(0)); }
@@ -173,6 +176,13 @@ int main(int argc, char **argv)
   toy.x = 2;
   toy.moves = true;
   show("no damping while prescribed values move", toy, "set Maximum iterations = 1");
+  toy.moves = false;
+  toy.hides_load = true;
+  show("already solved, but rounding may hide a load", toy);
+  toy = Toy([](double x) { return x + 1000 * x * x * x - 36; }, [](double x) { return 1 + 3000 * x * x; }, 0);
+  show("stiffens", toy);
+  toy.overshoots = true;
+  show("stiffens, does not overshoot", toy);
   toy = {[](double x) { return x * x * x - 3 * x + 3; }, [](double x) { return 3 * x * x - 3; }, 1.6};
   show("limit point", toy);
   toy.slope_at_rest = 3;

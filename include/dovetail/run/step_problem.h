@@ -67,6 +67,7 @@ public:
   bool next_stage(const Vector &x) override;
   bool has_linear_stage() const override { return stages[present_stage].is_linear; }
   bool is_remembered() const override { return system.has_rates(); }
+  bool has_hidden_load() const override;
   double residual(const Vector &x) override;
   double residual_and_tangent(const Vector &x) override;
   std::optional<unsigned int> solve(const Vector &x, Vector &dx) override;
@@ -74,6 +75,8 @@ public:
   bool moves_constraints() const override;
   bool correct(const Vector &x, const Vector &trial, double damping, Vector &correction) override;
   void move(const Vector &x, double damping, const Vector &dx, Vector &trial) override;
+  bool may_overshoot() const override;
+  double sensible_share(const Vector &dx) override;
   double norm(const Vector &dx) const override;
   bool is_small(const Vector &dx, const Vector &x) const override;
   void accept_state() override { system.accept_state(); }
@@ -109,6 +112,8 @@ private:
                                                     const LinearSolver::Demand &needed);
   double measure(bool is_defined);
   double share_of_update(const Vector &x) const;
+  bool has_residual_above(double size) const;
+  void predict_from_now_on();
   void forget_updates();
   std::vector<bool> blocks_of_residual(bool with_tangent) const;
   double linear_residual(const Vector &dx, Vector &rest) const;
@@ -140,7 +145,7 @@ private:
   std::vector<Stage> stages;
   const UpdateSizes sizes;
   const bool may_predict_stress; ///< some law
-  bool predicts_stress = false;  ///< since a first update has raised the residual
+  bool predicts_stress = false;  ///< since an update has raised the residual
   std::vector<std::unique_ptr<const ContentUpdate<dim>>> content_updates; ///< by block; nullptr: not needed
 
   // of a solve
@@ -153,11 +158,14 @@ private:
   std::vector<double> smallest_at_start, largest_at_start; ///< values, by block
   std::vector<double> scales;                              ///< of the updates, by block
   std::array<double, 2> loads_at_start{};
-  unsigned int n_updates = 0; ///< that were solved for, since a stage began
-  double size_of_update = 0;  ///< of the last one
-  Vector linearised_at;       ///< where its tangent was; empty if no tangent predicts from there
-  Vector came_from;           ///< from where that tangent predicted; empty: it did not
-  Vector predicted_from;      ///< likewise the last tangent that was assembled
+  std::vector<double> last_residuals;        ///< by block, of the last assembly
+  std::vector<double> residuals_of_solution; ///< likewise where the last step ended that needed an update
+  bool has_solved = false;                   ///< in this step
+  unsigned int n_updates = 0;                ///< that were solved for, since a stage began
+  double size_of_update = 0;                 ///< of the last one
+  Vector linearised_at;  ///< where its tangent was; empty if no tangent predicts from there
+  Vector came_from;      ///< from where that tangent predicted; empty: it did not
+  Vector predicted_from; ///< likewise the last tangent that was assembled
   bool is_first_assembly = true;
   bool may_adapt_penalties = true; ///< once, in a step from a guess
   bool may_jump = false;           ///< past limit points

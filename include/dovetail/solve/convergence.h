@@ -45,6 +45,8 @@ public:
   /// The largest of ||R_p|| over its reference, 0 for a part whose residual is rounding; NaN if one is not
   /// finite.
   double residual(const WorkingForces &now);
+  /// Whether rounding alone let the last residual() be small: a load may be hidden in it.
+  bool is_hidden() const { return hides_any; }
   bool is_small(const WorkingUpdate &update) const;
 
   /// The part with the largest relative residual of the last residual(); that with the largest rounding if
@@ -63,6 +65,7 @@ private:
   std::vector<double> first_forces; ///< by field
   std::vector<double> last_forces;
   unsigned int worst = 0;
+  bool hides_any = false;
 };
 
 } // namespace dovetail

@@ -36,6 +36,10 @@ public:
   /// more.
   virtual bool is_remembered() const { return false; }
 
+  /// Whether the residual where a step begins differs from that where the last one ended, by less than what
+  /// rounding may leave, but not by rounding: many small steps add up.
+  virtual bool has_hidden_load() const { return false; }
+
   /// Assemble R(x). @return its size relative to the forces at work, NaN if it is not defined.
   virtual double residual(const Vector &x) = 0;
   /// Likewise with K.
@@ -62,6 +66,11 @@ public:
     trial = x;
     trial.add(damping, dx);
   }
+
+  /// Whether the last solve() may have led too far, as the last assembly shows.
+  virtual bool may_overshoot() const { return false; }
+  /// Then the share of its update @p dx up to which its linear equations say something of the state.
+  virtual double sensible_share(const Vector & /*dx*/) { return 1; }
 
   /// The size of an update, each field in units of its own, the same during a step.
   virtual double norm(const Vector &dx) const = 0;

@@ -2,10 +2,10 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include <dovetail/run/step_problem.h>
-#include <dovetail/system/mean_gradient.h>
 
 #include <dovetail/domain/cell_terms.h>
 #include <dovetail/solve/iterative_refinement.h>
+#include <dovetail/system/mean_gradient.h>
 
 #include <deal.II/base/mpi.h>
 

@@ -178,6 +178,7 @@ int main(int argc, char **argv)
   show("no damping while prescribed values move", toy, "set Maximum iterations = 1");
   toy.moves = false;
   toy.hides_load = true;
+  toy.x = 1;
   show("already solved, but rounding may hide a load", toy);
   toy = Toy([](double x) { return x + 1000 * x * x * x - 36; }, [](double x) { return 1 + 3000 * x * x; }, 0);
   show("stiffens", toy);

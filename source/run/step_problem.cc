@@ -58,7 +58,8 @@ StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system,
       stages(make_stages()), sizes(model.numbering->blocks(), system.fields_of_blocks()),
       may_predict_stress(!model.is_linear() &&
                          std::any_of(model.domains.begin(), model.domains.end(),
-                                     [](const auto &domain) { return domain->material.predicts_stress(); }))
+                                     [](const auto &domain) { return domain->material.predicts_stress(); })),
+      residuals_of_solution(model.numbering->blocks().size(), 0.)
 {
   enter_all_stages();
   for (const Block &block : model.numbering->blocks()) {
@@ -157,7 +158,7 @@ bool StepProblem<dim>::has_hidden_load() const
   if (!criterion.is_hidden())
     return false;
   for (unsigned int b = 0; b < last_residuals.size(); ++b)
-    if (last_residuals[b] > (residuals_of_solution.empty() ? 0 : growth * residuals_of_solution[b]))
+    if (last_residuals[b] > growth * residuals_of_solution[b])
       return true;
   return false;
 }
@@ -259,7 +260,8 @@ double StepProblem<dim>::residual_and_tangent(const Vector &x)
   const double norm = assemble({});
   if (n_updates != 1 || !(share > 0.99 && has_residual_above(raised_residual)))
     return norm;
-  predict_from_now_on();
+  log.detail("  the first update bends slender bodies: tangents have the stress that updates predict");
+  predicts_stress = true;
   return assemble(linearised_at);
 }
 
@@ -272,16 +274,9 @@ bool StepProblem<dim>::has_residual_above(const double size) const
 }
 
 template <int dim>
-void StepProblem<dim>::predict_from_now_on()
-{
-  if (!std::exchange(predicts_stress, true))
-    log.detail("  updates bend slender bodies: tangents have the stress that updates predict");
-}
-
-template <int dim>
 bool StepProblem<dim>::may_overshoot() const
 {
-  return linearised_at.size() > 0 && (predicts_stress || n_updates == 1) && has_residual_above(far_residual);
+  return linearised_at.size() > 0 && predicts_stress && has_residual_above(far_residual);
 }
 
 /// As far as bodies turn by about 1/4 in the mean: a linear turn by an angle strains them by half of its
@@ -290,10 +285,7 @@ template <int dim>
 double StepProblem<dim>::sensible_share(const Vector &dx)
 {
   const double gradient = largest_mean_gradient(model, system.ghosted(dx));
-  if (!(gradient > largest_gradient))
-    return 1;
-  predict_from_now_on();
-  return largest_gradient / gradient;
+  return gradient > largest_gradient ? largest_gradient / gradient : 1;
 }
 
 /// Of the last update, the share that leads to @p x.

@@ -409,7 +409,8 @@ std::optional<ExpectedCost> LinearSolver::expected_cost(const unsigned int group
 void LinearSolver::consider_constraints()
 {
   for (auto &group : groups)
-    group->system.consider_constraints();
+    if (type == automatic)
+      group->system.consider_constraints();
 }
 
 std::vector<bool> LinearSolver::needs_entries() const

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/measure_by_vertices.h>
 #include <dovetail/system/mean_gradient.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/fe/fe_values.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -36,8 +38,9 @@ std::array<double, 2> integrate_square(const Domain<dim> &domain, const unsigned
           gradient += u(dofs[layout.index(c, a)]) * at_centre.shape_grad(a, 0);
         square += gradient.norm_square();
       }
-      sums[0] += square * cell->measure();
-      sums[1] += cell->measure();
+      const double volume = measure_by_vertices<dim>(cell);
+      sums[0] += square * volume;
+      sums[1] += volume;
     }
   return sums;
 }
@@ -50,7 +53,7 @@ double largest_mean_gradient(const Model<dim> &model, const Vector &ghosted)
   std::vector<double> sums;
   for (const auto &domain : model.domains)
     for (const Field &field : domain->fields())
-      if (field.n_components == dim) {
+      if (field.n_components == dim && domain->material.predicts_stress()) {
         const auto its = integrate_square(*domain, field.first_component, ghosted);
         sums.insert(sums.end(), its.begin(), its.end());
       }

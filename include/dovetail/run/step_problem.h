@@ -113,7 +113,6 @@ private:
   double measure(bool is_defined);
   double share_of_update(const Vector &x) const;
   bool has_residual_above(double size) const;
-  void predict_from_now_on();
   void forget_updates();
   std::vector<bool> blocks_of_residual(bool with_tangent) const;
   double linear_residual(const Vector &dx, Vector &rest) const;
@@ -145,7 +144,7 @@ private:
   std::vector<Stage> stages;
   const UpdateSizes sizes;
   const bool may_predict_stress; ///< some law
-  bool predicts_stress = false;  ///< since an update has raised the residual
+  bool predicts_stress = false;  ///< since a first update has raised the residual
   std::vector<std::unique_ptr<const ContentUpdate<dim>>> content_updates; ///< by block; nullptr: not needed
 
   // of a solve

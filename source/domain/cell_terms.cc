@@ -307,7 +307,7 @@ bool CellTerms<dim>::add_laws(const cell_iterator &cell, const std::vector<doubl
   const unsigned int n_points = cell_values.n_quadrature_points;
   source_at_points.resize(with_source.size() * n_points);
   point.enter(cell_values, unknowns, is_needed);
-  if (tangent && linearised_at != nullptr && domain.material.predicts_stress()) {
+  if (tangent && linearised_at != nullptr && domain.material.has_large_strain()) {
     domain.cell_dofs(cell, dofs);
     unknowns_before.resize(dofs.size());
     linearised_at->extract_subvector_to(dofs.begin(), dofs.end(), unknowns_before.begin());

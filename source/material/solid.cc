@@ -63,10 +63,9 @@ public:
     const ThermalStrain strain(section);
     const auto temperature =
         std::find_if(all.begin(), all.end(), [](const Field &field) { return field.name == "temperature"; });
-    section.check(
-        temperature != all.end() || strain.is_zero(), "Expansion coefficient",
-        "needs a Heat law whose temperature expands the solid: add subsection Heat to the material, "
-        "or remove the entry.");
+    section.check(temperature != all.end() || strain.is_zero(), "Expansion coefficient",
+                  "needs a Heat law whose temperature expands the solid: give its subsection Heat a Type, "
+                  "or remove the entry.");
     if (section.documenting())
       return;
     const Volumetric *volume = law->volume();

@@ -80,6 +80,8 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
   const unsigned int n = state.value.size(), first = this->field.first_component;
   thread_local SolidLaw::Response local; // its tensor of fourth order is not cleared where nobody asks for it
   static_cast<SolidLaw::Place &>(local) = place(state);
+  const bool predicts = with_derivatives && state.linearised_at != nullptr && law->has_large_strain();
+  const std::optional<Tensor<2, 3>> predicted = predicts ? predict_stress(state) : std::nullopt;
   local.P = 0;
   local.needs_dP_de = expansion.has_value();
   if (with_derivatives) {
@@ -90,9 +92,8 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
     explain_undefined();
     return false;
   }
-  if (with_derivatives && state.linearised_at != nullptr && law->has_large_strain() &&
-      n_internal_variables == 0)
-    predict_stress(state, local);
+  if (predicted)
+    take_stress(state, *predicted, local);
   for (unsigned int i = 0; i < dim; ++i) {
     response.flux[first + i] += restrict_to<dim>(local.P[i]);
     if (!with_derivatives)
@@ -112,24 +113,32 @@ bool SolidTerm<dim>::add(const State<dim> &state, const bool with_derivatives, R
   return true;
 }
 
-/// With S* in place of S = F^-1 P in the part of dP/dF that S has, I x S: at F0, where the last tangent was
-/// made, that tangent says S* = S(F0) + C(F0) : sym(F0^T dF), F0 (C : sym(F0^T dF)) = dP/dF(F0) : dF - dF
-/// S(F0). Where a slender body turns, S has strains of second order in dF that the next update takes away.
+/// What the tangent at F0, which has led here, says of the stress S = F^-1 P: S* = S(F0) + C(F0) : sym(F0^T
+/// dF), F0 (C : sym(F0^T dF)) = dP/dF(F0) : dF - dF S(F0). What a law remembers on trial is that of F0 then.
 template <int dim>
-void SolidTerm<dim>::predict_stress(const State<dim> &state, SolidLaw::Response &local) const
+std::optional<Tensor<2, 3>> SolidTerm<dim>::predict_stress(const State<dim> &state) const
 {
   thread_local SolidLaw::Response before;
   static_cast<SolidLaw::Place &>(before) = place(state);
   before.P = 0;
   before.dP_dF = 0;
   before.needs_dP_de = false;
-  const Tensor<2, 3> H = displacement_gradient(state), H_0 = displacement_gradient(*state.linearised_at),
-                     dF = H - H_0;
+  const Tensor<2, 3> H_0 = displacement_gradient(*state.linearised_at),
+                     dF = displacement_gradient(state) - H_0;
   if (!law->evaluate(H_0, thermal_strain(state), true, before))
-    return;
+    return {};
   const Tensor<2, 3> inverse = invert(Deformation(H_0).F), S_0 = inverse * before.P,
-                     dP = dealii::double_contract<2, 0, 3, 1>(before.dP_dF, dF),
-                     more = S_0 + inverse * (dP - dF * S_0) - invert(Deformation(H).F) * local.P;
+                     dP = dealii::double_contract<2, 0, 3, 1>(before.dP_dF, dF);
+  return S_0 + inverse * (dP - dF * S_0);
+}
+
+/// S* in place of S in the part of dP/dF that S has, I x S. Where a slender body turns, S has strains of
+/// second order in dF that the next update takes away.
+template <int dim>
+void SolidTerm<dim>::take_stress(const State<dim> &state, const Tensor<2, 3> &predicted,
+                                 SolidLaw::Response &local) const
+{
+  const Tensor<2, 3> more = predicted - invert(Deformation(displacement_gradient(state)).F) * local.P;
   for (unsigned int J = 0; J < 3; ++J)
     for (unsigned int L = 0; L < 3; ++L)
       for (unsigned int i = 0; i < 3; ++i)

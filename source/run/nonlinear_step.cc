@@ -20,6 +20,7 @@ namespace dovetail {
 namespace {
 
 const NoteName of_snap_through("snap through", "the solution jumps within a step");
+const NoteName of_unstable_solution("unstable solution", "a static solution is in balance but not stable");
 const NoteName of_time_step("time step", "the error of a time step is above the Tolerance");
 const NoteName of_failure("failure", "a step does not converge");
 
@@ -615,8 +616,28 @@ void NonlinearStep<dim>::explain_solution(const double t, const Vector &x)
              "through. What comes after depends on the path; compare with smaller steps and a finer mesh";
     notes.add(of_snap_through(words.str()));
   }
+  note_unstable_solution(t);
   if (!scheme)
     notes.add(range_watch->explain(t, x));
+}
+
+/// With inertia the tangent is not that of the forces alone, and what is unstable moves.
+template <int dim>
+void NonlinearStep<dim>::note_unstable_solution(const double t)
+{
+  if (has_noted_unstable_solution || model.order_in_time() > 1 || !problem->is_unstable())
+    return;
+  has_noted_unstable_solution = true;
+  std::ostringstream words;
+  words.precision(4);
+  words
+      << "the solution at t = " << t
+      << " is in balance but not stable: the tangent has a negative eigenvalue, "
+      << (model.has_large_strain()
+              ? "as past a buckling load. Bodies leave such a state for another one; a small load or a small "
+                "change of the shape may lead there, and the modes of Kind = eigenmodes show the direction"
+              : "as with a material that softens, or with a penalty of a tie that is too small");
+  notes.add(of_unstable_solution(words.str()));
 }
 
 template <int dim>

@@ -162,6 +162,8 @@ bool StepControl<dim>::follow_path(Vector &x)
       log.step_ends("did not converge; half of the arc is tried");
       continue;
     }
+    if (next > t) // past a limit point nothing is stable, as a user of paths expects
+      step.note_unstable_solution(next);
     Vector change = trial;
     change -= x;
     arc.accept(change, n_iterations);

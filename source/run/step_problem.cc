@@ -58,7 +58,7 @@ StepProblem<dim>::StepProblem(const Model<dim> &model, BlockSystem<dim> &system,
       stages(make_stages()), sizes(model.numbering->blocks(), system.fields_of_blocks()),
       may_predict_stress(!model.is_linear() &&
                          std::any_of(model.domains.begin(), model.domains.end(),
-                                     [](const auto &domain) { return domain->material.predicts_stress(); })),
+                                     [](const auto &domain) { return domain->material.has_large_strain(); })),
       residuals_of_solution(model.numbering->blocks().size(), 0.)
 {
   enter_all_stages();
@@ -245,7 +245,7 @@ double StepProblem<dim>::residual_and_tangent(const Vector &x)
     if (before.size() > 0)
       system.linearise_at(&before);
     if (with_tangent)
-      predicted_from = before;
+      predicted_from = Vector(before);
     return measure(system.assemble(x, with_tangent, stages[present_stage].has_block, asked));
   };
   if (!with_tangent || linearised_at.size() == 0)
@@ -274,6 +274,19 @@ bool StepProblem<dim>::has_residual_above(const double size) const
 }
 
 template <int dim>
+bool StepProblem<dim>::is_unstable() const
+{
+  const auto groups = model.field_groups();
+  const auto &blocks = model.numbering->blocks();
+  bool is_unstable = false;
+  for (unsigned int g = 0; g < groups.size() && has_solved; ++g)
+    for (unsigned int b = 0; b < blocks.size() && linear_solver.has_met_negative(g); ++b)
+      is_unstable = is_unstable || (is_vector(b) && std::find(groups[g].begin(), groups[g].end(),
+                                                              blocks[b].field) != groups[g].end());
+  return is_unstable;
+}
+
+template <int dim>
 bool StepProblem<dim>::may_overshoot() const
 {
   return linearised_at.size() > 0 && predicts_stress && has_residual_above(far_residual);
@@ -297,12 +310,15 @@ double StepProblem<dim>::share_of_update(const Vector &x) const
   return size_of_update > 0 ? way.l2_norm() / size_of_update : 0;
 }
 
-/// The next tangent is no longer one that an update leads to.
+/// The next tangent is no longer one that an update leads to. (A copy of an empty vector is moved: deal.II
+/// does not assign one with fewer blocks.)
 template <int dim>
 void StepProblem<dim>::forget_updates()
 {
   n_updates = 0;
-  linearised_at = came_from = predicted_from = Vector();
+  linearised_at = Vector();
+  came_from = Vector();
+  predicted_from = Vector();
 }
 
 /// What has been assembled.
@@ -489,7 +505,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   ++n_updates;
   has_solved = true;
   linearised_at = may_predict_stress && !is_stabilised ? x : Vector();
-  came_from = predicted_from;
+  came_from = Vector(predicted_from);
   LinearSolver::Demand needed = demand_of_update();
   if (model.is_linear() || has_linear_stage())
     needed.excess = [this](const Vector &update, const auto &blocks) { return excess(update, blocks); };

@@ -20,6 +20,7 @@
 #include <deal.II/base/mpi.h>
 
 #include <Epetra_CrsMatrix.h>
+#include <Epetra_Vector.h>
 
 #include <algorithm>
 #include <cmath>
@@ -55,6 +56,7 @@ public:
 
 private:
   void check_memory(const MPI_Comm &communicator);
+  bool is_negative_by_determinant(const Epetra_CrsMatrix &A, const MPI_Comm &communicator) const;
 
   const GroupFacts &facts;
   const double largest_memory; ///< MiB
@@ -91,6 +93,22 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
     check_memory(ranks.communicator);
   }
   ranks.run("factors", [&]() { factors->factorise(); });
+  met_negative = !factors->are_symmetric() && is_negative_by_determinant(A, ranks.communicator);
+}
+
+/// An odd number of real eigenvalues below zero turns the sign of det K. Each multiplier that acts does so,
+/// too: its diagonal entry is not positive.
+bool Direct::is_negative_by_determinant(const Epetra_CrsMatrix &A, const MPI_Comm &communicator) const
+{
+  unsigned long n_multipliers = 0;
+  if (facts.has_multipliers) {
+    Epetra_Vector diagonal(A.RowMap());
+    A.ExtractDiagonalCopy(diagonal);
+    for (int i = facts.n_own_of_bodies; i < diagonal.MyLength(); ++i)
+      n_multipliers += !(diagonal[i] > 0);
+    n_multipliers = dealii::Utilities::MPI::sum(n_multipliers, communicator);
+  }
+  return factors->has_negative_determinant() != (n_multipliers % 2 == 1);
 }
 
 /// The kernel would end the process without a word.

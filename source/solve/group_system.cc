@@ -50,6 +50,7 @@ void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
     all.insert(all.end(), group.multiplier_blocks.begin(), group.multiplier_blocks.end());
     merged = std::make_unique<MergedMatrix>(*matrix, all);
     all_facts.n_unknowns = merged->numbering().size();
+    all_facts.n_own_of_bodies = merged->numbering().first_local_of(group.blocks.size());
     if (group.present_shape)
       all_facts.shape = group.present_shape();
   }

@@ -27,6 +27,27 @@ struct Bodies
   void vmult(GroupVector &z, const GroupVector &r) const { P(z, r); }
 };
 
+/// @return whether it met a direction p with p.Kp = r.z / alpha < 0; it does not ask of the last one, of
+/// which deal.II does not tell alpha. r.z is beta times the one before; its first sign is found here.
+bool solve_by_cg(const GroupOperator &K, const Preconditioner &P, GroupVector &x, const GroupVector &b,
+                 dealii::SolverControl &control)
+{
+  bool met_negative = false;
+  double sign = 0; // of r.z
+  const Preconditioner P_and_sign = [&](GroupVector &z, const GroupVector &r) {
+    P(z, r);
+    if (sign == 0)
+      sign = std::copysign(1., r * z);
+  };
+  dealii::SolverCG<GroupVector> cg(control);
+  cg.connect_coefficients_slot([&](const double alpha, const double beta) {
+    met_negative = met_negative || sign / alpha < 0;
+    sign *= std::copysign(1., beta);
+  });
+  cg.solve(K, x, b, Bodies{P_and_sign});
+  return met_negative;
+}
+
 /// [A B^T; B -C] as it is preconditioned, in augmented form. Of a residual r, with T = [I B^T W; 0 I]:
 /// z = [A 0; B -S]^-1 T r, and H r = T^T diag(A^-1, S^-1) T r.
 class BlockTriangular
@@ -238,21 +259,23 @@ void solve_with_multipliers(const GroupOperator &K, const GroupFacts &facts, con
 unsigned int solve_by_iteration(const GroupOperator &K, const GroupFacts &facts, const Preconditioner &P,
                                 GroupVector &x, const GroupVector &b, const double goal,
                                 const std::function<bool(unsigned int n, double r)> &gives_up,
-                                double *const decades)
+                                CourseOfIteration *const course)
 {
   Control control(goal, gives_up);
+  bool met_negative = false;
   if (facts.is_positive_definite()) {
     if (facts.next_goal)
       control.ask(
           [&](const double reached, const bool begins) { return facts.next_goal(x, reached, begins); });
-    dealii::SolverCG<GroupVector>(control).solve(K, x, b, Bodies{P});
+    met_negative = solve_by_cg(K, P, x, b, control);
   } else if (facts.has_multipliers)
     solve_with_multipliers(K, facts, BlockTriangular(K, P), x, b, control);
   else
     FlexibleGmres(K, control).solve(x, b, Bodies{P});
   dealii::GrowingVectorMemory<GroupVector>::release_unused_memory();
-  if (decades != nullptr)
-    *decades = std::log10(b.l2_norm() / std::max(control.last_value(), std::numeric_limits<double>::min()));
+  if (course != nullptr)
+    *course = {std::log10(b.l2_norm() / std::max(control.last_value(), std::numeric_limits<double>::min())),
+               met_negative};
   return control.last_step();
 }
 

@@ -568,6 +568,13 @@ bool LinearSolver::iterates() const
   });
 }
 
+bool LinearSolver::has_met_negative(const unsigned int group) const
+{
+  const Group &g = *groups[group];
+  const Member &member = g.is_direct ? g.direct : g.chosen;
+  return member.is_prepared && member.solver->has_met_negative();
+}
+
 LinearSolver::Counts LinearSolver::counts() const
 {
   Counts result{n_solves, {}};

@@ -231,10 +231,11 @@ unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const G
     cycle->vmult(result, scaled);
     result.Scale(unit);
   };
-  double decades = 0;
-  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &decades);
+  CourseOfIteration course;
+  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &course);
   give_back_freed_memory();
-  upkeep.solved(n_iterations, decades);
+  upkeep.solved(n_iterations, course.decades);
+  met_negative = course.met_negative;
   return n_iterations;
 }
 

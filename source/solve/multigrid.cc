@@ -328,9 +328,10 @@ unsigned int Multigrid::iterate(const GroupOperator &K, GroupVector &x, const Gr
     const Epetra_Vector r(View, right_hand_side.trilinos_vector(), 0);
     by_degree ? by_degree->vmult(z, r) : cycle->vmult(z, r);
   };
-  double decades = 0;
-  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &decades);
-  upkeep.solved(n_iterations, decades);
+  CourseOfIteration course;
+  const unsigned int n_iterations = solve_by_iteration(K, facts, apply, x, b, goal, gives_up, &course);
+  upkeep.solved(n_iterations, course.decades);
+  met_negative = course.met_negative;
   return n_iterations;
 }
 

@@ -43,6 +43,7 @@ MumpsFactors::MumpsFactors(const MPI_Comm &communicator, const int n_rows, const
     control(mumps, output) = silent;
   control(mumps, 4) = 0;
   control(mumps, 18) = distributed;
+  control(mumps, 33) = is_symmetric ? 0 : 1; // the determinant
   control(mumps, 14) =
       has_small_pivots ? 100 : 20; // more than estimated, in per cent, for pivots off the diagonal
 }
@@ -152,7 +153,8 @@ void MumpsFactors::factorise()
     control(mumps, 14) *= 10;
   }
   check();
-  n_negative = global_result(12);
+  n_negative = is_symmetric ? global_result(12) : 0;
+  is_negative = !is_symmetric && dealii::Utilities::MPI::broadcast(communicator, mumps.rinfog[11] < 0);
 }
 
 void MumpsFactors::solve(double *x, const double *b)

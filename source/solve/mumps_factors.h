@@ -37,6 +37,7 @@ public:
   void solve(double *x, const double *b);
   /// Of D, as many as eigenvalues of the matrix are negative (Sylvester). @pre are_symmetric()
   unsigned long n_negative_pivots() const { return n_negative; }
+  bool has_negative_determinant() const { return is_negative; } ///< @pre not are_symmetric()
 
 private:
   void call(const int job)
@@ -62,6 +63,7 @@ private:
   std::vector<int> all_rows, all_columns; ///< of a small matrix, on the first rank
   std::vector<double> all_entries;
   unsigned long n_negative = 0;
+  bool is_negative = false; ///< the determinant
   int n_own = 0; ///< rows
   std::vector<int> n_of_rank, first_of_rank;
 };

@@ -53,7 +53,7 @@ double largest_mean_gradient(const Model<dim> &model, const Vector &ghosted)
   std::vector<double> sums;
   for (const auto &domain : model.domains)
     for (const Field &field : domain->fields())
-      if (field.n_components == dim && domain->material.predicts_stress()) {
+      if (field.n_components == dim && domain->material.has_large_strain()) {
         const auto its = integrate_square(*domain, field.first_component, ghosted);
         sums.insert(sums.end(), its.begin(), its.end());
       }

@@ -3,9 +3,10 @@
 //
 // Derivatives with the stress that the last tangent predicts: of the Saint Venant-Kirchhoff solid against
 // S* = C : (E(F0) + sym(F0^T dF)) in closed form, in 3D, in plane strain and around an axis. For all laws,
-// what they change is of second order in dF. The flux stays.
+// what they change is of second order in dF. The flux stays. So it is where a body flows plastically, and
+// what its law remembers on trial is that of the present state.
 
-#include "law_check.h"
+#include "path_check.h"
 
 namespace {
 
@@ -88,6 +89,31 @@ void check_order(const std::string &type)
   report(type.substr(0, type.find('\n')) + ", order", size[0] > 0 && std::abs(size[0] / size[1] - 4) < 0.1);
 }
 
+void check_memory()
+{
+  Path<3> path("set Type = finite J2 plasticity" + moduli + "\nset Yield stress = 0.1" +
+               "\nset Isotropic hardening modulus = 0.2");
+  Random random;
+  const State<3> first = random.state(path.material), last = random.state(path.material);
+  double size[2];
+  bool is_kept = true, flows = true;
+  for (const unsigned int k : {0, 1}) {
+    State<3> state = between(first, last, k == 0 ? 1e-3 : 5e-4), before = first;
+    state.memory = before.memory = path.state.memory;
+    Response<3> with(3), without(3);
+    path.material.evaluate(state, true, without);
+    const std::vector<double> trial = path.trial;
+    state.linearised_at = &before;
+    path.material.evaluate(state, true, with);
+    is_kept = is_kept && path.trial == trial;
+    flows = flows && path.trial != path.accepted;
+    size[k] = deviation(with, without, 3, Tensor<2, 3>());
+  }
+  report("finite J2 plasticity, order", size[0] > 0 && std::abs(size[0] / size[1] - 4) < 0.1);
+  report("finite J2 plasticity flows", flows);
+  report("finite J2 plasticity, what is on trial", is_kept);
+}
+
 } // namespace
 
 int main()
@@ -97,4 +123,5 @@ int main()
   check_closed_form<2>("around an axis", "set Geometry = axisymmetric\n");
   for (const std::string type : {"Saint Venant-Kirchhoff", "neo-Hookean"})
     check_order(type + moduli);
+  check_memory();
 }

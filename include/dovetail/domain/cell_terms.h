@@ -49,8 +49,7 @@ public:
   /// The rates of all unknowns (ghosted) in the step, kept by reference; nullptr: none are known.
   void set_rates(const Rates *step_rates) { rates = step_rates; }
   /// The state (ghosted) whose tangent has led to the next one, kept by reference, if tangents shall have the
-  /// stress that it predicts (SolidTerm); nullptr: that of the state itself. For laws of large strain without
-  /// memory.
+  /// stress that it predicts (SolidTerm); nullptr: that of the state itself. For laws of large strain.
   void linearise_at(const Rates::Vector *state) { linearised_at = state; }
 
   /// From now on the terms of a field's own tangent go there, and not to the matrix of a cell. Boundaries'

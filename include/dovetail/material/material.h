@@ -95,9 +95,7 @@ public:
   /// Count @p n_points more points of the fields of which something is asked: evaluate() would have said
   /// there what it has said before.
   void count_uniform(const std::vector<Asked> &asked, unsigned int n_points) const;
-  bool has_large_strain() const; ///< a law knows the deformed body
-  /// Whether its derivatives know State::linearised_at.
-  bool predicts_stress() const { return has_large_strain() && !has_memory(); }
+  bool has_large_strain() const; ///< a law knows the deformed body; its derivatives State::linearised_at
   bool is_symmetric(unsigned int field) const; ///< own block of the tangent is symmetric, and not negative
   bool depends_on_time() const;
   /// Whether all nonlinear fluxes of a field have second derivatives.

@@ -92,7 +92,9 @@ private:
   void add_hoop(const State<dim> &state, bool with_derivatives, const SolidLaw::Response &local,
                 Response<dim> &response) const;
 
-  void predict_stress(const State<dim> &state, SolidLaw::Response &local) const;
+  std::optional<dealii::Tensor<2, 3>> predict_stress(const State<dim> &state) const;
+  void take_stress(const State<dim> &state, const dealii::Tensor<2, 3> &predicted,
+                   SolidLaw::Response &local) const;
   void explain_undefined() const;
   void set_derivatives(const State<dim> &state, double by_strain, const dealii::Tensor<2, 3> &by_F,
                        Work &work) const;

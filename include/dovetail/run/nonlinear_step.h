@@ -125,6 +125,8 @@ public:
   void add_notes();
   /// What is strange about the solution @p x at time @p t.
   void explain_solution(double t, const Vector &x);
+  /// The first time that the solution at time @p t is in balance, but not stable.
+  void note_unstable_solution(double t);
   /// What is strange about all good steps together.
   void explain_steps();
   /// After the step to time @p t has failed: where the last iteration left the largest residual, and what may
@@ -174,7 +176,7 @@ private:
   std::unique_ptr<RangeWatch<dim>> range_watch; ///< likewise
   Ranges ranges;                                ///< so far, for errors
   Ranges ranges_of_first;                       ///< and in the tries of a first step
-  bool has_noted_inexact_step = false;
+  bool has_noted_inexact_step = false, has_noted_unstable_solution = false;
   StepTime present_step; ///< the last one that was asked for
   Rates rates_of_last_good;
   std::optional<Vector> second_rates_at_start; ///< of the last new start, if the scheme asked for them

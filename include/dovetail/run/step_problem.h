@@ -61,6 +61,9 @@ public:
   const Convergence &convergence() const { return criterion; }
   double last_residual() const { return residual_of_last; } ///< of the last assembly, NaN if not defined
   const NoteList &notes() const { return all_notes; }
+  /// Whether the last tangent of displacements in this step has a negative eigenvalue, as far as the solver
+  /// knows. Not if the step needed no update.
+  bool is_unstable() const;
 
   bool is_linear() const override { return model.is_linear(); }
   void first_stage() override { enter_stage(0); }

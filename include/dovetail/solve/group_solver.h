@@ -86,6 +86,7 @@ struct GroupTraits
 struct GroupFacts : GroupTraits
 {
   bool has_multipliers = false;
+  unsigned int n_own_of_bodies = 0; ///< rows that this rank owns; those of multipliers follow
   bool is_positive_definite() const { return is_symmetric && !has_multipliers; }
 
   /// [mode][row of a selection of the own ones of GroupOperator::bodies()]: what the bodies hardly resist.
@@ -189,6 +190,8 @@ public:
   /// How many eigenvalues of the K that was prepared are negative, if that is a by-product. The same on all
   /// ranks.
   virtual std::optional<unsigned long> n_negative_eigenvalues() const { return {}; }
+  /// Whether some are, as far as is known: of the last K that was solved with.
+  bool has_met_negative() const { return n_negative_eigenvalues().value_or(met_negative) > 0; }
   /// K and what belongs to its structure will not be there any more.
   virtual void forget() {}
 
@@ -201,7 +204,8 @@ public:
 
 protected:
   Preparations preparations;
-  double expected = 0; ///< iterations, of which there are too many
+  double expected = 0;       ///< iterations, of which there are too many
+  bool met_negative = false; ///< an eigenvalue, if their number is not known
 };
 
 /// Adding one is adding a file: doc/how_to/add_a_solver.md.

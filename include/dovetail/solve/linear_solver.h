@@ -114,6 +114,8 @@ public:
 
   /// Of the matrix of a group that was solved last; nothing if the solver does not know.
   std::optional<unsigned long> n_negative_eigenvalues(unsigned int group) const;
+  /// Whether some are, as far as is known: by pivots, the sign of the determinant, or directions of CG.
+  bool has_met_negative(unsigned int group) const;
 
   /// Whether some group is solved by iteration, as far as is known.
   bool iterates() const;

@@ -64,7 +64,7 @@ private:
   std::vector<double> all_entries;
   unsigned long n_negative = 0;
   bool is_negative = false; ///< the determinant
-  int n_own = 0; ///< rows
+  int n_own = 0;            ///< rows
   std::vector<int> n_of_rank, first_of_rank;
 };
 

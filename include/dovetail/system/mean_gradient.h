@@ -10,8 +10,8 @@
 
 namespace dovetail {
 
-/// Of bodies whose laws predict stresses (Material::predicts_stress), with displacements u, the largest root
-/// mean square of grad u [-] over a body of volume V,
+/// Of bodies of large strain (Material::has_large_strain), with displacements u, the largest root mean square
+/// of grad u [-] over a body of volume V,
 /// @f$ ( \frac{1}{V} \int |\nabla u|^2 \, dV )^{1/2} @f$, by the gradient at the centre of each cell.
 /// @param ghosted the unknowns of this rank's cells. Collective.
 template <int dim>

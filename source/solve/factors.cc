@@ -26,12 +26,13 @@ double work_of_factors(const double n_rows, const unsigned int dim)
   return dim == 3 ? 1.6 * n_rows * n_rows : 6000 * n_rows;
 }
 
-Factors::Factors(std::unique_ptr<Epetra_CrsMatrix> given) : owned(std::move(given)), A(*owned)
+Factors::Factors(std::unique_ptr<Epetra_CrsMatrix> given, const bool is_symmetric)
+    : owned(std::move(given)), A(*owned), is_symmetric(is_symmetric)
 {
   factorise();
 }
 
-Factors::Factors(const Epetra_CrsMatrix &A) : A(A)
+Factors::Factors(const Epetra_CrsMatrix &A, const bool is_symmetric) : A(A), is_symmetric(is_symmetric)
 {
   factorise();
 }
@@ -42,7 +43,7 @@ void Factors::factorise()
 {
   const int most_of_klu = 2000;
   if (A.NumGlobalRows() > most_of_klu) {
-    const bool is_symmetric = true, has_small_pivots = false;
+    const bool has_small_pivots = false;
     const Agreement ranks{dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm(), {}};
     mumps =
         std::make_unique<MumpsFactors>(ranks.communicator, A.NumGlobalRows(), is_symmetric, has_small_pivots);
@@ -61,10 +62,10 @@ void Factors::factorise()
               dealii::ExcMessage("A small matrix cannot be factorised."));
 }
 
-void Factors::solve(double *x, const double *b) const
+void Factors::solve(double *x, const double *b, const bool by_transposed) const
 {
   if (mumps) {
-    mumps->solve(x, b);
+    mumps->solve(x, b, by_transposed);
     return;
   }
   double none = 0; // a null pointer is refused
@@ -73,6 +74,7 @@ void Factors::solve(double *x, const double *b) const
       right_hand_side(View, A.OperatorRangeMap(), n > 0 ? const_cast<double *>(b) : &none, std::max(n, 1), 1);
   problem->SetLHS(&solution);
   problem->SetRHS(&right_hand_side);
+  solver->SetUseTranspose(by_transposed);
   solver->Solve();
 }
 

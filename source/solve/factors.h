@@ -22,7 +22,7 @@ class MumpsFactors;
 /// J. A. George: Nested dissection of a regular finite element mesh, 1973.
 double work_of_factors(double n_rows, unsigned int dim);
 
-/// Of a symmetric matrix. Up to 2000 rows KLU factorises on the first rank; more are left to MUMPS.
+/// Up to 2000 rows KLU factorises on the first rank; more are left to MUMPS.
 ///
 /// T. A. Davis, E. Palamadai Natarajan: Algorithm 907: KLU, a direct sparse solver for circuit simulation
 /// problems, 2010.
@@ -30,18 +30,21 @@ class Factors
 {
 public:
   /// @throw std::exception if a pivot is zero or memory is missing, on all ranks. Collective.
-  explicit Factors(std::unique_ptr<Epetra_CrsMatrix> A);
-  explicit Factors(const Epetra_CrsMatrix &A); ///< by reference
+  explicit Factors(std::unique_ptr<Epetra_CrsMatrix> A, bool is_symmetric = true);
+  explicit Factors(const Epetra_CrsMatrix &A, bool is_symmetric = true); ///< by reference
   ~Factors();
 
   /// x = A^-1 b on the own rows. Collective.
-  void solve(double *x, const double *b) const;
+  void solve(double *x, const double *b) const { solve(x, b, false); }
+  void solve_transposed(double *x, const double *b) const { solve(x, b, !is_symmetric); } ///< x = A^-T b
 
 private:
   void factorise();
+  void solve(double *x, const double *b, bool by_transposed) const;
 
   std::unique_ptr<Epetra_CrsMatrix> owned; ///< nullptr, or A
   const Epetra_CrsMatrix &A;
+  const bool is_symmetric;
   std::unique_ptr<Epetra_LinearProblem> problem;
   std::unique_ptr<Amesos_BaseSolver> solver; ///< or
   std::unique_ptr<MumpsFactors> mumps;

@@ -34,12 +34,31 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
     all_facts.mesh_levels = [this](const bool with_parents) { return mesh_levels(with_parents); };
   if (group.positions)
     all_facts.places = [this](const Selection *rows) { return places(rows); };
+  may_condense =
+      all_facts.has_multipliers && group.follower &&
+      std::none_of(group.multiplier_blocks.begin(), group.multiplier_blocks.end(),
+                   [this](const unsigned int b) { return group.is_of_body && group.is_of_body(b); });
+  share_facts();
+}
+
+/// What an iteration decides by is the same in all ways.
+void GroupSystem::share_facts()
+{
+  const double most_iterations = facts_of_iteration.most_iterations;
+  const GroupFacts::NextGoal next_goal = facts_of_iteration.next_goal;
+  facts_of_iteration = all_facts;
+  facts_of_iteration.most_iterations = most_iterations;
+  facts_of_iteration.next_goal = next_goal;
+  facts_of_iteration.has_multipliers = all_facts.has_multipliers && !may_condense;
+  if (facts_of_iteration.linear_part && may_condense)
+    facts_of_iteration.linear_part = [this]() { return condensed->with_followers(linear_part()); };
 }
 
 void GroupSystem::consider_constraints()
 {
   if (group.present_followed)
     all_facts.n_followed = group.present_followed();
+  share_facts();
 }
 
 void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
@@ -58,18 +77,65 @@ void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
   if (group.is_still_symmetric)
     all_facts.is_symmetric = dealii::Utilities::MPI::min(static_cast<int>(group.is_still_symmetric()),
                                                          matrix->get_mpi_communicator()) == 1;
+  share_facts();
 }
 
 void GroupSystem::forget_matrix()
 {
+  form_of_iteration = nullptr;
+  condensed.reset();
   saddle.reset();
   merged.reset();
 }
 
-void GroupSystem::make_scaled()
+bool GroupSystem::make_iterated()
 {
   if (!all_facts.has_multipliers)
-    return;
+    return false;
+  const bool had_multipliers = facts_of_iteration.has_multipliers;
+  if (!(may_condense && condense())) {
+    may_condense = false;
+    condensed.reset();
+    make_saddle();
+  }
+  form_of_iteration = condensed ? static_cast<const IteratedForm *>(condensed.get()) : saddle.get();
+  share_facts();
+  return facts_of_iteration.has_multipliers != had_multipliers;
+}
+
+/// @return whether that serves
+bool GroupSystem::condense()
+{
+  if (!condensed)
+    condensed = std::make_unique<CondensedBodies>(*matrix, group.blocks, group.multiplier_blocks, followers(),
+                                                  [this]() { return near_null_space(nullptr); });
+  return condensed->update(stiffness_of_row());
+}
+
+/// Of each own multiplier: its own row among those of the bodies; -1 if it was dropped.
+std::vector<int> GroupSystem::followers() const
+{
+  const RowNumbering rows(matrix->owned_unknowns(), group.blocks, matrix->get_mpi_communicator());
+  const RowNumbering::Index first =
+      matrix->part(matrix->part_of(group.blocks[0]), matrix->part_of(group.blocks[0]))
+          .trilinos_matrix()
+          .RowMap()
+          .MinMyGID();
+  std::vector<int> result;
+  for (const unsigned int block : group.multiplier_blocks)
+    for (const RowNumbering::Index unknown : group.follower(block)) {
+      result.push_back(-1);
+      if (unknown == dealii::numbers::invalid_dof_index)
+        continue;
+      const auto [body, index] = matrix->get_row_indices().global_to_local(unknown);
+      const auto found = std::find(group.blocks.begin(), group.blocks.end(), body);
+      result.back() = static_cast<int>(rows.row(found - group.blocks.begin(), index) - first);
+    }
+  return result;
+}
+
+void GroupSystem::make_saddle()
+{
   if (!saddle) {
     std::vector<MultiplierTraits> traits;
     for (const unsigned int block : group.multiplier_blocks) {
@@ -84,15 +150,9 @@ void GroupSystem::make_scaled()
   saddle->update();
 }
 
-const GroupOperator &GroupSystem::scaled() const
+const GroupOperator &GroupSystem::iterated() const
 {
-  return saddle ? static_cast<const GroupOperator &>(*saddle) : *merged;
-}
-
-void GroupSystem::scale_multipliers(GroupVector &x) const
-{
-  if (saddle)
-    saddle->scale_multipliers(x);
+  return form_of_iteration != nullptr ? static_cast<const GroupOperator &>(*form_of_iteration) : *merged;
 }
 
 /// The mean diagonal entry of each block.

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "condensed_bodies.h"
 #include "merged_matrix.h"
 #include "saddle_point.h"
 
@@ -26,25 +27,33 @@ public:
   GroupSystem(const GroupSystem &) = delete; // the facts refer to it
 
   const GroupFacts &facts() const { return all_facts; }
+  const GroupFacts &iterated_facts() const { return facts_of_iteration; } ///< of iterated()
   const SolveGroup &blocks() const { return group; }
 
   /// The matrix has new entries.
   void set_matrix(const BlockMatrix &matrix);
   void forget_matrix();
   void consider_constraints();
-  void limit_iterations(const double most) { all_facts.most_iterations = most; }
-  void set_next_goal(GroupFacts::NextGoal next_goal) { all_facts.next_goal = std::move(next_goal); }
-  /// Between set_matrix and the first use of scaled(). Collective.
-  void make_scaled();
+  void limit_iterations(const double most) { facts_of_iteration.most_iterations = most; }
+  void set_next_goal(GroupFacts::NextGoal next_goal) { facts_of_iteration.next_goal = std::move(next_goal); }
+  /// Between set_matrix and the first use of iterated(). @return whether its facts are other ones now.
+  /// Collective.
+  bool make_iterated();
+  /// The iteration keeps multipliers from now on. @return whether it did not before
+  bool keep_multipliers() { return std::exchange(may_condense, false) && condensed; }
 
   const MergedMatrix &plain() const { return *merged; } ///< entries as they are
-  /// For iterations, one norm for all unknowns.
-  const GroupOperator &scaled() const;
-  void scale_multipliers(GroupVector &x) const; ///< solution or right-hand side of scaled()
+  /// For iterations, one norm for all unknowns: without multipliers where these are of ties, if that serves.
+  const GroupOperator &iterated() const;
+  const IteratedForm *form() const { return form_of_iteration; } ///< nullptr: iterated() is plain()
   /// Of one field, coupled or not: then what rounding leaves of K x may move a stiff body. Collective.
   bool has_stiff_and_soft_bodies() const;
 
 private:
+  void share_facts();
+  bool condense();
+  void make_saddle();
+  std::vector<int> followers() const;
   Modes near_null_space(const Selection *rows) const;
   Selection of_block(unsigned int i, const Selection &rows) const;
   RowSums linear_part() const;
@@ -62,10 +71,13 @@ private:
   std::vector<unsigned int> color_blocks() const;
 
   const SolveGroup group;
-  GroupFacts all_facts;
+  GroupFacts all_facts, facts_of_iteration;
   const BlockMatrix *matrix = nullptr;
   std::unique_ptr<MergedMatrix> merged;
-  std::unique_ptr<SaddlePoint> saddle; ///< with multipliers
+  bool may_condense;                          ///< multipliers
+  std::unique_ptr<CondensedBodies> condensed; ///< with multipliers, or
+  std::unique_ptr<SaddlePoint> saddle;
+  const IteratedForm *form_of_iteration = nullptr; ///< one of these
 };
 
 } // namespace dovetail

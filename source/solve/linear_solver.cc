@@ -77,7 +77,7 @@ struct LinearSolver::Group
   bool prepare(Member &member, const GroupOperator &K);
   std::optional<unsigned int> iterate(GroupVector &x, const GroupVector &b);
   unsigned int iterate_to_residual(GroupVector &x, const GroupVector &b);
-  bool is_rounding(double residual, const GroupVector &x) const;
+  bool is_rounding(double residual, const GroupVector &x, const GroupVector &b) const;
   bool solve_directly(GroupVector &x, const GroupVector &b);
   std::optional<unsigned int> solve(GroupVector &x, const GroupVector &b);
   void be_patient();
@@ -101,7 +101,8 @@ struct LinearSolver::Group
 
 Member LinearSolver::Group::make(const std::string &name) const
 {
-  return {name, SolverCatalogue::create_member(name, owner.section, system.facts())};
+  return {name, SolverCatalogue::create_member(
+                    name, owner.section, name == name_of_direct ? system.facts() : system.iterated_facts())};
 }
 
 void LinearSolver::Group::choose_solver()
@@ -217,29 +218,39 @@ bool LinearSolver::Group::prepare(Member &member, const GroupOperator &K)
   return member.is_prepared;
 }
 
-/// @return the number of iterations, or nothing if it failed. Where it ended: ended_at.
+/// @return the number of iterations, or nothing if it failed. Where it ended: ended_at. What fails without
+/// multipliers is tried with them.
 std::optional<unsigned int> LinearSolver::Group::iterate(GroupVector &x, const GroupVector &b)
 {
   unsigned int n_iterations = 0;
-  const bool has_operator =
-      chosen.is_prepared || owner.ranks.succeeds("operator", [&]() { system.make_scaled(); });
-  const bool is_done = has_operator && prepare(chosen, system.scaled()) &&
+  const bool has_operator = chosen.is_prepared || owner.ranks.succeeds("operator", [&]() {
+    if (system.make_iterated())
+      chosen.solver->forget();
+  });
+  const bool is_done = has_operator && prepare(chosen, system.iterated()) &&
                        owner.ranks.succeeds("residual", [&]() { n_iterations = iterate_to_residual(x, b); });
-  return is_done ? std::optional<unsigned int>(n_iterations) : std::nullopt;
+  if (is_done)
+    return n_iterations;
+  x.reinit(b);
+  if (!system.keep_multipliers())
+    return {};
+  chosen.is_prepared = false;
+  return iterate(x, b);
 }
 
 /// Iterate from zero until the true residual, not only that of the recurrence, is small, or is what rounding
 /// leaves.
 unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const GroupVector &b)
 {
-  const GroupOperator &K = system.scaled();
+  const GroupOperator &K = system.iterated();
+  const IteratedForm *const form = system.form();
   unsigned int n_iterations = 0;
-  GroupVector scaled; // of b, if that differs
-  if (system.facts().has_multipliers) {
-    scaled = b;
-    system.scale_multipliers(scaled);
+  GroupVector of_form; // b, if that differs
+  if (form != nullptr) {
+    of_form = form->right_hand_side(b);
+    x.reinit(of_form);
   }
-  const GroupVector &given = system.facts().has_multipliers ? scaled : b;
+  const GroupVector &given = form != nullptr ? of_form : b;
   const double size = given.l2_norm(), goal = owner.present_tolerance * size;
   double norm = size;
   GroupVector residual, correction; // from the second pass on: memory is scarce while a solver iterates
@@ -260,25 +271,26 @@ unsigned int LinearSolver::Group::iterate_to_residual(GroupVector &x, const Grou
     const double new_norm = residual.l2_norm();
     if (!std::isfinite(new_norm))
       throw std::runtime_error("the residual is not finite");
-    const bool is_done = new_norm <= 2 * goal || new_norm > norm / 10 || is_rounding(new_norm, x);
+    const bool is_done = new_norm <= 2 * goal || new_norm > norm / 10 || is_rounding(new_norm, x, b);
     norm = new_norm;
     if (is_done)
       break;
   }
   ended_at = norm <= 2 * goal || norm <= rounding(system.plain(), x) ? 0 : norm / size;
-  system.scale_multipliers(x);
+  if (form != nullptr)
+    x = form->solution(x, b);
   return n_iterations;
 }
 
 /// Whether a solution that rounding does not disturb could have this residual: another pass would solve for
 /// noise.
-bool LinearSolver::Group::is_rounding(const double residual, const GroupVector &x) const
+bool LinearSolver::Group::is_rounding(const double residual, const GroupVector &x, const GroupVector &b) const
 {
-  GroupVector plain(x); // of x, then of K x
-  system.scale_multipliers(plain);
-  plain = system.plain().rounding_of_product(plain);
-  system.scale_multipliers(plain);
-  return residual <= 2 * plain.l2_norm();
+  const IteratedForm *const form = system.form();
+  GroupVector hidden = system.plain().rounding_of_product(form != nullptr ? form->solution(x, b) : x);
+  if (form != nullptr)
+    hidden = form->sizes_of_residual(hidden);
+  return residual <= 2 * hidden.l2_norm();
 }
 
 bool LinearSolver::Group::solve_directly(GroupVector &x, const GroupVector &b)
@@ -485,7 +497,8 @@ GroupFacts::NextGoal LinearSolver::Group::make_next_goal(const GroupVector &x, c
     GroupVector all(found);
     if (&found != &x)
       all += x;
-    system.scale_multipliers(all);
+    if (system.form() != nullptr)
+      all = system.form()->solution(all, b);
     if (may_round) {
       const double size = residual_by_rounding(all, b);
       if (size <= 1)

@@ -157,8 +157,9 @@ void MumpsFactors::factorise()
   is_negative = !is_symmetric && dealii::Utilities::MPI::broadcast(communicator, mumps.rinfog[11] < 0);
 }
 
-void MumpsFactors::solve(double *x, const double *b)
+void MumpsFactors::solve(double *x, const double *b, const bool by_transposed)
 {
+  control(mumps, 9) = by_transposed ? 0 : 1;
   std::vector<double> all(is_first ? mumps.n : 0);
   MPI_Gatherv(b, n_own, MPI_DOUBLE, all.data(), n_of_rank.data(), first_of_rank.data(), MPI_DOUBLE, 0,
               communicator);

@@ -34,7 +34,7 @@ public:
   double memory() const { return takes_part ? (mumps.info[14] + 1) * 1e6 / (1024 * 1024) : 0; }
   double memory_on_machine() const; ///< and on the ranks that share a machine with this one
   void factorise();
-  void solve(double *x, const double *b);
+  void solve(double *x, const double *b, bool by_transposed = false);
   /// Of D, as many as eigenvalues of the matrix are negative (Sylvester). @pre are_symmetric()
   unsigned long n_negative_pivots() const { return n_negative; }
   bool has_negative_determinant() const { return is_negative; } ///< @pre not are_symmetric()

@@ -246,9 +246,7 @@ void SaddlePoint::scale_multipliers(GroupVector &x) const
 
 void SaddlePoint::vmult(GroupVector &destination, const GroupVector &source) const
 {
-  GroupVector scaled(source);
-  scale_multipliers(scaled);
-  all.vmult(destination, scaled);
+  all.vmult(destination, scaled(source));
   scale_multipliers(destination);
 }
 

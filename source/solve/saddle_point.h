@@ -6,6 +6,7 @@
 #pragma once
 
 #include "factors.h"
+#include "iterated_form.h"
 #include "merged_matrix.h"
 
 #include <Epetra_CrsMatrix.h>
@@ -48,7 +49,7 @@ private:
 /// A is augmented with W = w / d: where a pressure takes all of the resistance to a change of volume, or the
 /// multipliers of a tie all that holds a body, A has none, which multigrid does not like (M. Benzi, M. A.
 /// Olshanskii: An augmented Lagrangian-based approach to the Oseen problem, 2006).
-class SaddlePoint : public GroupOperator
+class SaddlePoint : public IteratedForm
 {
 public:
   /// @p all: with the multipliers, last; @p bodies and @p multipliers: their blocks, a part each;
@@ -58,8 +59,9 @@ public:
   /// The matrix has new values. Collective.
   void update();
 
-  void scale_multipliers(GroupVector &x) const; ///< x = D x
-
+  GroupVector right_hand_side(const GroupVector &b) const override { return scaled(b); }
+  GroupVector solution(const GroupVector &x, const GroupVector &) const override { return scaled(x); }
+  GroupVector sizes_of_residual(const GroupVector &sizes) const override { return scaled(sizes); }
   GroupVector vector() const override { return all.vector(); }
   void vmult(GroupVector &destination, const GroupVector &source) const override;
   void diagonal(GroupVector &destination) const override;
@@ -68,6 +70,13 @@ public:
   const std::vector<double> *augmentation() const override { return is_augmented() ? &weight : nullptr; }
 
 private:
+  void scale_multipliers(GroupVector &x) const; ///< x = D x
+  GroupVector scaled(const GroupVector &x) const
+  {
+    GroupVector result(x);
+    scale_multipliers(result);
+    return result;
+  }
   bool is_augmented() const { return augmented.added_rows() != nullptr; } ///< there is B
   void factorise_ties(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A, const Epetra_Vector &C);
   void scale_ties(const Epetra_CrsMatrix &B, const Epetra_Map &rows);

@@ -114,6 +114,23 @@ std::vector<bool> find_dropped(const Block &block, const BlockSystem<dim> &syste
   return own_part;
 }
 
+/// SolveGroup::follower
+template <int dim>
+std::vector<dealii::types::global_dof_index> find_followers(const Model<dim> &model, const Block &block,
+                                                            const BlockSystem<dim> &system)
+{
+  std::vector<dealii::types::global_dof_index> result;
+  for (const auto &interface : model.interfaces)
+    for (const TiedField &field : interface->fields)
+      if (interface->name == block.name && field.name == block.field && field.n_multipliers > 0)
+        result = interface->tie().parts().multipliers->unknowns_with_multiplier(*interface, field);
+  unsigned int k = 0;
+  for (const auto i : block.owned)
+    if (auto &follower = result[k++]; system.is_dropped(block.begin + i))
+      follower = dealii::numbers::invalid_dof_index;
+  return result;
+}
+
 /// GroupTraits::n_followed
 template <int dim>
 double mean_followed(const Model<dim> &model, const std::vector<unsigned int> &blocks,
@@ -200,6 +217,9 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     };
     group.dropped = [&model, system](const unsigned int block) {
       return find_dropped(model.numbering->blocks()[block], system());
+    };
+    group.follower = [&model, system](const unsigned int block) {
+      return find_followers(model, model.numbering->blocks()[block], system());
     };
     const auto &blocks = model.numbering->blocks();
     std::set<std::string> body_fields;

@@ -1,0 +1,611 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include "condensed_bodies.h"
+
+#include "aggregate_products.h"
+#include "level_operator.h"
+#include "rows_of_inverse.h"
+
+#include <deal.II/lac/lapack_full_matrix.h>
+
+#include <EpetraExt_MatrixMatrix.h>
+#include <Epetra_Comm.h>
+#include <Epetra_Import.h>
+#include <Epetra_IntVector.h>
+#include <Epetra_Map.h>
+#include <Epetra_MultiVector.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dovetail {
+
+namespace {
+
+bool is_on_all_ranks(const bool condition, const Epetra_Comm &communicator)
+{
+  int here = condition, everywhere = 0;
+  communicator.MinAll(&here, &everywhere, 1);
+  return everywhere != 0;
+}
+
+/// What own rows have, at the columns of a matrix.
+Epetra_Vector at_columns(const Epetra_CrsMatrix &matrix, const Epetra_Vector &of_rows)
+{
+  Epetra_Vector result(matrix.ColMap());
+  if (matrix.Importer() == nullptr)
+    std::copy(of_rows.Values(), of_rows.Values() + of_rows.MyLength(), result.Values());
+  else
+    result.Import(of_rows, *matrix.Importer(), Insert);
+  return result;
+}
+
+/// x.D y = y.D x for two vectors of noise.
+bool is_symmetric_matrix(const Epetra_CrsMatrix &D)
+{
+  const double rounding = 1e-12;
+  Epetra_Vector x(D.DomainMap()), y(x), product(x);
+  x.SetSeed(1);
+  x.Random();
+  y.SetSeed(2);
+  y.Random();
+  double xDy = 0, yDx = 0, size_of_x = 0, size_of_y = 0;
+  D.Multiply(false, y, product);
+  product.Dot(x, &xDy);
+  product.Norm2(&size_of_y);
+  D.Multiply(false, x, product);
+  product.Dot(y, &yDx);
+  x.Norm2(&size_of_x);
+  return std::abs(xDy - yDx) <= rounding * size_of_x * size_of_y;
+}
+
+/// Adds to the entries w of a row, in proportion to their sizes, what gives it the products @p wanted with
+/// the values of some modes at its columns: the smallest change in the norm sum_j dw_j^2 / |w_j|.
+/// @param at_column [mode][entry]
+void reproduce(const std::vector<double> &wanted, std::vector<std::vector<double>> &at_column, double *w,
+               const unsigned int n)
+{
+  const double shift = 1e-12; // modes may depend on each other here
+  const unsigned int n_modes = wanted.size(), n_passes = 2;
+  std::vector<double> missing = wanted, sizes(n);
+  for (unsigned int j = 0; j < n; ++j)
+    sizes[j] = std::abs(w[j]);
+  for (unsigned int m = 0; m < n_modes; ++m) {
+    double largest = 0;
+    for (const double value : at_column[m])
+      largest = std::max(largest, std::abs(value));
+    const double scale = largest > 0 ? 1 / largest : 0;
+    missing[m] *= scale;
+    for (double &value : at_column[m])
+      value *= scale;
+    for (unsigned int j = 0; j < n; ++j)
+      missing[m] -= at_column[m][j] * w[j];
+  }
+  dealii::LAPACKFullMatrix<double> gram(n_modes, n_modes);
+  double trace = 0;
+  for (unsigned int m = 0; m < n_modes; ++m)
+    for (unsigned int l = 0; l <= m; ++l) {
+      double sum = 0;
+      for (unsigned int j = 0; j < n; ++j)
+        sum += sizes[j] * at_column[m][j] * at_column[l][j];
+      gram(m, l) = gram(l, m) = sum;
+      trace += m == l ? sum : 0;
+    }
+  if (!(trace > 0))
+    return;
+  for (unsigned int m = 0; m < n_modes; ++m)
+    gram(m, m) += shift * trace;
+  gram.set_property(dealii::LAPACKSupport::symmetric);
+  gram.compute_cholesky_factorization();
+  for (unsigned int pass = 0; pass < n_passes; ++pass) {
+    dealii::Vector<double> share(missing.begin(), missing.end());
+    gram.solve(share);
+    for (unsigned int j = 0; j < n; ++j) {
+      double change = 0;
+      for (unsigned int m = 0; m < n_modes; ++m)
+        change += at_column[m][j] * share[m];
+      change *= sizes[j];
+      w[j] += change;
+      for (unsigned int m = 0; m < n_modes; ++m)
+        missing[m] -= at_column[m][j] * change;
+    }
+  }
+}
+
+} // namespace
+
+CondensedBodies::CondensedBodies(const BlockMatrix &matrix, const std::vector<unsigned int> &bodies,
+                                 const std::vector<unsigned int> &multipliers,
+                                 const std::vector<int> &row_of_multiplier,
+                                 std::function<Modes()> given_modes)
+    : block_matrix(matrix), body_operator(matrix, bodies), body_part(matrix.part_of(bodies[0])),
+      multiplier_part(matrix.part_of(multipliers[0])), modes(std::move(given_modes)),
+      tie_of_row(body_operator.numbering().n_local(), -1)
+{
+  for (unsigned int i = 0; i < row_of_multiplier.size(); ++i)
+    if (const int row = row_of_multiplier[i]; row >= 0) {
+      tie_of_row[row] = acting.size();
+      acting.push_back(i);
+      followers.push_back(row);
+    }
+}
+
+bool CondensedBodies::update(const std::vector<double> &stiffness)
+{
+  is_outdated = true;
+  if (!block_matrix.has_part(multiplier_part, body_part) ||
+      !block_matrix.has_part(multiplier_part, multiplier_part))
+    return false;
+  const Epetra_CrsMatrix &B = block_matrix.part(multiplier_part, body_part).trilinos_matrix(),
+                         &minus_C = block_matrix.part(multiplier_part, multiplier_part).trilinos_matrix();
+  Epetra_Vector C(minus_C.RowMap()), diagonal_of_A(A().RowMap());
+  minus_C.ExtractDiagonalCopy(C);
+  const bool has_C = std::any_of(acting.begin(), acting.end(), [&C](const int i) { return C[i] != 0; });
+  if (!is_on_all_ranks(!has_C, B.Comm()) || (has_new_ties(B) && !split(B)) || !factors ||
+      !are_enough(stiffness))
+    return false;
+  LevelEntries(A()).diagonal(diagonal_of_A);
+  diagonal_of_A.Norm1(&diagonal_of_followers);
+  diagonal_of_followers /= A().NumGlobalRows();
+  const double needed = small_weight(diagonal_of_A);
+  if (needed != small)
+    weights.reset();
+  small = needed;
+  return true;
+}
+
+bool CondensedBodies::has_new_ties(const Epetra_CrsMatrix &B)
+{
+  std::vector<double> entries;
+  for (const int i : acting) {
+    const SparseRow row = SparseRows(B)[i];
+    entries.insert(entries.end(), row.values, row.values + row.n);
+  }
+  const bool is_same = entries == entries_of_B;
+  entries_of_B = std::move(entries);
+  return !is_on_all_ranks(is_same, B.Comm());
+}
+
+/// B = [M D]
+bool CondensedBodies::split(const Epetra_CrsMatrix &B)
+{
+  factors.reset();
+  weights.reset();
+  const Epetra_Map ties(-1, static_cast<int>(acting.size()), 0, B.Comm());
+  Epetra_Vector number_of_row(B.DomainMap()); // of a tie; exact
+  number_of_row.PutScalar(-1.);
+  for (unsigned int k = 0; k < acting.size(); ++k)
+    number_of_row[followers[k]] = ties.GID(k);
+  const Epetra_Vector number_of_column = at_columns(B, number_of_row);
+  D = std::make_unique<Epetra_CrsMatrix>(Copy, ties, 0);
+  M = std::make_unique<Epetra_CrsMatrix>(Copy, ties, 0);
+  bool has_diagonal = true;
+  for (unsigned int k = 0; k < acting.size(); ++k) {
+    const SparseRow row = SparseRows(B)[acting[k]];
+    double of_follower = 0;
+    for (int j = 0; j < row.n; ++j) {
+      const int tie = static_cast<int>(number_of_column[row.columns[j]]), column = B.GCID(row.columns[j]);
+      if (row.values[j] != 0 && tie >= 0)
+        D->InsertGlobalValues(ties.GID(k), 1, &row.values[j], &tie);
+      else if (row.values[j] != 0)
+        M->InsertGlobalValues(ties.GID(k), 1, &row.values[j], &column);
+      of_follower += tie == ties.GID(k) ? row.values[j] : 0;
+    }
+    has_diagonal = has_diagonal && of_follower != 0;
+  }
+  D->FillComplete(ties, ties);
+  M->FillComplete(B.DomainMap(), ties);
+  D->OptimizeStorage();
+  M->OptimizeStorage();
+  if (!is_on_all_ranks(has_diagonal, B.Comm()) || ties.NumGlobalElements() == 0)
+    return false;
+  try {
+    factors = std::make_unique<Factors>(*D, is_symmetric_matrix(*D));
+  } catch (const std::exception &) { // on all ranks
+    return false;
+  }
+  return true;
+}
+
+bool CondensedBodies::are_enough(const std::vector<double> &stiffness)
+{
+  const double much = 30;
+  Epetra_Vector of_rows(A().RowMap());
+  std::copy(stiffness.begin(), stiffness.end(), of_rows.Values());
+  const Epetra_Vector of_columns = at_columns(*M, of_rows);
+  Epetra_Vector leads(M->ColMap()), leaders(A().RowMap());
+  int here[2] = {0, 0}, all[2] = {0, 0}; // followers, leaders
+  for (unsigned int k = 0; k < acting.size(); ++k) {
+    const SparseRow row = SparseRows(*M)[k];
+    bool is_stiff = false;
+    for (int j = 0; j < row.n; ++j)
+      if (of_rows[followers[k]] > much * of_columns[row.columns[j]]) {
+        is_stiff = true;
+        leads[row.columns[j]] = 1;
+      }
+    here[0] += is_stiff ? 1 : 0;
+  }
+  leaders.Export(leads, Epetra_Import(M->ColMap(), A().RowMap()), Add);
+  soft_leaders.clear();
+  for (int row = 0; row < leaders.MyLength(); ++row)
+    if (leaders[row] > 0)
+      soft_leaders.push_back(row);
+  here[1] = soft_leaders.size();
+  A().Comm().SumAll(here, all, 2);
+  return all[0] >= all[1];
+}
+
+/// What Z' leaves out, in units of the largest weight of a row. Stiff bodies resist what Z' makes of it, and
+/// flat ones resist much else less: the nodes behind their faces follow.
+double CondensedBodies::small_weight(const Epetra_Vector &diagonal_of_A) const
+{
+  const double usual = 1e-2, of_stiff = 3e-3, of_stiff_flat = 1e-4, strong_coupling = 0.3;
+  const Epetra_Vector of_columns = at_columns(A(), diagonal_of_A);
+  const std::vector<bool> column_follows = columns_that_follow();
+  int here[3] = {static_cast<int>(followers.size()), 0, static_cast<int>(soft_leaders.size())}, all[3] = {};
+  for (const int follower : followers) {
+    const SparseRow row = SparseRows(A())[follower];
+    double strongest = 0;
+    for (int k = 0; k < row.n; ++k)
+      if (!column_follows[row.columns[k]])
+        strongest = std::max(strongest, -row.values[k] / std::sqrt(std::abs(diagonal_of_A[follower] *
+                                                                            of_columns[row.columns[k]])));
+    here[1] += strongest > strong_coupling ? 1 : 0;
+  }
+  A().Comm().SumAll(here, all, 3);
+  return all[2] == 0 ? usual : 2 * all[1] > all[0] ? of_stiff_flat : of_stiff;
+}
+
+/// By column of A.
+std::vector<bool> CondensedBodies::columns_that_follow() const
+{
+  Epetra_Vector follows(A().RowMap());
+  for (const int row : followers)
+    follows[row] = 1;
+  const Epetra_Vector of_columns = at_columns(A(), follows);
+  std::vector<bool> result(of_columns.MyLength());
+  for (unsigned int column = 0; column < result.size(); ++column)
+    result[column] = of_columns[column] != 0;
+  return result;
+}
+
+std::unique_ptr<Epetra_CrsMatrix> CondensedBodies::about_inverse_of_D() const
+{
+  const Epetra_Map &ties = D->RowMap();
+  auto inverse = std::make_unique<Epetra_CrsMatrix>(Copy, ties, 0);
+  RowsOfInverse rows(*D, small / 10);
+  std::vector<int> columns;
+  std::vector<double> values;
+  for (int row = 0; row < ties.NumMyElements(); ++row) {
+    rows.read(row, columns, values);
+    inverse->InsertGlobalValues(ties.GID(row), columns.size(), values.data(), columns.data());
+  }
+  inverse->FillComplete(ties, ties);
+  return inverse;
+}
+
+/// -D^-1 M without what is small, but exact for rigid motions.
+void CondensedBodies::make_weights() const
+{
+  const Epetra_Map &ties = D->RowMap();
+  Epetra_CrsMatrix product(Copy, ties, 0);
+  EpetraExt::MatrixMatrix::Multiply(*about_inverse_of_D(), false, *M, false, product);
+  weights = std::make_unique<Epetra_CrsMatrix>(Copy, ties, 0);
+  std::vector<int> columns;
+  std::vector<double> values;
+  for (int tie = 0; tie < ties.NumMyElements(); ++tie) {
+    int n = 0, *local = nullptr;
+    double *entries = nullptr, largest = 0;
+    product.ExtractMyRowView(tie, n, entries, local);
+    for (int k = 0; k < n; ++k)
+      largest = std::max(largest, std::abs(entries[k]));
+    columns.clear();
+    values.clear();
+    for (int k = 0; k < n; ++k)
+      if (std::abs(entries[k]) > small * largest) {
+        columns.push_back(product.GCID(local[k]));
+        values.push_back(-entries[k]);
+      }
+    weights->InsertGlobalValues(ties.GID(tie), columns.size(), values.data(), columns.data());
+  }
+  weights->FillComplete(A().RowMap(), ties);
+  weights->OptimizeStorage();
+  add_what_is_missing(*weights);
+}
+
+void CondensedBodies::add_what_is_missing(Epetra_CrsMatrix &W) const
+{
+  const Modes motions = modes();
+  const unsigned int n_modes = motions.size();
+  std::vector<Epetra_Vector> here, wanted;
+  for (const std::vector<double> &motion : motions) {
+    Epetra_Vector of_rows(A().RowMap()), force(W.RowMap());
+    std::copy(motion.begin(), motion.end(), of_rows.Values());
+    M->Multiply(false, of_rows, force);
+    wanted.emplace_back(W.RowMap());
+    factors->solve(wanted.back().Values(), force.Values());
+    wanted.back().Scale(-1.);
+    here.push_back(at_columns(W, of_rows));
+  }
+  std::vector<double> products(n_modes);
+  std::vector<std::vector<double>> at_column(n_modes);
+  for (int row = 0; row < W.NumMyRows(); ++row) {
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    W.ExtractMyRowView(row, n, values, columns);
+    for (unsigned int m = 0; m < n_modes; ++m) {
+      products[m] = wanted[m][row];
+      at_column[m].clear();
+      for (int k = 0; k < n; ++k)
+        at_column[m].push_back(here[m][columns[k]]);
+    }
+    reproduce(products, at_column, values, n);
+  }
+}
+
+RowSums CondensedBodies::with_followers(const RowSums &sums) const
+{
+  if (!weights)
+    make_weights();
+  RowSums result;
+  std::vector<std::pair<RowSums::Index, double>> sum;
+  for (unsigned int row = 0; row < sums.size(); ++row) {
+    sum.clear();
+    if (const int tie = tie_of_row[row]; tie >= 0) {
+      const SparseRow weights_of_row = SparseRows(*weights)[tie];
+      for (int k = 0; k < weights_of_row.n; ++k)
+        sum.emplace_back(weights->GCID(weights_of_row.columns[k]), weights_of_row.values[k]);
+    } else
+      for (unsigned int k = 0; k < sums[row].n; ++k)
+        sum.emplace_back(sums[row].columns[k], sums[row].weights[k]);
+    result.add_row(sum);
+  }
+  return result;
+}
+
+/// What Z'^T A Z' has of the rows that follow and of the columns that do.
+std::unique_ptr<Epetra_CrsMatrix>
+CondensedBodies::sum_of_followers(const std::vector<bool> &column_follows) const
+{
+  const SparseRows rows(A()), rows_of_weights(*weights);
+  const auto is_concerned = [&](const int row) {
+    return tie_of_row[row] >= 0 || std::any_of(rows[row].columns, rows[row].columns + rows[row].n,
+                                               [&](const int column) { return column_follows[column]; });
+  };
+  std::vector<int> concerned;
+  for (int row = 0; row < A().NumMyRows(); ++row)
+    if (is_concerned(row))
+      concerned.push_back(A().GRID(row));
+  const Epetra_Map few(-1, static_cast<int>(concerned.size()), concerned.data(), 0, A().Comm());
+  Epetra_CrsMatrix S(Copy, few, 0), Z(Copy, few, 0);
+  std::vector<int> columns;
+  std::vector<double> values;
+  for (const int global_row : concerned) {
+    const int row = A().LRID(global_row), tie = tie_of_row[row];
+    columns.clear();
+    values.clear();
+    for (int k = 0; k < rows[row].n; ++k)
+      if (tie >= 0 || column_follows[rows[row].columns[k]]) {
+        columns.push_back(A().GCID(rows[row].columns[k]));
+        values.push_back(rows[row].values[k]);
+      }
+    S.InsertGlobalValues(global_row, columns.size(), values.data(), columns.data());
+    columns.assign(tie >= 0 ? 0 : 1, global_row);
+    values.assign(columns.size(), 1.);
+    for (int k = 0; tie >= 0 && k < rows_of_weights[tie].n; ++k) {
+      columns.push_back(weights->GCID(rows_of_weights[tie].columns[k]));
+      values.push_back(rows_of_weights[tie].values[k]);
+    }
+    Z.InsertGlobalValues(global_row, columns.size(), values.data(), columns.data());
+  }
+  S.FillComplete(few, few);
+  Z.FillComplete(A().RowMap(), few);
+  return restrict_matrix(S, Z);
+}
+
+/// The rest of A, and @p others; rows that follow are alone.
+std::unique_ptr<Epetra_CrsMatrix> CondensedBodies::sum_with(const Epetra_CrsMatrix &others,
+                                                            const std::vector<bool> &column_follows) const
+{
+  std::vector<int> global(A().ColMap().MyGlobalElements(), A().ColMap().MyGlobalElements() + A().NumMyCols()),
+      column_of_others, lengths;
+  for (int column = 0; column < others.NumMyCols(); ++column) {
+    const int itself = others.GCID(column), known = A().LCID(itself);
+    column_of_others.push_back(known >= 0 ? known : static_cast<int>(global.size()));
+    if (known < 0)
+      global.push_back(itself);
+  }
+  const Epetra_Map all_columns(-1, static_cast<int>(global.size()), global.data(), 0, A().Comm());
+  for (int row = 0; row < A().NumMyRows(); ++row)
+    lengths.push_back(tie_of_row[row] >= 0 ? 1 : A().NumMyEntries(row) + others.NumMyEntries(row));
+  auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, A().RowMap(), all_columns, lengths.data(), true);
+  const SparseRows rows(A());
+  const std::vector<int> column_of_row = columns_of_rows(A());
+  std::vector<int> place(global.size(), -1), columns;
+  std::vector<double> values;
+  const auto add = [&](const int column, const double value) {
+    if (place[column] < 0) {
+      place[column] = columns.size();
+      columns.push_back(column);
+      values.push_back(value);
+    } else
+      values[place[column]] += value;
+  };
+  for (int row = 0; row < A().NumMyRows(); ++row) {
+    int n = 0, *columns_there = nullptr;
+    double *values_there = nullptr;
+    others.ExtractMyRowView(row, n, values_there, columns_there);
+    columns.clear();
+    values.clear();
+    if (tie_of_row[row] >= 0)
+      add(column_of_row[row], diagonal_of_followers);
+    else
+      for (int k = 0; k < rows[row].n; ++k)
+        if (!column_follows[rows[row].columns[k]])
+          add(rows[row].columns[k], rows[row].values[k]);
+    for (int k = 0; k < n; ++k)
+      add(column_of_others[columns_there[k]], values_there[k]);
+    sum->InsertMyValues(row, columns.size(), values.data(), columns.data());
+    for (const int column : columns)
+      place[column] = -1;
+  }
+  sum->FillComplete(A().OperatorDomainMap(), A().OperatorRangeMap());
+  sum->OptimizeStorage();
+  return sum;
+}
+
+const Epetra_CrsMatrix *CondensedBodies::matrix() const
+{
+  if (is_outdated) {
+    condensed.reset();
+    if (!weights)
+      make_weights();
+    const std::vector<bool> column_follows = columns_that_follow();
+    condensed = sum_with(*sum_of_followers(column_follows), column_follows);
+    is_outdated = false;
+  }
+  return condensed.get();
+}
+
+void CondensedBodies::diagonal(GroupVector &destination) const
+{
+  Epetra_Vector values(View, destination.trilinos_vector(), 0);
+  LevelEntries(*matrix()).diagonal(values);
+}
+
+Epetra_Vector CondensedBodies::of_followers(const GroupVector &x) const
+{
+  Epetra_Vector result(D->RowMap());
+  for (unsigned int k = 0; k < followers.size(); ++k)
+    result[k] = x.trilinos_vector()[0][followers[k]];
+  return result;
+}
+
+/// Of a vector of K.
+Epetra_Vector CondensedBodies::of_acting(const GroupVector &b) const
+{
+  Epetra_Vector result(D->RowMap());
+  for (unsigned int k = 0; k < acting.size(); ++k)
+    result[k] = b.trilinos_vector()[0][tie_of_row.size() + acting[k]];
+  return result;
+}
+
+/// u_d = D^-1 (g - M u); g = 0 if it is nullptr
+void CondensedBodies::let_follow(GroupVector &u, const Epetra_Vector *const g) const
+{
+  Epetra_Vector rest(D->RowMap()), solved(rest);
+  M->Multiply(false, Epetra_Vector(View, u.trilinos_vector(), 0), rest);
+  rest.Scale(-1.);
+  if (g != nullptr)
+    rest.Update(1., *g, 1.);
+  factors->solve(solved.Values(), rest.Values());
+  for (unsigned int k = 0; k < followers.size(); ++k)
+    u.trilinos_vector()[0][followers[k]] = solved[k];
+}
+
+/// Z^T r, with zeros in the rows that follow
+void CondensedBodies::gather_forces(GroupVector &r) const
+{
+  const Epetra_Vector of_ties = of_followers(r);
+  Epetra_Vector solved(D->RowMap()), forces(A().RowMap()), all(View, r.trilinos_vector(), 0);
+  factors->solve_transposed(solved.Values(), of_ties.Values());
+  M->Multiply(true, solved, forces);
+  all.Update(-1., forces, 1.);
+  for (const int row : followers)
+    all[row] = 0;
+}
+
+void CondensedBodies::vmult(GroupVector &destination, const GroupVector &source) const
+{
+  GroupVector u(source);
+  let_follow(u, nullptr);
+  body_operator.vmult(destination, u);
+  gather_forces(destination);
+  for (const int row : followers)
+    destination.trilinos_vector()[0][row] = diagonal_of_followers * source.trilinos_vector()[0][row];
+}
+
+GroupVector CondensedBodies::right_hand_side(const GroupVector &b) const
+{
+  GroupVector f = sizes_of_residual(b), u = vector(), product = vector();
+  const Epetra_Vector g = of_acting(b);
+  let_follow(u, &g);
+  body_operator.vmult(product, u);
+  f -= product;
+  gather_forces(f);
+  return f;
+}
+
+GroupVector CondensedBodies::solution(const GroupVector &x, const GroupVector &b) const
+{
+  const Epetra_CrsMatrix &minus_C = block_matrix.part(multiplier_part, multiplier_part).trilinos_matrix();
+  GroupVector u(x), rest = sizes_of_residual(b), product = vector(), result(b);
+  const Epetra_Vector g = of_acting(b);
+  let_follow(u, &g);
+  body_operator.vmult(product, u);
+  rest -= product;
+  Epetra_Vector lambda(g), diagonal_of_dropped(minus_C.RowMap());
+  factors->solve_transposed(lambda.Values(), of_followers(rest).Values());
+  balance_leaders(lambda, rest);
+  minus_C.ExtractDiagonalCopy(diagonal_of_dropped);
+  double *const all = result.trilinos_vector()[0], *const multipliers = all + tie_of_row.size();
+  std::copy(u.trilinos_vector()[0], u.trilinos_vector()[0] + tie_of_row.size(), all);
+  for (int i = 0; i < diagonal_of_dropped.MyLength(); ++i) // b remains there
+    multipliers[i] = diagonal_of_dropped[i] != 0 ? multipliers[i] / diagonal_of_dropped[i] : 0;
+  for (unsigned int k = 0; k < acting.size(); ++k)
+    multipliers[acting[k]] = lambda[k];
+  return result;
+}
+
+/// What rounding leaves of the forces of stiff bodies, which lambda balances, may be far more than the forces
+/// of soft ones. It is left to the stiff bodies: lambda += D^-1 M y, with y such that nothing is left of
+/// @p rest, f - A u, in the rows that these bodies follow.
+void CondensedBodies::balance_leaders(Epetra_Vector &lambda, const GroupVector &rest) const
+{
+  const unsigned int most_steps = 100;
+  const double tolerance = 1e-10;
+  int n_here = soft_leaders.size(), n = 0;
+  A().Comm().SumAll(&n_here, &n, 1);
+  if (n == 0)
+    return;
+  const Epetra_Map &bodies = A().RowMap();
+  Epetra_Vector forces(bodies), r(bodies), p(bodies), q(bodies), y(bodies), of_ties(lambda), solved(lambda);
+  const auto multipliers_of = [&](const Epetra_Vector &leaders) {
+    M->Multiply(false, leaders, of_ties);
+    factors->solve(solved.Values(), of_ties.Values());
+  };
+  M->Multiply(true, lambda, forces);
+  for (const int row : soft_leaders)
+    p[row] = r[row] = rest.trilinos_vector()[0][row] - forces[row];
+  double square = 0, product = 0;
+  r.Dot(r, &square);
+  const double first = square;
+  for (unsigned int step = 0; step < most_steps && square > tolerance * tolerance * first; ++step) {
+    multipliers_of(p);
+    M->Multiply(true, solved, forces);
+    for (const int row : soft_leaders)
+      q[row] = forces[row];
+    p.Dot(q, &product);
+    if (!(product > 0))
+      break;
+    const double length = square / product, last = square;
+    y.Update(length, p, 1.);
+    r.Update(-length, q, 1.);
+    r.Dot(r, &square);
+    p.Update(1., r, square / last);
+  }
+  multipliers_of(y);
+  lambda.Update(1., solved, 1.);
+}
+
+/// Those of the bodies.
+GroupVector CondensedBodies::sizes_of_residual(const GroupVector &sizes) const
+{
+  GroupVector result = vector();
+  const double *const given = sizes.trilinos_vector()[0];
+  std::copy(given, given + tie_of_row.size(), result.trilinos_vector()[0]);
+  return result;
+}
+
+} // namespace dovetail

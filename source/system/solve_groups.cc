@@ -131,6 +131,21 @@ std::vector<dealii::types::global_dof_index> find_followers(const Model<dim> &mo
   return result;
 }
 
+template <int dim>
+void tell_of_multipliers(SolveGroup &group, const Model<dim> &model,
+                         const std::function<const BlockSystem<dim> &()> &system)
+{
+  group.is_of_body = [&model](const unsigned int block) {
+    return !model.numbering->blocks()[block].is_of_multipliers;
+  };
+  group.dropped = [&model, system](const unsigned int block) {
+    return find_dropped(model.numbering->blocks()[block], system());
+  };
+  group.follower = [&model, system](const unsigned int block) {
+    return find_followers(model, model.numbering->blocks()[block], system());
+  };
+}
+
 /// GroupTraits::n_followed
 template <int dim>
 double mean_followed(const Model<dim> &model, const std::vector<unsigned int> &blocks,
@@ -212,15 +227,7 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.linear_part = [&model, system](const unsigned int number) {
       return linear_part_of(model, number, system().tangent(), system().all_constraints());
     };
-    group.is_of_body = [&model](const unsigned int number) {
-      return !model.numbering->blocks()[number].is_of_multipliers;
-    };
-    group.dropped = [&model, system](const unsigned int block) {
-      return find_dropped(model.numbering->blocks()[block], system());
-    };
-    group.follower = [&model, system](const unsigned int block) {
-      return find_followers(model, model.numbering->blocks()[block], system());
-    };
+    tell_of_multipliers(group, model, system);
     const auto &blocks = model.numbering->blocks();
     std::set<std::string> body_fields;
     for (unsigned int b = 0; b < blocks.size(); ++b)

@@ -127,7 +127,7 @@ double product(const GroupOperator &K, const GroupVector &x, const GroupVector &
 /// Of noise, at rows that lead.
 GroupVector make_noise(const GroupOperator &K, const unsigned long first)
 {
-  GroupVector x = K.vector(), zero = K.vector(), solved(x);
+  GroupVector x = K.vector();
   for (const auto i : x.locally_owned_elements())
     x(i) = noise(first + i);
   x.compress(dealii::VectorOperation::insert);

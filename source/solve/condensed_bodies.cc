@@ -139,13 +139,15 @@ bool CondensedBodies::update(const std::vector<double> &stiffness)
     return false;
   const Epetra_CrsMatrix &B = block_matrix.part(multiplier_part, body_part).trilinos_matrix(),
                          &minus_C = block_matrix.part(multiplier_part, multiplier_part).trilinos_matrix();
-  Epetra_Vector C(minus_C.RowMap()), diagonal_of_A(A().RowMap());
+  Epetra_Vector C(minus_C.RowMap());
   minus_C.ExtractDiagonalCopy(C);
   const bool has_C = std::any_of(acting.begin(), acting.end(), [&C](const int i) { return C[i] != 0; });
   if (!is_on_all_ranks(!has_C, B.Comm()) || (has_new_ties(B) && !split(B)) || !factors ||
       !are_enough(stiffness))
     return false;
-  LevelEntries(A()).diagonal(diagonal_of_A);
+  GroupVector diagonal_values = vector();
+  body_operator.diagonal(diagonal_values);
+  const Epetra_Vector diagonal_of_A(View, diagonal_values.trilinos_vector(), 0);
   diagonal_of_A.Norm1(&diagonal_of_followers);
   diagonal_of_followers /= A().NumGlobalRows();
   const double needed = small_weight(diagonal_of_A);
@@ -254,7 +256,7 @@ double CondensedBodies::small_weight(const Epetra_Vector &diagonal_of_A) const
     here[1] += strongest > strong_coupling ? 1 : 0;
   }
   A().Comm().SumAll(here, all, 3);
-  return all[2] == 0 ? usual : 2 * all[1] > all[0] ? of_stiff_flat : of_stiff;
+  return all[2] == 0 ? usual : has_cells() || 2 * all[1] > all[0] ? of_stiff_flat : of_stiff;
 }
 
 /// By column of A.
@@ -455,23 +457,40 @@ std::unique_ptr<Epetra_CrsMatrix> CondensedBodies::sum_with(const Epetra_CrsMatr
   return sum;
 }
 
-const Epetra_CrsMatrix *CondensedBodies::matrix() const
+void CondensedBodies::make_condensed() const
 {
-  if (is_outdated) {
-    condensed.reset();
-    if (!weights)
-      make_weights();
-    const std::vector<bool> column_follows = columns_that_follow();
-    condensed = sum_with(*sum_of_followers(column_follows), column_follows);
-    is_outdated = false;
-  }
+  if (!is_outdated)
+    return;
+  condensed.reset();
+  condensed_cells.reset();
+  if (!weights)
+    make_weights();
+  const std::vector<bool> column_follows = columns_that_follow();
+  condensed = sum_with(*sum_of_followers(column_follows), column_follows);
+  if (has_cells())
+    condensed_cells = body_operator.cells()->with_followers(followers, *weights);
+  is_outdated = false;
+}
+
+const Epetra_CrsMatrix *CondensedBodies::entries() const
+{
+  make_condensed();
   return condensed.get();
+}
+
+const PartOperator *CondensedBodies::cells() const
+{
+  if (has_cells())
+    make_condensed();
+  return condensed_cells.get();
 }
 
 void CondensedBodies::diagonal(GroupVector &destination) const
 {
   Epetra_Vector values(View, destination.trilinos_vector(), 0);
-  LevelEntries(*matrix()).diagonal(values);
+  LevelEntries(*entries()).diagonal(values);
+  if (const PartOperator *const summand = cells())
+    summand->add_diagonal(values);
 }
 
 Epetra_Vector CondensedBodies::of_followers(const GroupVector &x) const

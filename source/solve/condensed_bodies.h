@@ -24,10 +24,10 @@ namespace dovetail {
 /// square matrix D of these unknowns: they follow the others, u_d = D^-1 (g - M u), and
 /// @f[ Z^T A Z u = Z^T (f - A u_g),  Z = \begin{pmatrix} 1 \\ -D^{-1} M \end{pmatrix},
 ///     D^T \lambda = (f - A u)_d. @f]
-/// D is the mass matrix of a surface, and is factorised. Products are exact. What levels are made of is
-/// matrix(), Z'^T A Z' with weights Z' of a few cells around each unknown: D^-1 decays from cell to cell.
-/// Sums over cells further away are made up for: Z' moves as Z does where the source moves as a rigid body.
-/// Otherwise a stiff destination would resist what costs nothing.
+/// D is the mass matrix of a surface, and is factorised. Products are exact. What levels are made of are
+/// entries() and cells(), Z'^T A Z' with weights Z' of a few cells around each unknown: D^-1 decays from cell
+/// to cell. Sums over cells further away are made up for: Z' moves as Z does where the source moves as a
+/// rigid body. Otherwise a stiff destination would resist what costs nothing.
 ///
 /// Unknowns that follow are alone in their rows, as those of constraints are.
 class CondensedBodies : public IteratedForm
@@ -55,12 +55,16 @@ public:
   GroupVector vector() const override { return body_operator.vector(); }
   void vmult(GroupVector &destination, const GroupVector &source) const override;
   void diagonal(GroupVector &destination) const override;
-  /// Of the present values. Before, that of the last ones stays: levels that are kept refer to it.
+  /// Of the present values. Before, what was made of the last ones stays: levels that are kept refer to it.
   /// Collective.
-  const Epetra_CrsMatrix *matrix() const override;
+  const Epetra_CrsMatrix *matrix() const override { return has_cells() ? nullptr : entries(); }
+  const PartOperator *cells() const override;
+  const Epetra_CrsMatrix *entries() const override;
 
 private:
   const Epetra_CrsMatrix &A() const { return block_matrix.part(body_part, body_part).trilinos_matrix(); }
+  bool has_cells() const { return body_operator.has_products(); } ///< and A() is what has entries
+  void make_condensed() const;
   bool has_new_ties(const Epetra_CrsMatrix &B);
   bool split(const Epetra_CrsMatrix &B);
   bool are_enough(const std::vector<double> &stiffness);
@@ -92,6 +96,7 @@ private:
   double small = 0;                                  ///< weights, beside the largest one of a row
   mutable std::unique_ptr<Epetra_CrsMatrix> weights; ///< rows of Z' that follow
   mutable std::unique_ptr<Epetra_CrsMatrix> condensed;
+  mutable std::shared_ptr<PartOperator> condensed_cells;
   mutable bool is_outdated = true; ///< condensed
 };
 

@@ -96,7 +96,8 @@ bool GroupSystem::make_iterated()
   if (!(may_condense && condense())) {
     may_condense = false;
     condensed.reset();
-    make_saddle();
+    if (!lacks_entries())
+      make_saddle();
   }
   form_of_iteration = condensed ? static_cast<const IteratedForm *>(condensed.get()) : saddle.get();
   share_facts();

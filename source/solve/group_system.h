@@ -46,6 +46,8 @@ public:
   /// For iterations, one norm for all unknowns: without multipliers where these are of ties, if that serves.
   const GroupOperator &iterated() const;
   const IteratedForm *form() const { return form_of_iteration; } ///< nullptr: iterated() is plain()
+  /// Multipliers stay, for which K must have all entries, and it does not.
+  bool lacks_entries() const { return all_facts.has_multipliers && !may_condense && merged->has_products(); }
   /// Of one field, coupled or not: then what rounding leaves of K x may move a stiff body. Collective.
   bool has_stiff_and_soft_bodies() const;
 

@@ -72,8 +72,11 @@ struct LinearSolver::Group
   double iterations_worth_factors() const;
   bool is_matrix_free_by_degree() const;
   bool needs_entries() const { return takes_direct() || chosen.solver->needs_entries(); }
-  bool lacks_entries() const { return is_direct && system.plain().cells() != nullptr; }
-  bool lacks_products() const { return wants_products && system.plain().cells() == nullptr; }
+  bool lacks_entries() const
+  {
+    return (is_direct || chosen.solver->needs_entries()) && system.plain().has_products();
+  }
+  bool lacks_products() const { return wants_products && !system.plain().has_products(); }
   bool prepare(Member &member, const GroupOperator &K);
   std::optional<unsigned int> iterate(GroupVector &x, const GroupVector &b);
   unsigned int iterate_to_residual(GroupVector &x, const GroupVector &b);
@@ -188,7 +191,7 @@ void LinearSolver::Group::set_matrix(const Matrix &matrix)
   if (!is_decided)
     is_direct = is_direct_by_size();
   // the matrix of a new mesh was made as that of the last one
-  wants_products = !is_direct && !chosen.solver->needs_entries() && system.plain().cells() == nullptr;
+  wants_products = !is_direct && !chosen.solver->needs_entries() && !system.plain().has_products();
   if (!is_patient)
     system.limit_iterations(std::max(many_iterations, iterations_of_direct()));
   is_decided = true;
@@ -227,6 +230,14 @@ std::optional<unsigned int> LinearSolver::Group::iterate(GroupVector &x, const G
     if (system.make_iterated())
       chosen.solver->forget();
   });
+  if (system.lacks_entries()) {
+    if (owner.type == name_of_matrix_free)
+      owner.all_notes.push_back(
+          of_solver("the multipliers of " + system.facts().name +
+                    " stay unknowns, for which the matrix is made; multigrid solves it"));
+    chosen = make(name_of_multigrid);
+    return {};
+  }
   const bool is_done = has_operator && prepare(chosen, system.iterated()) &&
                        owner.ranks.succeeds("residual", [&]() { n_iterations = iterate_to_residual(x, b); });
   if (is_done)
@@ -341,7 +352,7 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
       return {};
   }
   const auto n_iterations = iterate(x, b);
-  if (n_iterations && ended_at == 0)
+  if ((n_iterations && ended_at == 0) || lacks_entries())
     return n_iterations;
   was_slow = chosen.solver->expected_iterations() > 0;
 
@@ -356,7 +367,7 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
   else
     words << " failed";
   x = 0;
-  if (system.plain().cells() != nullptr) {
+  if (system.plain().has_products()) {
     iteration_failed = is_direct = true;
     owner.all_notes.push_back(of_solver(words.str() + "; MUMPS takes over, for which the matrix is made"));
     return {};

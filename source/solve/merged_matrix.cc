@@ -41,7 +41,12 @@ void MergedMatrix::for_each_pair(const Visit &visit) const
 
 const PartOperator *MergedMatrix::cells() const
 {
-  return parts.size() == 1 ? block_matrix.part_operator(parts[0].number) : nullptr;
+  return parts.size() == 1 ? cells_of(parts[0]) : nullptr;
+}
+
+bool MergedMatrix::has_products() const
+{
+  return std::any_of(parts.begin(), parts.end(), [this](const Part &p) { return cells_of(p) != nullptr; });
 }
 
 const Epetra_CrsMatrix *MergedMatrix::entries() const
@@ -52,7 +57,7 @@ const Epetra_CrsMatrix *MergedMatrix::entries() const
 
 const Epetra_CrsMatrix *MergedMatrix::matrix() const
 {
-  if (cells() != nullptr)
+  if (has_products())
     return nullptr;
   if (parts.size() == 1)
     return &block_matrix.part(parts[0].number, parts[0].number).trilinos_matrix();
@@ -114,15 +119,18 @@ std::pair<double, double> MergedMatrix::largest_row() const
         sums[p.first_local + row] += std::abs(values[k]);
     }
   });
-  if (cells() != nullptr) { // no row is longer than its length^(1/2) times the largest entry of the diagonal
-    GroupVector diagonal_of_all = vector();
-    diagonal(diagonal_of_all);
-    const double length = cells()->row_length();
-    for (unsigned int row = 0; row < sums.size(); ++row) {
-      sums[row] = std::sqrt(length) * std::abs(diagonal_of_all.trilinos_vector()[0][row]);
-      lengths[row] += length;
+  for (unsigned int i = 0; i < parts.size(); ++i)
+    if (const PartOperator *const summand = cells_of(parts[i])) {
+      // no row is longer than its length^(1/2) times the largest entry of the diagonal
+      GroupVector diagonal_of_all = vector();
+      diagonal(diagonal_of_all);
+      const double length = summand->row_length();
+      const unsigned int end = i + 1 < parts.size() ? parts[i + 1].first_local : sums.size();
+      for (unsigned int row = parts[i].first_local; row < end; ++row) {
+        sums[row] = std::sqrt(length) * std::abs(diagonal_of_all.trilinos_vector()[0][row]);
+        lengths[row] += length;
+      }
     }
-  }
   const auto largest = [&](const std::vector<double> &of_rows) {
     double own = 0;
     for (const double of_row : of_rows)
@@ -151,11 +159,13 @@ GroupVector MergedMatrix::rounding_of_product(const GroupVector &x) const
         sums.trilinos_vector()[0][p.first_local + row] += std::abs(values[k]) * seen[columns[k]];
     }
   });
-  if (cells() != nullptr) {
-    const Epetra_Vector own(View, entries()->DomainMap(), x.trilinos_vector()[0]);
-    Epetra_Vector all(View, entries()->RangeMap(), sums.trilinos_vector()[0]);
-    cells()->add_sizes_of_products(own, all);
-  }
+  for (const Part &p : parts)
+    if (const PartOperator *const summand = cells_of(p)) {
+      const Epetra_Map &map = block_matrix.part(p.number, p.number).trilinos_matrix().RowMap();
+      const Epetra_Vector own(View, map, x.trilinos_vector()[0] + p.first_local);
+      Epetra_Vector all(View, map, sums.trilinos_vector()[0] + p.first_local);
+      summand->add_sizes_of_products(own, all);
+    }
   sums *= std::numeric_limits<double>::epsilon() / 2;
   return sums;
 }
@@ -193,6 +203,8 @@ void MergedMatrix::vmult(GroupVector &destination, const GroupVector &source) co
         product(matrix.RangeMap());
     matrix.Multiply(false, x, product);
     y.Update(1., product, 1.);
+    if (const PartOperator *const summand = p.number == q.number ? cells_of(p) : nullptr)
+      summand->add_product(1., x, y, false);
   });
 }
 
@@ -202,8 +214,8 @@ void MergedMatrix::diagonal(GroupVector &destination) const
     const Epetra_CrsMatrix &matrix = block_matrix.part(p.number, p.number).trilinos_matrix();
     Epetra_Vector values(View, matrix.RowMap(), destination.trilinos_vector()[0] + p.first_local);
     LevelEntries(matrix).diagonal(values);
-    if (cells() != nullptr)
-      cells()->add_diagonal(values);
+    if (const PartOperator *const summand = cells_of(p))
+      summand->add_diagonal(values);
   }
 }
 

@@ -33,7 +33,8 @@ public:
   void vmult(GroupVector &destination, const GroupVector &source) const override;
   void diagonal(GroupVector &destination) const override;
   const Epetra_CrsMatrix *matrix() const override; ///< collective, if it has to be made
-  const PartOperator *cells() const override;
+  const PartOperator *cells() const override;      ///< of a single part
+  bool has_products() const;                       ///< of cells, in some part; then there is no matrix()
   const Epetra_CrsMatrix *entries() const override;
 
   /// What rounding leaves of K x, row by row: u |K| |x|. Collective.
@@ -51,6 +52,7 @@ private:
     unsigned int number, first_block, first_local; ///< in the block matrix, here, here
   };
 
+  const PartOperator *cells_of(const Part &part) const { return block_matrix.part_operator(part.number); }
   /// Calls @p visit with each pair of parts that has entries, and their matrix.
   template <typename Visit>
   void for_each_pair(const Visit &visit) const;

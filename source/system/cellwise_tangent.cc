@@ -11,6 +11,7 @@
 
 #include <deal.II/base/mpi.h>
 
+#include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_MpiComm.h>
 
 #include <boost/serialization/set.hpp>
@@ -36,6 +37,27 @@ CellwiseTangent<dim>::CellwiseTangent(const Model<dim> &model, const RowNumberin
   for (const auto &[interface, field] : given_ties)
     ties.emplace_back(*interface, *field);
   collect_columns();
+}
+
+template <int dim>
+CellwiseTangent<dim>::CellwiseTangent(const CellwiseTangent &other, const std::vector<int> &followers,
+                                      const Epetra_CrsMatrix &weights)
+    : model(other.model), rows(other.rows), ties(other.ties), place_of_block(other.place_of_block),
+      own_rows(other.own_rows), columns(other.columns), import(other.import), exchange(other.exchange),
+      constrained(other.constrained), follow(other.follow), is_condensed(other.is_condensed),
+      block_pairs(other.block_pairs)
+{
+  for (const auto &[d, cells] : other.operators)
+    operators.emplace(d, cells);
+  add_followers(followers, weights);
+  find_diagonal();
+}
+
+template <int dim>
+std::shared_ptr<PartOperator> CellwiseTangent<dim>::with_followers(const std::vector<int> &followers,
+                                                                   const Epetra_CrsMatrix &weights) const
+{
+  return std::shared_ptr<PartOperator>(new CellwiseTangent(*this, followers, weights));
 }
 
 template <int dim>
@@ -150,6 +172,52 @@ void CellwiseTangent<dim>::make_constraint_matrix(const dealii::AffineConstraint
   follow->FillComplete(*own_rows, map);
 }
 
+/// What followed one of them so far follows what that follows.
+template <int dim>
+void CellwiseTangent<dim>::add_followers(const std::vector<int> &followers, const Epetra_CrsMatrix &weights)
+{
+  Epetra_CrsMatrix Z(Copy, *own_rows, 0), before(Copy, follow->RowMap(), 0);
+  const auto read = [](const Epetra_CrsMatrix &from, const int row, std::vector<int> &columns) {
+    int n = 0, *local = nullptr;
+    double *values = nullptr;
+    from.ExtractMyRowView(row, n, values, local);
+    columns.clear();
+    for (int k = 0; k < n; ++k)
+      columns.push_back(from.GCID(local[k]));
+    return values;
+  };
+  std::vector<int> row_columns, global_rows;
+  for (unsigned int k = 0; k < followers.size(); ++k) {
+    const double *const values = read(weights, k, row_columns);
+    Z.InsertGlobalValues(own_rows->GID(followers[k]), row_columns.size(), values, row_columns.data());
+    is_condensed[followers[k]] = true;
+  }
+  const double one = 1;
+  for (int row = 0; row < own_rows->NumMyElements(); ++row)
+    if (const int itself = own_rows->GID(row); !is_condensed[row])
+      Z.InsertGlobalValues(itself, 1, &one, &itself);
+  Z.FillComplete(*own_rows, *own_rows);
+  if (follow->NumGlobalNonzeros() > 0)
+    EpetraExt::MatrixMatrix::Multiply(*follow, false, Z, false, before, false);
+  before.FillComplete(*own_rows, follow->RowMap());
+
+  for (const int row : constrained)
+    global_rows.push_back(own_rows->GID(row));
+  for (const int row : followers)
+    global_rows.push_back(own_rows->GID(row));
+  const Epetra_Map map(-1, static_cast<int>(global_rows.size()), global_rows.data(), 0, own_rows->Comm());
+  auto all = std::make_shared<Epetra_CrsMatrix>(Copy, map, 0);
+  for (unsigned int k = 0; k < global_rows.size(); ++k) {
+    const bool was_there = k < constrained.size();
+    const double *const values =
+        read(was_there ? before : weights, was_there ? k : k - constrained.size(), row_columns);
+    all->InsertGlobalValues(global_rows[k], row_columns.size(), values, row_columns.data());
+  }
+  all->FillComplete(*own_rows, map);
+  follow = all;
+  constrained.insert(constrained.end(), followers.begin(), followers.end());
+}
+
 /// y += K x for all unknowns of the cells of this rank, as if there were no constraints.
 template <int dim>
 void CellwiseTangent<dim>::multiply_here(const Kind kind, const double *const x, double *const y) const
@@ -226,6 +294,8 @@ void CellwiseTangent<dim>::add_product(const double factor, const Epetra_Vector 
 template <int dim>
 void CellwiseTangent<dim>::add_product(const Kind kind, const Epetra_Vector &x, Epetra_Vector &y) const
 {
+  if (!follow)
+    return;
   if (follow->NumGlobalRows() == 0) {
     multiply_cells(kind, x, y);
     return;
@@ -320,6 +390,8 @@ void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
 template <int dim>
 void CellwiseTangent<dim>::add_sizes_of_products(const Epetra_Vector &x, Epetra_Vector &sizes) const
 {
+  if (!follow)
+    return;
   std::vector<double> of_K = diagonal;
   for (const auto &[i, value] : other_diagonal)
     of_K[i] = value;

@@ -27,8 +27,8 @@ std::string why_entries(const Model<dim> &model, const std::vector<std::string> 
 {
   if (fields.size() > 1)
     return "its fields depend on each other";
-  if (!group.multiplier_blocks.empty())
-    return "it has multipliers";
+  if (std::any_of(group.multiplier_blocks.begin(), group.multiplier_blocks.end(), group.is_of_body))
+    return "it has a pressure";
   for (const unsigned int b : group.blocks) {
     const Block &block = model.numbering->blocks()[b];
     const Domain<dim> &domain = *model.domains[block.domain_index];

@@ -32,6 +32,15 @@ struct AssembledScene
     return make_solve_groups<dim>(scene.model, [this]() -> const BlockSystem<dim> & { return system; });
   }
 
+  /// With entries or products, as it asks for.
+  void give_matrix(LinearSolver &solver)
+  {
+    system.choose_entries(solver.needs_entries());
+    system.make_matrix();
+    system.assemble(system.owned_vector(), true);
+    solver.set_matrix(system.tangent());
+  }
+
   std::optional<unsigned int> solve(LinearSolver &solver, Vector &solution) const
   {
     solution = system.owned_vector();

@@ -3,8 +3,9 @@
 //
 // Standard multipliers of ties, condensed for iterations: for noise on all right-hand sides, those of the
 // multipliers as well, CG finds what MUMPS finds with the multipliers (relative difference of each block at
-// most 1e-7). In 2D and 3D, degrees 1 and 2, for temperatures too; with moduli 1e4 and 1e8 apart; over a gap,
-// where the equations of the destination are not symmetric; three bodies in a row. Where the destination is
+// most 1e-7). In 2D and 3D, degrees 1 to 3, with products in place of entries as well, for temperatures
+// too; with moduli 1e4 apart; over a gap, where the equations of the destination are not symmetric; with
+// hanging nodes that follow what follows; three bodies in a row. Where the destination is
 // much stiffer and coarser, the multipliers stay.
 //
 // The product is symmetric and positive. The matrix that levels are made of gives a translation with a
@@ -31,9 +32,9 @@ std::string clamped(const std::string &field, const std::string &value, const st
 }
 
 std::string body(const std::string &material, const std::string &cells, const std::string &degree,
-                 const std::string &more = "")
+                 const std::string &more = "", const std::string &more_of_mesh = "")
 {
-  return set("Material", material) + set("Degree", degree) + more + box(cells);
+  return set("Material", material) + set("Degree", degree) + more + box(cells, more_of_mesh);
 }
 
 std::string elastic(const std::string &name, const std::string &modulus)
@@ -51,13 +52,20 @@ std::string tie(const std::string &name, const std::string &source, const std::s
 
 /// Of the destination E is one.
 std::string boxes(const std::string &modulus, const std::string &degree, const std::string &left,
-                  const std::string &right)
+                  const std::string &right, const std::string &more_of_right = "")
 {
   const std::string zero = std::count(left.begin(), left.end(), ',') > 3 ? "0; 0; 0" : "0; 0";
   return set("Materials", "first, second") + set("Domains", "left, right") + set("Interfaces", "seam") +
          elastic("first", modulus) + elastic("second", "1") +
          subsection("Domain left", body("first", left, degree, clamped("displacement", zero, "0"))) +
-         subsection("Domain right", body("second", right, degree)) + tie("seam", "left : 1", "right : 0");
+         subsection("Domain right", body("second", right, degree, "", more_of_right)) +
+         tie("seam", "left : 1", "right : 0");
+}
+
+/// @p more of the mesh of the destination
+std::string elastic_of_degree_2(const std::string &more = "")
+{
+  return boxes("1e-4", "2", "2, 2, 2 : 0, 0, 0 : 1, 1, 1", "2, 3, 3 : 1, 0, 0 : 2, 1, 1", more);
 }
 
 std::string conductors()
@@ -74,37 +82,38 @@ std::string conductors()
          tie("seam", "left : 1", "right : 0");
 }
 
-std::string three_in_a_row()
+std::string three_in_a_row(const std::string &degree)
 {
   return set("Materials", "first, second") + set("Domains", "left, middle, right") +
          set("Interfaces", "seam, other") + elastic("first", "1e-4") + elastic("second", "1") +
-         subsection("Domain left", body("second", "2, 4, 4 : 0, 0, 0 : 1, 1, 1", "1",
+         subsection("Domain left", body("second", "2, 4, 4 : 0, 0, 0 : 1, 1, 1", degree,
                                         clamped("displacement", "0; 0; 0", "0"))) +
-         subsection("Domain middle", body("first", "2, 3, 3 : 1, 0, 0 : 2, 1, 1", "1")) +
-         subsection("Domain right", body("second", "2, 5, 5 : 2, 0, 0 : 3, 1, 1", "1")) +
+         subsection("Domain middle", body("first", "2, 3, 3 : 1, 0, 0 : 2, 1, 1", degree)) +
+         subsection("Domain right", body("second", "2, 5, 5 : 2, 0, 0 : 3, 1, 1", degree)) +
          tie("seam", "middle : 0", "left : 1") + tie("other", "middle : 1", "right : 0");
 }
 
+/// @param iteration: its solver
 template <int dim>
-void compare(const std::string &name, const std::string &prm)
+void compare(const std::string &name, const std::string &prm, const std::string &iteration = "multigrid")
 {
-  const AssembledScene<dim> assembled(prm);
+  AssembledScene<dim> assembled(prm);
   Vector b = assembled.system.owned_vector();
-  unsigned long number = 0;
+  const auto &blocks = assembled.scene.model.numbering->blocks();
   for (unsigned int block = 0; block < b.n_blocks(); ++block) {
-    const double size = block < 2 ? 1 : 1e-3;
+    const double size = blocks[block].is_of_multipliers ? 1e-3 : 1;
     for (const auto i : b.block(block).locally_owned_elements())
-      b.block(block)(i) = size * noise(number + i);
-    number += b.block(block).size();
+      if (const auto dof = blocks[block].begin + i; !assembled.system.is_constrained(dof))
+        b.block(block)(i) = size * noise(dof);
     b.block(block).compress(dealii::VectorOperation::insert);
   }
   std::vector<Vector> x(2, b);
-  const std::vector<std::string> types = {"direct", "multigrid"};
+  const std::vector<std::string> types = {"direct", iteration};
   for (unsigned int i = 0; i < 2; ++i) {
     LinearSolver solver(
         SceneText::root(SceneText::from_prm(set("Type", types[i]) + set("Relative tolerance", "1e-12"))),
         assembled.groups());
-    solver.set_matrix(assembled.system.tangent());
+    assembled.give_matrix(solver);
     const auto n_iterations = solver.solve(x[i], b);
     if (is_rank_0())
       std::cout << name << ": " << solver.description()[0] << std::endl;
@@ -185,9 +194,13 @@ int main(int argc, char **argv)
   dealii::Utilities::MPI::MPI_InitFinalize mpi(argc, argv, 1);
   compare<2>("squares", boxes("1", "1", "6, 12 : 0, 0 : 1, 1", "8, 15 : 1, 0 : 2, 1"));
   compare<3>("cubes", boxes("1", "1", "3, 5, 5 : 0, 0, 0 : 1, 1, 1", "4, 8, 8 : 1, 0, 0 : 2, 1, 1"));
-  compare<3>("degree 2", boxes("1e-4", "2", "2, 2, 2 : 0, 0, 0 : 1, 1, 1", "2, 3, 3 : 1, 0, 0 : 2, 1, 1"));
+  compare<3>("degree 2", elastic_of_degree_2());
+  compare<3>("degree 2", elastic_of_degree_2(), "matrix-free");
+  compare<3>("finer in part", elastic_of_degree_2(set("Refine boxes", "1; 0; 0 : 2; 0.4; 1")), "matrix-free");
+  compare<2>("degree 3", boxes("1e4", "3", "3, 6 : 0, 0 : 1, 1", "4, 8 : 1, 0 : 2, 1"), "matrix-free");
   compare<3>("gap", boxes("1", "1", "3, 5, 5 : 0, 0, 0 : 1, 1, 1", "4, 8, 8 : 1.02, 0, 0 : 2, 1, 1"));
-  compare<3>("three in a row", three_in_a_row());
+  compare<3>("three in a row", three_in_a_row("1"));
+  compare<3>("three in a row, degree 2", three_in_a_row("2"), "matrix-free");
   compare<3>("conductors", conductors());
   compare<3>("coarse and stiff",
              boxes("1e-4", "1", "4, 8, 8 : 0, 0, 0 : 1, 1, 1", "3, 5, 5 : 1, 0, 0 : 2, 1, 1"));

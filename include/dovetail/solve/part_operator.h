@@ -46,6 +46,11 @@ public:
   /// The largest number of entries that a row would have.
   virtual unsigned int row_length() const = 0;
 
+  /// Z^T K Z, where further own @p rows follow others: the k-th one by the k-th row of @p weights, whose
+  /// columns are rows here that are not empty. Has the derivatives of this one. Collective.
+  virtual std::shared_ptr<PartOperator> with_followers(const std::vector<int> &rows,
+                                                       const Epetra_CrsMatrix &weights) const = 0;
+
   virtual std::shared_ptr<PartOperator> copy() const = 0;
   virtual void add(double factor, const PartOperator &other) = 0; ///< @p other: a copy of this one
 

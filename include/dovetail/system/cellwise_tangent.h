@@ -75,6 +75,8 @@ public:
     return block_pairs;
   }
   unsigned int row_length() const override;
+  std::shared_ptr<PartOperator> with_followers(const std::vector<int> &rows,
+                                               const Epetra_CrsMatrix &weights) const override;
   std::shared_ptr<PartOperator> copy() const override;
   void add(double factor, const PartOperator &other) override;
 
@@ -82,10 +84,10 @@ private:
   enum Kind { exact, symmetric, rough }; ///< of a product
 
   /// By domain; a copy has its own.
-  struct CellOperators : std::map<unsigned int, std::unique_ptr<CellOperator<dim>>>
+  struct CellOperators : std::map<unsigned int, std::shared_ptr<CellOperator<dim>>>
   {
     CellOperators() = default;
-    CellOperators(const CellOperators &other) : std::map<unsigned int, std::unique_ptr<CellOperator<dim>>>()
+    CellOperators(const CellOperators &other) : std::map<unsigned int, std::shared_ptr<CellOperator<dim>>>()
     {
       for (const auto &[d, cells] : other)
         this->emplace(d, cells->copy());
@@ -93,9 +95,12 @@ private:
   };
 
   CellwiseTangent(const CellwiseTangent &other) = default;
+  CellwiseTangent(const CellwiseTangent &other, const std::vector<int> &followers,
+                  const Epetra_CrsMatrix &weights);   ///< shares the operators of @p other
   int row(dealii::types::global_dof_index dof) const; ///< global
   void collect_columns();
   void make_constraint_matrix(const dealii::AffineConstraints<double> &constraints);
+  void add_followers(const std::vector<int> &followers, const Epetra_CrsMatrix &weights);
   void find_diagonal();
   void add_product(Kind kind, const Epetra_Vector &x, Epetra_Vector &y) const;
   void multiply_cells(Kind kind, const Epetra_Vector &all_values, Epetra_Vector &y) const;
@@ -113,7 +118,7 @@ private:
   std::shared_ptr<const ColumnExchange> exchange; ///< for products, of the same columns
 
   std::vector<int> constrained;             ///< local rows
-  std::shared_ptr<Epetra_CrsMatrix> follow; ///< a row for each of them: those it follows
+  std::shared_ptr<Epetra_CrsMatrix> follow; ///< a row for each of them: those it follows; nullptr: K = 0 yet
   std::vector<bool> is_condensed;
   std::set<std::pair<unsigned int, unsigned int>> block_pairs;
   std::vector<double> diagonal;                                ///< of C^T K C

@@ -6,15 +6,15 @@
 #include "aggregate_products.h"
 #include "level_operator.h"
 #include "rows_of_inverse.h"
+#include "soft_leaders.h"
 
+#include <deal.II/base/mpi.h>
 #include <deal.II/lac/lapack_full_matrix.h>
 
 #include <EpetraExt_MatrixMatrix.h>
 #include <Epetra_Comm.h>
 #include <Epetra_Import.h>
-#include <Epetra_IntVector.h>
 #include <Epetra_Map.h>
-#include <Epetra_MultiVector.h>
 
 #include <algorithm>
 #include <cmath>
@@ -28,17 +28,6 @@ bool is_on_all_ranks(const bool condition, const Epetra_Comm &communicator)
   int here = condition, everywhere = 0;
   communicator.MinAll(&here, &everywhere, 1);
   return everywhere != 0;
-}
-
-/// What own rows have, at the columns of a matrix.
-Epetra_Vector at_columns(const Epetra_CrsMatrix &matrix, const Epetra_Vector &of_rows)
-{
-  Epetra_Vector result(matrix.ColMap());
-  if (matrix.Importer() == nullptr)
-    std::copy(of_rows.Values(), of_rows.Values() + of_rows.MyLength(), result.Values());
-  else
-    result.Import(of_rows, *matrix.Importer(), Insert);
-  return result;
 }
 
 /// x.D y = y.D x for two vectors of noise.
@@ -117,18 +106,24 @@ void reproduce(const std::vector<double> &wanted, std::vector<std::vector<double
 
 CondensedBodies::CondensedBodies(const BlockMatrix &matrix, const std::vector<unsigned int> &bodies,
                                  const std::vector<unsigned int> &multipliers,
-                                 const std::vector<int> &row_of_multiplier,
+                                 const std::vector<Follower> &given_followers,
                                  std::function<Modes()> given_modes)
     : block_matrix(matrix), body_operator(matrix, bodies), body_part(matrix.part_of(bodies[0])),
       multiplier_part(matrix.part_of(multipliers[0])), modes(std::move(given_modes)),
-      tie_of_row(body_operator.numbering().n_local(), -1)
+      place_of_row(body_operator.numbering().n_local(), -1)
 {
-  for (unsigned int i = 0; i < row_of_multiplier.size(); ++i)
-    if (const int row = row_of_multiplier[i]; row >= 0) {
-      tie_of_row[row] = acting.size();
-      acting.push_back(i);
-      followers.push_back(row);
-    }
+  unsigned int n_here = 0;
+  for (unsigned int i = 0; i < given_followers.size(); ++i) {
+    const auto [row, tie] = given_followers[i];
+    n_here = std::max(n_here, tie + 1);
+    if (row < 0)
+      continue;
+    place_of_row[row] = acting.size();
+    acting.push_back(i);
+    followers.push_back(row);
+    tie_of_follower.push_back(tie);
+  }
+  n_ties = dealii::Utilities::MPI::max(n_here, matrix.get_mpi_communicator());
 }
 
 bool CondensedBodies::update(const std::vector<double> &stiffness)
@@ -182,10 +177,11 @@ bool CondensedBodies::split(const Epetra_CrsMatrix &B)
   const Epetra_Vector number_of_column = at_columns(B, number_of_row);
   D = std::make_unique<Epetra_CrsMatrix>(Copy, ties, 0);
   M = std::make_unique<Epetra_CrsMatrix>(Copy, ties, 0);
+  const double rounding = 1e-10;
   bool has_diagonal = true;
   for (unsigned int k = 0; k < acting.size(); ++k) {
     const SparseRow row = SparseRows(B)[acting[k]];
-    double of_follower = 0;
+    double of_follower = 0, largest = 0;
     for (int j = 0; j < row.n; ++j) {
       const int tie = static_cast<int>(number_of_column[row.columns[j]]), column = B.GCID(row.columns[j]);
       if (row.values[j] != 0 && tie >= 0)
@@ -193,8 +189,9 @@ bool CondensedBodies::split(const Epetra_CrsMatrix &B)
       else if (row.values[j] != 0)
         M->InsertGlobalValues(ties.GID(k), 1, &row.values[j], &column);
       of_follower += tie == ties.GID(k) ? row.values[j] : 0;
+      largest = std::max(largest, std::abs(row.values[j]));
     }
-    has_diagonal = has_diagonal && of_follower != 0;
+    has_diagonal = has_diagonal && std::abs(of_follower) > rounding * largest;
   }
   D->FillComplete(ties, ties);
   M->FillComplete(B.DomainMap(), ties);
@@ -212,30 +209,31 @@ bool CondensedBodies::split(const Epetra_CrsMatrix &B)
 
 bool CondensedBodies::are_enough(const std::vector<double> &stiffness)
 {
-  const double much = 30;
   Epetra_Vector of_rows(A().RowMap());
   std::copy(stiffness.begin(), stiffness.end(), of_rows.Values());
   const Epetra_Vector of_columns = at_columns(*M, of_rows);
-  Epetra_Vector leads(M->ColMap()), leaders(A().RowMap());
-  int here[2] = {0, 0}, all[2] = {0, 0}; // followers, leaders
+  Epetra_Vector leads(M->ColMap()), leaders(A().RowMap()); // 1 + the tie, 0: none
+  std::vector<int> here(n_ties, 0), all(n_ties, 0);        // followers - leaders
+  const SparseRows rows(*M);
   for (unsigned int k = 0; k < acting.size(); ++k) {
-    const SparseRow row = SparseRows(*M)[k];
+    const SparseRow row = rows[k];
     bool is_stiff = false;
     for (int j = 0; j < row.n; ++j)
-      if (of_rows[followers[k]] > much * of_columns[row.columns[j]]) {
+      if (of_rows[followers[k]] > least_contrast * of_columns[row.columns[j]]) {
         is_stiff = true;
-        leads[row.columns[j]] = 1;
+        leads[row.columns[j]] = 1 + tie_of_follower[k];
       }
-    here[0] += is_stiff ? 1 : 0;
+    here[tie_of_follower[k]] += is_stiff ? 1 : 0;
   }
-  leaders.Export(leads, Epetra_Import(M->ColMap(), A().RowMap()), Add);
+  leaders.Export(leads, Epetra_Import(M->ColMap(), A().RowMap()), AbsMax);
   soft_leaders.clear();
   for (int row = 0; row < leaders.MyLength(); ++row)
-    if (leaders[row] > 0)
+    if (leaders[row] > 0) {
       soft_leaders.push_back(row);
-  here[1] = soft_leaders.size();
-  A().Comm().SumAll(here, all, 2);
-  return all[0] >= all[1];
+      --here[static_cast<int>(leaders[row]) - 1];
+    }
+  A().Comm().SumAll(here.data(), all.data(), n_ties);
+  return std::all_of(all.begin(), all.end(), [](const int more) { return more >= 0; });
 }
 
 /// What Z' leaves out, in units of the largest weight of a row. Stiff bodies resist what Z' makes of it, and
@@ -354,7 +352,7 @@ RowSums CondensedBodies::with_followers(const RowSums &sums) const
   std::vector<std::pair<RowSums::Index, double>> sum;
   for (unsigned int row = 0; row < sums.size(); ++row) {
     sum.clear();
-    if (const int tie = tie_of_row[row]; tie >= 0) {
+    if (const int tie = place_of_row[row]; tie >= 0) {
       const SparseRow weights_of_row = SparseRows(*weights)[tie];
       for (int k = 0; k < weights_of_row.n; ++k)
         sum.emplace_back(weights->GCID(weights_of_row.columns[k]), weights_of_row.values[k]);
@@ -371,9 +369,15 @@ std::unique_ptr<Epetra_CrsMatrix>
 CondensedBodies::sum_of_followers(const std::vector<bool> &column_follows) const
 {
   const SparseRows rows(A()), rows_of_weights(*weights);
+  Epetra_Vector column_of_follower(A().ColMap()), beside_follower(A().RowMap());
+  for (const int follower : followers)
+    for (int k = 0; k < rows[follower].n; ++k)
+      column_of_follower[rows[follower].columns[k]] = 1;
+  beside_follower.Export(column_of_follower, Epetra_Import(A().ColMap(), A().RowMap()), Add);
   const auto is_concerned = [&](const int row) {
-    return tie_of_row[row] >= 0 || std::any_of(rows[row].columns, rows[row].columns + rows[row].n,
-                                               [&](const int column) { return column_follows[column]; });
+    return beside_follower[row] > 0 || place_of_row[row] >= 0 ||
+           std::any_of(rows[row].columns, rows[row].columns + rows[row].n,
+                       [&](const int column) { return column_follows[column]; });
   };
   std::vector<int> concerned;
   for (int row = 0; row < A().NumMyRows(); ++row)
@@ -384,7 +388,7 @@ CondensedBodies::sum_of_followers(const std::vector<bool> &column_follows) const
   std::vector<int> columns;
   std::vector<double> values;
   for (const int global_row : concerned) {
-    const int row = A().LRID(global_row), tie = tie_of_row[row];
+    const int row = A().LRID(global_row), tie = place_of_row[row];
     columns.clear();
     values.clear();
     for (int k = 0; k < rows[row].n; ++k)
@@ -420,7 +424,7 @@ std::unique_ptr<Epetra_CrsMatrix> CondensedBodies::sum_with(const Epetra_CrsMatr
   }
   const Epetra_Map all_columns(-1, static_cast<int>(global.size()), global.data(), 0, A().Comm());
   for (int row = 0; row < A().NumMyRows(); ++row)
-    lengths.push_back(tie_of_row[row] >= 0 ? 1 : A().NumMyEntries(row) + others.NumMyEntries(row));
+    lengths.push_back(place_of_row[row] >= 0 ? 1 : A().NumMyEntries(row) + others.NumMyEntries(row));
   auto sum = std::make_unique<Epetra_CrsMatrix>(Copy, A().RowMap(), all_columns, lengths.data(), true);
   const SparseRows rows(A());
   const std::vector<int> column_of_row = columns_of_rows(A());
@@ -440,7 +444,7 @@ std::unique_ptr<Epetra_CrsMatrix> CondensedBodies::sum_with(const Epetra_CrsMatr
     others.ExtractMyRowView(row, n, values_there, columns_there);
     columns.clear();
     values.clear();
-    if (tie_of_row[row] >= 0)
+    if (place_of_row[row] >= 0)
       add(column_of_row[row], diagonal_of_followers);
     else
       for (int k = 0; k < rows[row].n; ++k)
@@ -506,7 +510,7 @@ Epetra_Vector CondensedBodies::of_acting(const GroupVector &b) const
 {
   Epetra_Vector result(D->RowMap());
   for (unsigned int k = 0; k < acting.size(); ++k)
-    result[k] = b.trilinos_vector()[0][tie_of_row.size() + acting[k]];
+    result[k] = b.trilinos_vector()[0][place_of_row.size() + acting[k]];
   return result;
 }
 
@@ -547,7 +551,7 @@ void CondensedBodies::vmult(GroupVector &destination, const GroupVector &source)
 
 GroupVector CondensedBodies::right_hand_side(const GroupVector &b) const
 {
-  GroupVector f = sizes_of_residual(b), u = vector(), product = vector();
+  GroupVector f = of_bodies(b), u = vector(), product = vector();
   const Epetra_Vector g = of_acting(b);
   let_follow(u, &g);
   body_operator.vmult(product, u);
@@ -559,7 +563,7 @@ GroupVector CondensedBodies::right_hand_side(const GroupVector &b) const
 GroupVector CondensedBodies::solution(const GroupVector &x, const GroupVector &b) const
 {
   const Epetra_CrsMatrix &minus_C = block_matrix.part(multiplier_part, multiplier_part).trilinos_matrix();
-  GroupVector u(x), rest = sizes_of_residual(b), product = vector(), result(b);
+  GroupVector u(x), rest = of_bodies(b), product = vector(), result(b);
   const Epetra_Vector g = of_acting(b);
   let_follow(u, &g);
   body_operator.vmult(product, u);
@@ -568,8 +572,8 @@ GroupVector CondensedBodies::solution(const GroupVector &x, const GroupVector &b
   factors->solve_transposed(lambda.Values(), of_followers(rest).Values());
   balance_leaders(lambda, rest);
   minus_C.ExtractDiagonalCopy(diagonal_of_dropped);
-  double *const all = result.trilinos_vector()[0], *const multipliers = all + tie_of_row.size();
-  std::copy(u.trilinos_vector()[0], u.trilinos_vector()[0] + tie_of_row.size(), all);
+  double *const all = result.trilinos_vector()[0], *const multipliers = all + place_of_row.size();
+  std::copy(u.trilinos_vector()[0], u.trilinos_vector()[0] + place_of_row.size(), all);
   for (int i = 0; i < diagonal_of_dropped.MyLength(); ++i) // b remains there
     multipliers[i] = diagonal_of_dropped[i] != 0 ? multipliers[i] / diagonal_of_dropped[i] : 0;
   for (unsigned int k = 0; k < acting.size(); ++k)
@@ -578,8 +582,8 @@ GroupVector CondensedBodies::solution(const GroupVector &x, const GroupVector &b
 }
 
 /// What rounding leaves of the forces of stiff bodies, which lambda balances, may be far more than the forces
-/// of soft ones. It is left to the stiff bodies: lambda += D^-1 M y, with y such that nothing is left of
-/// @p rest, f - A u, in the rows that these bodies follow.
+/// of soft ones. It is left to the stiff bodies: lambda += diag(D)^-1 M y, with y such that nothing is left
+/// of @p rest, f - A u, in the rows that these bodies follow.
 void CondensedBodies::balance_leaders(Epetra_Vector &lambda, const GroupVector &rest) const
 {
   const unsigned int most_steps = 100;
@@ -589,10 +593,11 @@ void CondensedBodies::balance_leaders(Epetra_Vector &lambda, const GroupVector &
   if (n == 0)
     return;
   const Epetra_Map &bodies = A().RowMap();
-  Epetra_Vector forces(bodies), r(bodies), p(bodies), q(bodies), y(bodies), of_ties(lambda), solved(lambda);
-  const auto multipliers_of = [&](const Epetra_Vector &leaders) {
+  Epetra_Vector forces(bodies), r(bodies), p(bodies), q(bodies), y(bodies), of_ties(lambda), of_D(lambda);
+  D->ExtractDiagonalCopy(of_D);
+  const auto find_multipliers = [&](const Epetra_Vector &leaders) {
     M->Multiply(false, leaders, of_ties);
-    factors->solve(solved.Values(), of_ties.Values());
+    of_ties.ReciprocalMultiply(1., of_D, of_ties, 0.);
   };
   M->Multiply(true, lambda, forces);
   for (const int row : soft_leaders)
@@ -601,8 +606,8 @@ void CondensedBodies::balance_leaders(Epetra_Vector &lambda, const GroupVector &
   r.Dot(r, &square);
   const double first = square;
   for (unsigned int step = 0; step < most_steps && square > tolerance * tolerance * first; ++step) {
-    multipliers_of(p);
-    M->Multiply(true, solved, forces);
+    find_multipliers(p);
+    M->Multiply(true, of_ties, forces);
     for (const int row : soft_leaders)
       q[row] = forces[row];
     p.Dot(q, &product);
@@ -614,16 +619,17 @@ void CondensedBodies::balance_leaders(Epetra_Vector &lambda, const GroupVector &
     r.Dot(r, &square);
     p.Update(1., r, square / last);
   }
-  multipliers_of(y);
-  lambda.Update(1., solved, 1.);
+  if (!(square < first))
+    return;
+  find_multipliers(y);
+  lambda.Update(1., of_ties, 1.);
 }
 
-/// Those of the bodies.
-GroupVector CondensedBodies::sizes_of_residual(const GroupVector &sizes) const
+GroupVector CondensedBodies::of_bodies(const GroupVector &b) const
 {
   GroupVector result = vector();
-  const double *const given = sizes.trilinos_vector()[0];
-  std::copy(given, given + tie_of_row.size(), result.trilinos_vector()[0]);
+  const double *const given = b.trilinos_vector()[0];
+  std::copy(given, given + place_of_row.size(), result.trilinos_vector()[0]);
   return result;
 }
 

@@ -34,15 +34,20 @@ class CondensedBodies : public IteratedForm
 {
 public:
   using Modes = std::vector<std::vector<double>>; ///< [mode][own row]
+  /// The unknown that belongs to a multiplier.
+  struct Follower
+  {
+    int row;          ///< own one of the bodies; -1: the multiplier was dropped
+    unsigned int tie; ///< from 0
+  };
 
-  /// @p bodies and @p multipliers: their blocks, a part each; @p row_of_multiplier: of each own one
-  /// the own row of the bodies that belongs to it, -1: it was dropped. @p modes: what bodies hardly resist,
-  /// asked for in matrix(). Collective.
+  /// @p bodies and @p multipliers: their blocks, a part each; @p followers: of each own multiplier. @p modes:
+  /// what bodies hardly resist, asked for in matrix(). Collective.
   CondensedBodies(const BlockMatrix &matrix, const std::vector<unsigned int> &bodies,
-                  const std::vector<unsigned int> &multipliers, const std::vector<int> &row_of_multiplier,
+                  const std::vector<unsigned int> &multipliers, const std::vector<Follower> &followers,
                   std::function<Modes()> modes);
   /// The matrix has new values. @p stiffness: of each own row of the bodies. @return whether it suits an
-  /// iteration: D has an inverse, and where unknowns follow much softer ones, they are not fewer than these.
+  /// iteration: D has an inverse, and where unknowns of a tie follow much softer ones, they are not fewer.
   /// Else functions of the soft side that Z does not see, and Z' does, would be stiff. Collective.
   bool update(const std::vector<double> &stiffness);
 
@@ -51,7 +56,7 @@ public:
 
   GroupVector right_hand_side(const GroupVector &b) const override;
   GroupVector solution(const GroupVector &x, const GroupVector &b) const override;
-  GroupVector sizes_of_residual(const GroupVector &sizes) const override;
+  GroupVector sizes_of_residual(const GroupVector &sizes) const override { return of_bodies(sizes); }
   GroupVector vector() const override { return body_operator.vector(); }
   void vmult(GroupVector &destination, const GroupVector &source) const override;
   void diagonal(GroupVector &destination) const override;
@@ -76,6 +81,7 @@ private:
   std::unique_ptr<Epetra_CrsMatrix> sum_of_followers(const std::vector<bool> &column_follows) const;
   std::unique_ptr<Epetra_CrsMatrix> sum_with(const Epetra_CrsMatrix &others,
                                              const std::vector<bool> &column_follows) const;
+  GroupVector of_bodies(const GroupVector &b) const;
   Epetra_Vector of_followers(const GroupVector &x) const;
   Epetra_Vector of_acting(const GroupVector &b) const;
   void let_follow(GroupVector &u, const Epetra_Vector *g) const;
@@ -87,8 +93,10 @@ private:
   const unsigned int body_part, multiplier_part;
   const std::function<Modes()> modes;
   std::vector<int> acting, followers; ///< own multipliers, and the own row of each of these that follows
-  std::vector<int> tie_of_row;        ///< by own row of the bodies, the place among these; -1: it leads
-  std::vector<double> entries_of_B;   ///< that D and M are made of
+  std::vector<unsigned int> tie_of_follower;
+  unsigned int n_ties = 0;          ///< on all ranks
+  std::vector<int> place_of_row;    ///< by own row of the bodies, the place among these; -1: it leads
+  std::vector<double> entries_of_B; ///< that D and M are made of
   std::unique_ptr<Epetra_CrsMatrix> D, M;
   std::unique_ptr<Factors> factors; ///< of D
   double diagonal_of_followers = 1;

@@ -14,7 +14,12 @@
 
 namespace dovetail {
 
-GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
+GroupSystem::GroupSystem(SolveGroup given_group)
+    : group(std::move(given_group)),
+      can_condense(!group.multiplier_blocks.empty() && group.follower &&
+                   !(group.is_of_body && std::any_of(group.multiplier_blocks.begin(),
+                                                     group.multiplier_blocks.end(), group.is_of_body))),
+      may_condense(can_condense)
 {
   static_cast<GroupTraits &>(all_facts) = group;
   all_facts.has_multipliers = !group.multiplier_blocks.empty();
@@ -34,10 +39,6 @@ GroupSystem::GroupSystem(SolveGroup given_group) : group(std::move(given_group))
     all_facts.mesh_levels = [this](const bool with_parents) { return mesh_levels(with_parents); };
   if (group.positions)
     all_facts.places = [this](const Selection *rows) { return places(rows); };
-  may_condense =
-      all_facts.has_multipliers && group.follower &&
-      std::none_of(group.multiplier_blocks.begin(), group.multiplier_blocks.end(),
-                   [this](const unsigned int b) { return group.is_of_body && group.is_of_body(b); });
   share_facts();
 }
 
@@ -86,22 +87,24 @@ void GroupSystem::forget_matrix()
   condensed.reset();
   saddle.reset();
   merged.reset();
+  may_condense = can_condense && !has_failed;
+  share_facts();
 }
 
-bool GroupSystem::make_iterated()
+void GroupSystem::make_iterated(const std::function<void()> &forget)
 {
   if (!all_facts.has_multipliers)
-    return false;
-  const bool had_multipliers = facts_of_iteration.has_multipliers;
-  if (!(may_condense && condense())) {
-    may_condense = false;
+    return;
+  may_condense = may_condense && condense();
+  if (condensed && !may_condense) {
+    forget();
+    form_of_iteration = nullptr;
     condensed.reset();
-    if (!lacks_entries())
-      make_saddle();
   }
-  form_of_iteration = condensed ? static_cast<const IteratedForm *>(condensed.get()) : saddle.get();
   share_facts();
-  return facts_of_iteration.has_multipliers != had_multipliers;
+  if (!may_condense && !lacks_entries())
+    make_saddle();
+  form_of_iteration = condensed ? static_cast<const IteratedForm *>(condensed.get()) : saddle.get();
 }
 
 /// @return whether that serves
@@ -113,24 +116,23 @@ bool GroupSystem::condense()
   return condensed->update(stiffness_of_row());
 }
 
-/// Of each own multiplier: its own row among those of the bodies; -1 if it was dropped.
-std::vector<int> GroupSystem::followers() const
+/// Of each own multiplier.
+std::vector<CondensedBodies::Follower> GroupSystem::followers() const
 {
   const RowNumbering rows(matrix->owned_unknowns(), group.blocks, matrix->get_mpi_communicator());
-  const RowNumbering::Index first =
-      matrix->part(matrix->part_of(group.blocks[0]), matrix->part_of(group.blocks[0]))
-          .trilinos_matrix()
-          .RowMap()
-          .MinMyGID();
-  std::vector<int> result;
-  for (const unsigned int block : group.multiplier_blocks)
-    for (const RowNumbering::Index unknown : group.follower(block)) {
-      result.push_back(-1);
+  const unsigned int part = matrix->part_of(group.blocks[0]);
+  const Epetra_Map &map = matrix->part(part, part).trilinos_matrix().RowMap();
+  std::vector<CondensedBodies::Follower> result;
+  for (unsigned int tie = 0; tie < group.multiplier_blocks.size(); ++tie)
+    for (const RowNumbering::Index unknown : group.follower(group.multiplier_blocks[tie])) {
+      result.push_back({-1, tie});
       if (unknown == dealii::numbers::invalid_dof_index)
         continue;
       const auto [body, index] = matrix->get_row_indices().global_to_local(unknown);
       const auto found = std::find(group.blocks.begin(), group.blocks.end(), body);
-      result.back() = static_cast<int>(rows.row(found - group.blocks.begin(), index) - first);
+      AssertThrow(found != group.blocks.end(), dealii::ExcMessage("A multiplier belongs to another group."));
+      result.back().row = map.LID(static_cast<int>(rows.row(found - group.blocks.begin(), index)));
+      AssertThrow(result.back().row >= 0, dealii::ExcMessage("A multiplier belongs to another rank."));
     }
   return result;
 }

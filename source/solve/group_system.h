@@ -11,6 +11,7 @@
 
 #include <dovetail/solve/linear_solver.h>
 
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -36,11 +37,15 @@ public:
   void consider_constraints();
   void limit_iterations(const double most) { facts_of_iteration.most_iterations = most; }
   void set_next_goal(GroupFacts::NextGoal next_goal) { facts_of_iteration.next_goal = std::move(next_goal); }
-  /// Between set_matrix and the first use of iterated(). @return whether its facts are other ones now.
-  /// Collective.
-  bool make_iterated();
-  /// The iteration keeps multipliers from now on. @return whether it did not before
-  bool keep_multipliers() { return std::exchange(may_condense, false) && condensed; }
+  /// Between set_matrix and the first use of iterated(). Calls @p forget before what has been iterated() so
+  /// far is destroyed. Collective.
+  void make_iterated(const std::function<void()> &forget);
+  /// An iteration without multipliers has failed: keep them. @return whether it was without them
+  bool keep_multipliers()
+  {
+    has_failed = has_failed || may_condense;
+    return std::exchange(may_condense, false);
+  }
 
   const MergedMatrix &plain() const { return *merged; } ///< entries as they are
   /// For iterations, one norm for all unknowns: without multipliers where these are of ties, if that serves.
@@ -55,7 +60,7 @@ private:
   void share_facts();
   bool condense();
   void make_saddle();
-  std::vector<int> followers() const;
+  std::vector<CondensedBodies::Follower> followers() const;
   Modes near_null_space(const Selection *rows) const;
   Selection of_block(unsigned int i, const Selection &rows) const;
   RowSums linear_part() const;
@@ -76,7 +81,8 @@ private:
   GroupFacts all_facts, facts_of_iteration;
   const BlockMatrix *matrix = nullptr;
   std::unique_ptr<MergedMatrix> merged;
-  bool may_condense;                          ///< multipliers
+  const bool can_condense; ///< multipliers
+  bool may_condense, has_failed = false;
   std::unique_ptr<CondensedBodies> condensed; ///< with multipliers, or
   std::unique_ptr<SaddlePoint> saddle;
   const IteratedForm *form_of_iteration = nullptr; ///< one of these

@@ -47,6 +47,15 @@ void LevelEntries::vmult(Epetra_Vector &y, const Epetra_Vector &x) const
     A->Multiply(false, x, y);
 }
 
+Epetra_Vector at_columns(const Epetra_CrsMatrix &A, const Epetra_Vector &of_rows)
+{
+  if (A.Importer() == nullptr)
+    return of_rows;
+  Epetra_Vector result(A.ColMap());
+  result.Import(of_rows, *A.Importer(), Insert);
+  return result;
+}
+
 std::vector<int> columns_of_rows(const Epetra_CrsMatrix &A)
 {
   std::vector<int> result(A.NumMyRows(), -1);

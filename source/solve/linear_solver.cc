@@ -221,14 +221,13 @@ bool LinearSolver::Group::prepare(Member &member, const GroupOperator &K)
   return member.is_prepared;
 }
 
-/// @return the number of iterations, or nothing if it failed. Where it ended: ended_at. What fails without
-/// multipliers is tried with them.
+/// @return the number of iterations, or nothing if it failed. Where it ended: ended_at. Where that was
+/// without multipliers, one with them is tried.
 std::optional<unsigned int> LinearSolver::Group::iterate(GroupVector &x, const GroupVector &b)
 {
   unsigned int n_iterations = 0;
   const bool has_operator = chosen.is_prepared || owner.ranks.succeeds("operator", [&]() {
-    if (system.make_iterated())
-      chosen.solver->forget();
+    system.make_iterated([&]() { chosen.solver->forget(); });
   });
   if (system.lacks_entries()) {
     if (owner.type == name_of_matrix_free)
@@ -238,7 +237,8 @@ std::optional<unsigned int> LinearSolver::Group::iterate(GroupVector &x, const G
     chosen = make(name_of_multigrid);
     return {};
   }
-  const bool is_done = has_operator && prepare(chosen, system.iterated()) &&
+  const bool is_done = has_operator && chosen.solver->objection().empty() &&
+                       prepare(chosen, system.iterated()) &&
                        owner.ranks.succeeds("residual", [&]() { n_iterations = iterate_to_residual(x, b); });
   if (is_done)
     return n_iterations;

@@ -242,7 +242,7 @@ unsigned int MatrixFree::iterate(const GroupOperator &K, GroupVector &x, const G
 namespace {
 [[maybe_unused]] const bool registered = SolverCatalogue::add<MatrixFree>(
     "matrix-free", "Products with the cells' tangent by sum factorisation, and multigrid; for one field on "
-                   "quadrilaterals or hexahedra, degree 2 and higher, ties without multipliers.");
+                   "quadrilaterals or hexahedra, degree 2 and higher, without pressures.");
 }
 
 } // namespace dovetail

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <set>
+#include <unordered_map>
 
 namespace dovetail {
 
@@ -131,6 +132,8 @@ void RowsOfInverse::read(const int row, std::vector<int> &columns, std::vector<d
     for (const int place : reached)
       p[place] = r[place] + square / last * p[place];
   }
+  if (x[row] == 0) // D is not positive there
+    x[row] = 1;
   columns.clear();
   values.clear();
   for (const int place : reached)

@@ -7,7 +7,6 @@
 
 #include <Epetra_CrsMatrix.h>
 
-#include <unordered_map>
 #include <utility>
 #include <vector>
 

@@ -20,21 +20,11 @@ namespace dovetail {
 
 namespace {
 
-/// The diagonal of A by columns of B.
-Epetra_Vector by_columns(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A)
-{
-  if (B.Importer() == nullptr)
-    return diagonal_of_A;
-  Epetra_Vector diagonal(B.ColMap());
-  diagonal.Import(diagonal_of_A, *B.Importer(), Insert);
-  return diagonal;
-}
-
 /// diag(B diag(A)^-1 B^T)
 void add_schur_complement(const Epetra_CrsMatrix &B, const Epetra_Vector &diagonal_of_A,
                           Epetra_Vector &schur_diagonal)
 {
-  const Epetra_Vector diagonal = by_columns(B, diagonal_of_A);
+  const Epetra_Vector diagonal = at_columns(B, diagonal_of_A);
   for (int i = 0; i < B.NumMyRows(); ++i) {
     int n = 0, *columns = nullptr;
     double *values = nullptr;
@@ -194,7 +184,7 @@ void SaddlePoint::complete_C(const Epetra_Vector &C, const Epetra_Vector &stiffn
   const double shift = 1e-3;
   added_to_ties.clear();
   share_of_ties.clear();
-  const Epetra_Vector of_columns = by_columns(*scaled_ties, stiffness);
+  const Epetra_Vector of_columns = at_columns(*scaled_ties, stiffness);
   for (unsigned int k = 0; k < of_ties.size(); ++k) {
     int n = 0, *columns = nullptr;
     double *values = nullptr;

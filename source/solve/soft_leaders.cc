@@ -22,8 +22,6 @@ namespace dovetail {
 
 namespace {
 
-const double least_contrast = 30;
-
 double contrast(const std::vector<double> &stiffness, const Epetra_Comm &communicator)
 {
   double largest = 0, minus_smallest = std::numeric_limits<double>::lowest();

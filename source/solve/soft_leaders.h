@@ -15,6 +15,9 @@
 
 namespace dovetail {
 
+/// From here on a body counts as much stiffer than another one.
+constexpr double least_contrast = 30;
+
 /// On tied faces, let unknowns of the stiff side follow those of the soft one and others of their own body,
 /// u_d = P u_s + R u_r. The matrix of u_s contains the stiffness of the other body, P^T K_d P. Where the
 /// stiff side is coarser, some functions have P u_s = 0: only the soft body resists them, and a smoother that

@@ -124,6 +124,7 @@ std::vector<dealii::types::global_dof_index> find_followers(const Model<dim> &mo
     for (const TiedField &field : interface->fields)
       if (interface->name == block.name && field.name == block.field && field.n_multipliers > 0)
         result = interface->tie().parts().multipliers->unknowns_with_multiplier(*interface, field);
+  AssertDimension(result.size(), block.owned.n_elements());
   unsigned int k = 0;
   for (const auto i : block.owned)
     if (auto &follower = result[k++]; system.is_dropped(block.begin + i))

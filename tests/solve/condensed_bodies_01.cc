@@ -153,7 +153,7 @@ void check_operator()
       boxes("1e-8", "1", "3, 5, 5 : 0, 0, 0 : 1, 1, 1", "4, 8, 8 : 1, 0, 0 : 2, 1, 1"));
   GroupSystem group(assembled.groups()[0]);
   group.set_matrix(assembled.system.tangent());
-  group.make_iterated();
+  group.make_iterated([]() {});
   const GroupOperator &K = group.iterated();
   report("no multipliers", !group.iterated_facts().has_multipliers);
   const GroupVector x = make_noise(K, 0), y = make_noise(K, 1000);

@@ -199,6 +199,8 @@ int main(int argc, char **argv)
   compare<3>("finer in part", elastic_of_degree_2(set("Refine boxes", "1; 0; 0 : 2; 0.4; 1")), "matrix-free");
   compare<2>("degree 3", boxes("1e4", "3", "3, 6 : 0, 0 : 1, 1", "4, 8 : 1, 0 : 2, 1"), "matrix-free");
   compare<3>("gap", boxes("1", "1", "3, 5, 5 : 0, 0, 0 : 1, 1, 1", "4, 8, 8 : 1.02, 0, 0 : 2, 1, 1"));
+  compare<3>("gap, soft source",
+             boxes("1e-4", "1", "3, 5, 5 : 0, 0, 0 : 1, 1, 1", "4, 8, 8 : 1.02, 0, 0 : 2, 1, 1"));
   compare<3>("three in a row", three_in_a_row("1"));
   compare<3>("three in a row, degree 2", three_in_a_row("2"), "matrix-free");
   compare<3>("conductors", conductors());

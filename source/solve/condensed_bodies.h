@@ -42,7 +42,7 @@ public:
   };
 
   /// @p bodies and @p multipliers: their blocks, a part each; @p followers: of each own multiplier. @p modes:
-  /// what bodies hardly resist, asked for in matrix(). Collective.
+  /// what bodies hardly resist, asked for with the weights. Collective.
   CondensedBodies(const BlockMatrix &matrix, const std::vector<unsigned int> &bodies,
                   const std::vector<unsigned int> &multipliers, const std::vector<Follower> &followers,
                   std::function<Modes()> modes);

@@ -39,8 +39,8 @@ public:
   virtual GroupVector vector() const = 0; ///< zero
   virtual void vmult(GroupVector &destination, const GroupVector &source) const = 0;
   virtual void diagonal(GroupVector &destination) const = 0;
-  /// nullptr if there is none, but only vmult. Where multipliers were condensed, it is
-  /// only about K.
+  /// nullptr if there is none, but only vmult. Where multipliers were condensed, this matrix, or the sum of
+  /// cells() and entries(), is only about K.
   virtual const Epetra_CrsMatrix *matrix() const { return nullptr; }
   /// K is the sum of entries() and of the products of cells(), which have no entries; nullptr: none.
   virtual const PartOperator *cells() const { return nullptr; }

@@ -8,6 +8,8 @@
 #include "rows_of_inverse.h"
 #include "soft_leaders.h"
 
+#include <dovetail/solve/rows_of_other_ranks.h>
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/lac/lapack_full_matrix.h>
 
@@ -124,6 +126,7 @@ CondensedBodies::CondensedBodies(const BlockMatrix &matrix, const std::vector<un
     tie_of_follower.push_back(tie);
   }
   n_ties = dealii::Utilities::MPI::max(n_here, matrix.get_mpi_communicator());
+  find_columns_that_follow();
 }
 
 bool CondensedBodies::update(const std::vector<double> &stiffness)
@@ -155,8 +158,9 @@ bool CondensedBodies::update(const std::vector<double> &stiffness)
 bool CondensedBodies::has_new_ties(const Epetra_CrsMatrix &B)
 {
   std::vector<double> entries;
+  const SparseRows rows(B);
   for (const int i : acting) {
-    const SparseRow row = SparseRows(B)[i];
+    const SparseRow row = rows[i];
     entries.insert(entries.end(), row.values, row.values + row.n);
   }
   const bool is_same = entries == entries_of_B;
@@ -179,8 +183,9 @@ bool CondensedBodies::split(const Epetra_CrsMatrix &B)
   M = std::make_unique<Epetra_CrsMatrix>(Copy, ties, 0);
   const double rounding = 1e-10;
   bool has_diagonal = true;
+  const SparseRows rows(B);
   for (unsigned int k = 0; k < acting.size(); ++k) {
-    const SparseRow row = SparseRows(B)[acting[k]];
+    const SparseRow row = rows[acting[k]];
     double of_follower = 0, largest = 0;
     for (int j = 0; j < row.n; ++j) {
       const int tie = static_cast<int>(number_of_column[row.columns[j]]), column = B.GCID(row.columns[j]);
@@ -242,10 +247,10 @@ double CondensedBodies::small_weight(const Epetra_Vector &diagonal_of_A) const
 {
   const double usual = 1e-2, of_stiff = 3e-3, of_stiff_flat = 1e-4, strong_coupling = 0.3;
   const Epetra_Vector of_columns = at_columns(A(), diagonal_of_A);
-  const std::vector<bool> column_follows = columns_that_follow();
   int here[3] = {static_cast<int>(followers.size()), 0, static_cast<int>(soft_leaders.size())}, all[3] = {};
+  const SparseRows rows(A());
   for (const int follower : followers) {
-    const SparseRow row = SparseRows(A())[follower];
+    const SparseRow row = rows[follower];
     double strongest = 0;
     for (int k = 0; k < row.n; ++k)
       if (!column_follows[row.columns[k]])
@@ -257,17 +262,14 @@ double CondensedBodies::small_weight(const Epetra_Vector &diagonal_of_A) const
   return all[2] == 0 ? usual : has_cells() || 2 * all[1] > all[0] ? of_stiff_flat : of_stiff;
 }
 
-/// By column of A.
-std::vector<bool> CondensedBodies::columns_that_follow() const
+void CondensedBodies::find_columns_that_follow()
 {
   Epetra_Vector follows(A().RowMap());
   for (const int row : followers)
     follows[row] = 1;
   const Epetra_Vector of_columns = at_columns(A(), follows);
-  std::vector<bool> result(of_columns.MyLength());
-  for (unsigned int column = 0; column < result.size(); ++column)
-    result[column] = of_columns[column] != 0;
-  return result;
+  for (int column = 0; column < of_columns.MyLength(); ++column)
+    column_follows.push_back(of_columns[column] != 0);
 }
 
 std::unique_ptr<Epetra_CrsMatrix> CondensedBodies::about_inverse_of_D() const
@@ -348,27 +350,23 @@ RowSums CondensedBodies::with_followers(const RowSums &sums) const
 {
   if (!weights)
     make_weights();
-  RowSums result;
-  std::vector<std::pair<RowSums::Index, double>> sum;
-  for (unsigned int row = 0; row < sums.size(); ++row) {
-    sum.clear();
-    if (const int tie = place_of_row[row]; tie >= 0) {
-      const SparseRow weights_of_row = SparseRows(*weights)[tie];
-      for (int k = 0; k < weights_of_row.n; ++k)
-        sum.emplace_back(weights->GCID(weights_of_row.columns[k]), weights_of_row.values[k]);
-    } else
-      for (unsigned int k = 0; k < sums[row].n; ++k)
-        sum.emplace_back(sums[row].columns[k], sums[row].weights[k]);
-    result.add_row(sum);
-  }
-  return result;
+  std::vector<int> columns;
+  std::vector<double> values;
+  return sums.replaced([&](const unsigned int row, auto &entries) {
+    if (place_of_row[row] < 0)
+      return false;
+    read_row(*weights, place_of_row[row], columns, values);
+    entries.clear();
+    for (unsigned int k = 0; k < columns.size(); ++k)
+      entries.emplace_back(columns[k], values[k]);
+    return true;
+  });
 }
 
 /// What Z'^T A Z' has of the rows that follow and of the columns that do.
-std::unique_ptr<Epetra_CrsMatrix>
-CondensedBodies::sum_of_followers(const std::vector<bool> &column_follows) const
+std::unique_ptr<Epetra_CrsMatrix> CondensedBodies::sum_of_followers() const
 {
-  const SparseRows rows(A()), rows_of_weights(*weights);
+  const SparseRows rows(A());
   Epetra_Vector column_of_follower(A().ColMap()), beside_follower(A().RowMap());
   for (const int follower : followers)
     for (int k = 0; k < rows[follower].n; ++k)
@@ -397,11 +395,11 @@ CondensedBodies::sum_of_followers(const std::vector<bool> &column_follows) const
         values.push_back(rows[row].values[k]);
       }
     S.InsertGlobalValues(global_row, columns.size(), values.data(), columns.data());
-    columns.assign(tie >= 0 ? 0 : 1, global_row);
-    values.assign(columns.size(), 1.);
-    for (int k = 0; tie >= 0 && k < rows_of_weights[tie].n; ++k) {
-      columns.push_back(weights->GCID(rows_of_weights[tie].columns[k]));
-      values.push_back(rows_of_weights[tie].values[k]);
+    if (tie >= 0)
+      read_row(*weights, tie, columns, values);
+    else {
+      columns.assign(1, global_row);
+      values.assign(1, 1.);
     }
     Z.InsertGlobalValues(global_row, columns.size(), values.data(), columns.data());
   }
@@ -411,8 +409,7 @@ CondensedBodies::sum_of_followers(const std::vector<bool> &column_follows) const
 }
 
 /// The rest of A, and @p others; rows that follow are alone.
-std::unique_ptr<Epetra_CrsMatrix> CondensedBodies::sum_with(const Epetra_CrsMatrix &others,
-                                                            const std::vector<bool> &column_follows) const
+std::unique_ptr<Epetra_CrsMatrix> CondensedBodies::sum_with(const Epetra_CrsMatrix &others) const
 {
   std::vector<int> global(A().ColMap().MyGlobalElements(), A().ColMap().MyGlobalElements() + A().NumMyCols()),
       column_of_others, lengths;
@@ -469,8 +466,7 @@ void CondensedBodies::make_condensed() const
   condensed_cells.reset();
   if (!weights)
     make_weights();
-  const std::vector<bool> column_follows = columns_that_follow();
-  condensed = sum_with(*sum_of_followers(column_follows), column_follows);
+  condensed = sum_with(*sum_of_followers());
   if (has_cells())
     condensed_cells = body_operator.cells()->with_followers(followers, *weights);
   is_outdated = false;

@@ -74,13 +74,12 @@ private:
   bool split(const Epetra_CrsMatrix &B);
   bool are_enough(const std::vector<double> &stiffness);
   double small_weight(const Epetra_Vector &diagonal_of_A) const;
-  std::vector<bool> columns_that_follow() const;
+  void find_columns_that_follow();
   std::unique_ptr<Epetra_CrsMatrix> about_inverse_of_D() const;
   void make_weights() const;
   void add_what_is_missing(Epetra_CrsMatrix &W) const;
-  std::unique_ptr<Epetra_CrsMatrix> sum_of_followers(const std::vector<bool> &column_follows) const;
-  std::unique_ptr<Epetra_CrsMatrix> sum_with(const Epetra_CrsMatrix &others,
-                                             const std::vector<bool> &column_follows) const;
+  std::unique_ptr<Epetra_CrsMatrix> sum_of_followers() const;
+  std::unique_ptr<Epetra_CrsMatrix> sum_with(const Epetra_CrsMatrix &others) const;
   GroupVector of_bodies(const GroupVector &b) const;
   Epetra_Vector of_followers(const GroupVector &x) const;
   Epetra_Vector of_acting(const GroupVector &b) const;
@@ -96,6 +95,7 @@ private:
   std::vector<unsigned int> tie_of_follower;
   unsigned int n_ties = 0;          ///< on all ranks
   std::vector<int> place_of_row;    ///< by own row of the bodies, the place among these; -1: it leads
+  std::vector<bool> column_follows; ///< by column of A
   std::vector<double> entries_of_B; ///< that D and M are made of
   std::unique_ptr<Epetra_CrsMatrix> D, M;
   std::unique_ptr<Factors> factors; ///< of D

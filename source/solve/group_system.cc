@@ -116,6 +116,13 @@ bool GroupSystem::condense()
   return condensed->update(stiffness_of_row());
 }
 
+/// Of each own multiplier of a block.
+std::vector<bool> GroupSystem::dropped(const unsigned int block) const
+{
+  return group.dropped ? group.dropped(block)
+                       : std::vector<bool>(matrix->owned_unknowns()[block].n_elements(), false);
+}
+
 /// Of each own multiplier.
 std::vector<CondensedBodies::Follower> GroupSystem::followers() const
 {
@@ -123,17 +130,20 @@ std::vector<CondensedBodies::Follower> GroupSystem::followers() const
   const unsigned int part = matrix->part_of(group.blocks[0]);
   const Epetra_Map &map = matrix->part(part, part).trilinos_matrix().RowMap();
   std::vector<CondensedBodies::Follower> result;
-  for (unsigned int tie = 0; tie < group.multiplier_blocks.size(); ++tie)
-    for (const RowNumbering::Index unknown : group.follower(group.multiplier_blocks[tie])) {
+  for (unsigned int tie = 0; tie < group.multiplier_blocks.size(); ++tie) {
+    const std::vector<bool> are_dropped = dropped(group.multiplier_blocks[tie]);
+    const auto unknowns = group.follower(group.multiplier_blocks[tie]);
+    for (unsigned int i = 0; i < unknowns.size(); ++i) {
       result.push_back({-1, tie});
-      if (unknown == dealii::numbers::invalid_dof_index)
+      if (are_dropped[i])
         continue;
-      const auto [body, index] = matrix->get_row_indices().global_to_local(unknown);
+      const auto [body, index] = matrix->get_row_indices().global_to_local(unknowns[i]);
       const auto found = std::find(group.blocks.begin(), group.blocks.end(), body);
       AssertThrow(found != group.blocks.end(), dealii::ExcMessage("A multiplier belongs to another group."));
       result.back().row = map.LID(static_cast<int>(rows.row(found - group.blocks.begin(), index)));
       AssertThrow(result.back().row >= 0, dealii::ExcMessage("A multiplier belongs to another rank."));
     }
+  }
   return result;
 }
 
@@ -142,11 +152,9 @@ void GroupSystem::make_saddle()
   if (!saddle) {
     std::vector<MultiplierTraits> traits;
     for (const unsigned int block : group.multiplier_blocks) {
-      const unsigned int n_own = matrix->owned_unknowns()[block].n_elements();
-      const auto dropped = group.dropped ? group.dropped(block) : std::vector<bool>(n_own);
       const bool is_of_body = group.is_of_body && group.is_of_body(block);
-      for (unsigned int i = 0; i < n_own; ++i)
-        traits.push_back({dropped[i], is_of_body});
+      for (const bool is_dropped : dropped(block))
+        traits.push_back({is_dropped, is_of_body});
     }
     saddle = std::make_unique<SaddlePoint>(*matrix, *merged, group.blocks, group.multiplier_blocks, traits);
   }

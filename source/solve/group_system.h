@@ -60,6 +60,7 @@ private:
   void share_facts();
   bool condense();
   void make_saddle();
+  std::vector<bool> dropped(unsigned int block) const;
   std::vector<CondensedBodies::Follower> followers() const;
   Modes near_null_space(const Selection *rows) const;
   Selection of_block(unsigned int i, const Selection &rows) const;

@@ -3,8 +3,6 @@
 
 #include "rows_of_inverse.h"
 
-#include <dovetail/solve/rows_of_other_ranks.h>
-
 #include <Epetra_Comm.h>
 #include <Epetra_Map.h>
 
@@ -16,14 +14,10 @@ namespace dovetail {
 
 RowsOfInverse::RowsOfInverse(const Epetra_CrsMatrix &D, const double tolerance) : tolerance(tolerance)
 {
+  RowOfOtherRank own;
   for (int row = 0; row < D.NumMyRows(); ++row) {
-    int n = 0, *columns = nullptr;
-    double *values = nullptr;
-    D.ExtractMyRowView(row, n, values, columns);
-    column.push_back(D.GRID(row));
-    rows.emplace_back();
-    for (int k = 0; k < n; ++k)
-      rows.back().emplace_back(D.GCID(columns[k]), values[k]);
+    read_row(D, row, own.columns, own.values);
+    append(D.GRID(row), own);
   }
   add_rows_of_others(D);
   std::unordered_map<int, int> place_of;
@@ -46,19 +40,21 @@ RowsOfInverse::RowsOfInverse(const Epetra_CrsMatrix &D, const double tolerance) 
   is_reached.assign(rows.size(), false);
 }
 
+void RowsOfInverse::append(const int global_row, const RowOfOtherRank &row)
+{
+  column.push_back(global_row);
+  rows.emplace_back();
+  for (unsigned int k = 0; k < row.columns.size(); ++k)
+    rows.back().emplace_back(row.columns[k], row.values[k]);
+}
+
 /// Those that the steps may reach.
 void RowsOfInverse::add_rows_of_others(const Epetra_CrsMatrix &D)
 {
   if (D.Comm().NumProc() == 1)
     return;
   const auto read_own = [&D](const int row, std::vector<int> &columns, std::vector<double> &values) {
-    int n = 0, *local = nullptr;
-    double *entries = nullptr;
-    D.ExtractMyRowView(row, n, entries, local);
-    columns.clear();
-    for (int k = 0; k < n; ++k)
-      columns.push_back(D.GCID(local[k]));
-    values.assign(entries, entries + n);
+    read_row(D, row, columns, values);
   };
   std::set<int> known(column.begin(), column.end());
   unsigned int first = 0;
@@ -73,12 +69,8 @@ void RowsOfInverse::add_rows_of_others(const Epetra_CrsMatrix &D)
     if (is_anywhere == 0)
       return;
     unsigned int k = 0;
-    for (const RowOfOtherRank &row : rows_of_other_ranks(D.RowMap(), wanted, read_own)) {
-      column.push_back(wanted[k++]);
-      rows.emplace_back();
-      for (unsigned int i = 0; i < row.columns.size(); ++i)
-        rows.back().emplace_back(row.columns[i], row.values[i]);
-    }
+    for (const RowOfOtherRank &row : rows_of_other_ranks(D.RowMap(), wanted, read_own))
+      append(wanted[k++], row);
   }
 }
 

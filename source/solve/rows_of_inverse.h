@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include <dovetail/solve/rows_of_other_ranks.h>
+
 #include <Epetra_CrsMatrix.h>
 
 #include <utility>
@@ -29,6 +31,7 @@ public:
 private:
   using Entries = std::vector<std::pair<int, double>>; ///< place or global column, and value
 
+  void append(int global_row, const RowOfOtherRank &row);
   void add_rows_of_others(const Epetra_CrsMatrix &D);
   double multiply();
   void make_first(int place);

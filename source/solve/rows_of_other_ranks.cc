@@ -15,6 +15,18 @@
 
 namespace dovetail {
 
+void read_row(const Epetra_CrsMatrix &A, const int row, std::vector<int> &columns,
+              std::vector<double> &values)
+{
+  int n = 0, *local = nullptr;
+  double *entries = nullptr;
+  A.ExtractMyRowView(row, n, entries, local);
+  values.assign(entries, entries + n);
+  columns.clear();
+  for (int k = 0; k < n; ++k)
+    columns.push_back(A.GCID(local[k]));
+}
+
 std::vector<RowOfOtherRank> rows_of_other_ranks(
     const Epetra_Map &rows, const std::vector<int> &wanted,
     const std::function<void(int row, std::vector<int> &columns, std::vector<double> &values)> &read)

@@ -177,19 +177,11 @@ template <int dim>
 void CellwiseTangent<dim>::add_followers(const std::vector<int> &followers, const Epetra_CrsMatrix &weights)
 {
   Epetra_CrsMatrix Z(Copy, *own_rows, 0), before(Copy, follow->RowMap(), 0);
-  const auto read = [](const Epetra_CrsMatrix &from, const int row, std::vector<int> &columns) {
-    int n = 0, *local = nullptr;
-    double *values = nullptr;
-    from.ExtractMyRowView(row, n, values, local);
-    columns.clear();
-    for (int k = 0; k < n; ++k)
-      columns.push_back(from.GCID(local[k]));
-    return values;
-  };
-  std::vector<int> row_columns, global_rows;
+  std::vector<int> followed, global_rows;
+  std::vector<double> values;
   for (unsigned int k = 0; k < followers.size(); ++k) {
-    const double *const values = read(weights, k, row_columns);
-    Z.InsertGlobalValues(own_rows->GID(followers[k]), row_columns.size(), values, row_columns.data());
+    read_row(weights, k, followed, values);
+    Z.InsertGlobalValues(own_rows->GID(followers[k]), followed.size(), values.data(), followed.data());
     is_condensed[followers[k]] = true;
   }
   const double one = 1;
@@ -201,21 +193,17 @@ void CellwiseTangent<dim>::add_followers(const std::vector<int> &followers, cons
     EpetraExt::MatrixMatrix::Multiply(*follow, false, Z, false, before, false);
   before.FillComplete(*own_rows, follow->RowMap());
 
+  const unsigned int n_before = constrained.size();
+  constrained.insert(constrained.end(), followers.begin(), followers.end());
   for (const int row : constrained)
     global_rows.push_back(own_rows->GID(row));
-  for (const int row : followers)
-    global_rows.push_back(own_rows->GID(row));
   const Epetra_Map map(-1, static_cast<int>(global_rows.size()), global_rows.data(), 0, own_rows->Comm());
-  auto all = std::make_shared<Epetra_CrsMatrix>(Copy, map, 0);
+  follow = std::make_shared<Epetra_CrsMatrix>(Copy, map, 0);
   for (unsigned int k = 0; k < global_rows.size(); ++k) {
-    const bool was_there = k < constrained.size();
-    const double *const values =
-        read(was_there ? before : weights, was_there ? k : k - constrained.size(), row_columns);
-    all->InsertGlobalValues(global_rows[k], row_columns.size(), values, row_columns.data());
+    k < n_before ? read_row(before, k, followed, values) : read_row(weights, k - n_before, followed, values);
+    follow->InsertGlobalValues(global_rows[k], followed.size(), values.data(), followed.data());
   }
-  all->FillComplete(*own_rows, map);
-  follow = all;
-  constrained.insert(constrained.end(), followers.begin(), followers.end());
+  follow->FillComplete(*own_rows, map);
 }
 
 /// y += K x for all unknowns of the cells of this rank, as if there were no constraints.

@@ -116,8 +116,7 @@ std::vector<bool> find_dropped(const Block &block, const BlockSystem<dim> &syste
 
 /// SolveGroup::follower
 template <int dim>
-std::vector<dealii::types::global_dof_index> find_followers(const Model<dim> &model, const Block &block,
-                                                            const BlockSystem<dim> &system)
+std::vector<dealii::types::global_dof_index> find_followers(const Model<dim> &model, const Block &block)
 {
   std::vector<dealii::types::global_dof_index> result;
   for (const auto &interface : model.interfaces)
@@ -125,10 +124,6 @@ std::vector<dealii::types::global_dof_index> find_followers(const Model<dim> &mo
       if (interface->name == block.name && field.name == block.field && field.n_multipliers > 0)
         result = interface->tie().parts().multipliers->unknowns_with_multiplier(*interface, field);
   AssertDimension(result.size(), block.owned.n_elements());
-  unsigned int k = 0;
-  for (const auto i : block.owned)
-    if (auto &follower = result[k++]; system.is_dropped(block.begin + i))
-      follower = dealii::numbers::invalid_dof_index;
   return result;
 }
 
@@ -142,8 +137,8 @@ void tell_of_multipliers(SolveGroup &group, const Model<dim> &model,
   group.dropped = [&model, system](const unsigned int block) {
     return find_dropped(model.numbering->blocks()[block], system());
   };
-  group.follower = [&model, system](const unsigned int block) {
-    return find_followers(model, model.numbering->blocks()[block], system());
+  group.follower = [&model](const unsigned int block) {
+    return find_followers(model, model.numbering->blocks()[block]);
   };
 }
 

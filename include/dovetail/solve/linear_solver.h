@@ -55,8 +55,8 @@ struct SolveGroup : GroupTraits
   /// Of each of this rank's multipliers of a block: whether it was dropped, so that it is alone in its
   /// equation. If missing, none was.
   std::function<std::vector<bool>(unsigned int block)> dropped;
-  /// Likewise the unknown of the whole system that has this multiplier, as no other one has, and is owned by
-  /// this rank; invalid_dof_index: it was dropped. If missing, multipliers stay unknowns.
+  /// Likewise the unknown of the whole system, one of this rank, that this multiplier belongs to, and no
+  /// other one that acts. If missing, multipliers stay unknowns.
   std::function<std::vector<dealii::types::global_dof_index>(unsigned int block)> follower;
 };
 

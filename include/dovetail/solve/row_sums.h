@@ -7,7 +7,9 @@
 
 #include <deal.II/base/types.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace dovetail {
@@ -70,6 +72,23 @@ public:
   Index *columns_of(const unsigned int row) { return columns.data() + rows[row].first_column; }
   /// The rows of @p other come after those that are there.
   void append(RowSums &&other);
+  /// With other rows in place of some: of those for which @p find(row, entries) is true, pairs of a number
+  /// and a weight. Lists of weights stay shared.
+  template <typename Find>
+  RowSums replaced(const Find &find) const
+  {
+    RowSums result;
+    result.weights = weights;
+    std::vector<std::pair<Index, double>> entries;
+    for (unsigned int row = 0; row < size(); ++row)
+      if (find(row, entries))
+        result.add_row(entries);
+      else {
+        const Row sum = (*this)[row];
+        std::copy(sum.columns, sum.columns + sum.n, result.add_row(sum.n, rows[row].first_weight));
+      }
+    return result;
+  }
   /// Each number becomes @p number(number).
   template <typename Number>
   void renumber(const Number &number)

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <Epetra_CrsMatrix.h>
 #include <Epetra_Map.h>
 
 #include <functional>
@@ -19,6 +20,9 @@ struct RowOfOtherRank
   std::vector<int> columns;
   std::vector<double> values;
 };
+
+/// An own row of a matrix, by global columns.
+void read_row(const Epetra_CrsMatrix &A, int row, std::vector<int> &columns, std::vector<double> &values);
 
 /// The rows with the global numbers @p wanted, which other ranks own. Collective.
 /// @param read gives an own row, by its local number

@@ -1033,8 +1033,6 @@ std::string CellOperator<dim>::objection(const Domain<dim> &domain, const Field 
 {
   if (domain.has_simplices())
     return "the domain " + domain.name + " has " + (dim == 2 ? "triangles" : "tetrahedra");
-  if (domain.degree < 2)
-    return "the domain " + domain.name + " has degree 1, where a matrix is faster";
   if (!field.is_continuous || field.relative_degree != 0 ||
       (field.n_components != 1 && field.n_components != dim))
     return "the element of the field is not that of the domain " + domain.name;

@@ -232,4 +232,15 @@ std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A,
   return sum;
 }
 
+std::unique_ptr<Epetra_CrsMatrix> make_matrix(const PartOperator &cells, const Epetra_CrsMatrix &entries)
+{
+  const Epetra_Map &map = entries.OperatorDomainMap();
+  const Prolongation identity(map, map,
+                              [&map](const int row, std::vector<int> &columns, std::vector<double> &weights) {
+                                columns.assign(1, map.GID(row));
+                                weights.assign(1, 1.);
+                              });
+  return cells.restricted(identity, entries);
+}
+
 } // namespace dovetail

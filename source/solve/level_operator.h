@@ -8,6 +8,7 @@
 #include "compact_matrix.h"
 
 #include <dovetail/solve/approximation.h>
+#include <dovetail/solve/part_operator.h>
 #include <dovetail/solve/prolongation.h>
 
 #include <Epetra_CrsMatrix.h>
@@ -117,5 +118,7 @@ void add_diagonal(const Epetra_CrsMatrix &R, Epetra_Vector &values);
 /// definite if the fields are by themselves. An entry without a partner across the diagonal is left out too.
 std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A,
                                                       const std::vector<int> &field_of_row);
+/// The symmetric part of what has no entries, and symmetric @p entries beside it, as one matrix. Collective.
+std::unique_ptr<Epetra_CrsMatrix> make_matrix(const PartOperator &cells, const Epetra_CrsMatrix &entries);
 
 } // namespace dovetail

@@ -179,19 +179,21 @@ bool LinearSolver::Group::is_direct_by_size() const
 bool LinearSolver::Group::is_matrix_free_by_degree() const
 {
   const GroupFacts &facts = system.facts();
-  return facts.why_entries.empty() && facts.degree >= 2;
+  return facts.why_entries.empty() && facts.why_matrix.empty();
 }
 
 void LinearSolver::Group::set_matrix(const Matrix &matrix)
 {
   system.set_matrix(matrix);
   chosen.is_prepared = direct.is_prepared = false;
-  if (lacks_products()) // nobody has made them, but entries
+  const bool has_asked_in_vain = lacks_products(); // nobody has made them, but entries
+  if (has_asked_in_vain)
     chosen = make(name_of_multigrid);
   if (!is_decided)
     is_direct = is_direct_by_size();
   // the matrix of a new mesh was made as that of the last one
-  wants_products = !is_direct && !chosen.solver->needs_entries() && !system.plain().has_products();
+  wants_products =
+      !has_asked_in_vain && !is_direct && !chosen.solver->needs_entries() && !system.plain().has_products();
   if (!is_patient)
     system.limit_iterations(std::max(many_iterations, iterations_of_direct()));
   is_decided = true;

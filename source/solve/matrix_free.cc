@@ -92,7 +92,10 @@ public:
   {
     return describe_iteration(facts, "matrix-free products and multigrid");
   }
-  std::string objection() const override { return facts.why_entries; }
+  std::string objection() const override
+  {
+    return facts.why_entries.empty() ? facts.why_matrix : facts.why_entries;
+  }
   bool needs_entries() const override { return false; }
   std::optional<ExpectedCost> expected_cost(const GroupSize &size) const override
   {

@@ -2,7 +2,9 @@
 // Copyright (C) 2026 by the Dovetail authors
 //
 // CG or GMRES with smoothed aggregation, for a degree above one after a first coarsening to the functions of
-// degree one. A group that is not symmetric is preconditioned by the symmetric part of its matrix.
+// degree one. A group that is not symmetric is preconditioned by the symmetric part of its matrix. Where
+// bodies are stiff and soft, K is multiplied cell by cell if that is possible, since rounding of its entries
+// moves stiff bodies, and the matrix serves the preconditioner alone.
 //
 // At degree one the smoothers are made of the diagonal, until an iteration is slow: then, and from then on,
 // of incomplete factorisations, which cost more and smooth what stretched cells and the like leave. If that
@@ -43,7 +45,14 @@ class Multigrid : public GroupSolver
 public:
   Multigrid(const Section &, const GroupFacts &facts) : facts(facts), upkeep(facts) {}
 
-  std::string description() const override { return describe_iteration(facts, "multigrid"); }
+  std::string description() const override
+  {
+    return describe_iteration(facts, needs_entries() ? "multigrid" : "multigrid and products of cells");
+  }
+  bool needs_entries() const override
+  {
+    return !facts.why_entries.empty() || !facts.expects_contrast || facts.has_multipliers;
+  }
   std::optional<ExpectedCost> expected_cost(const GroupSize &size) const override
   {
     const double share = facts.is_symmetric ? 1 : 2; // GMRES, and the symmetric part
@@ -58,6 +67,7 @@ public:
     forget_values();
     upkeep.forget();
     modes.reset();
+    matrix = nullptr;
     way = Way();
     lacks_factors = false;
   }
@@ -100,7 +110,7 @@ private:
   Agreement ranks;
   Upkeep upkeep;
   std::shared_ptr<const Epetra_MultiVector> modes;
-  std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< of a matrix that is not symmetric
+  std::unique_ptr<Epetra_CrsMatrix> symmetric_part; ///< where K is not symmetric, or has products
   const Epetra_CrsMatrix *matrix = nullptr;         ///< that is preconditioned
   const Epetra_CrsMatrix *added_rows = nullptr;     ///< as of GroupOperator
   Way way;
@@ -131,14 +141,19 @@ void Multigrid::prepare(const GroupOperator &K, const Agreement &all_ranks)
 void Multigrid::make(const GroupOperator &K)
 {
   forget_values();
-  matrix = K.bodies().matrix();
-  added_rows = K.bodies().added_rows();
-  ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
+  const GroupOperator &bodies = K.bodies();
+  matrix = bodies.entries();
+  added_rows = bodies.added_rows();
   if (!facts.is_symmetric) {
     ranks.run("symmetric part",
               [&]() { symmetric_part = make_symmetric_part(*matrix, facts.field_of_row()); });
     matrix = symmetric_part.get();
   }
+  if (const PartOperator *const cells = bodies.cells()) {
+    ranks.run("matrix", [&]() { symmetric_part = make_matrix(*cells, *matrix); });
+    matrix = symmetric_part.get();
+  }
+  ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
   ranks.run("multigrid", [&]() {
     is_mixed = has_mixed_bodies(facts);
     if (way.means == Means::usual && facts.degree == 1 && !is_mixed && is_stretched())

@@ -4,6 +4,7 @@
 #include <dovetail/domain/cell_operator.h>
 #include <dovetail/domain/measure_by_vertices.h>
 #include <dovetail/domain/simplices.h>
+#include <dovetail/domain/usual_stiffness.h>
 #include <dovetail/system/linear_part.h>
 #include <dovetail/system/mesh_levels.h>
 #include <dovetail/system/rigid_motions.h>
@@ -37,6 +38,36 @@ std::string why_entries(const Model<dim> &model, const std::vector<std::string> 
       return reason;
   }
   return "";
+}
+
+/// Why a matrix of the group is faster than products; empty if it is not.
+template <int dim>
+std::string why_matrix(const Model<dim> &model, const SolveGroup &group)
+{
+  for (const unsigned int b : group.blocks)
+    if (const Domain<dim> &domain = *model.domains[model.numbering->blocks()[b].domain_index];
+        domain.degree < 2)
+      return "the domain " + domain.name + " has degree 1, where a matrix is faster";
+  return "";
+}
+
+/// Whether two bodies differ so much that rounding of K may move one of them. In time, the residual is a
+/// product with entries. Collective.
+template <int dim>
+bool expects_contrast(const Model<dim> &model, const std::vector<std::string> &fields,
+                      const SolveGroup &group)
+{
+  if (fields.size() > 1 || !model.is_linear(fields) || model.order_in_time() > 0)
+    return false;
+  std::vector<double> stiffness;
+  for (const unsigned int b : group.blocks) {
+    const Block &block = model.numbering->blocks()[b];
+    const Domain<dim> &domain = *model.domains[block.domain_index];
+    stiffness.push_back(usual_stiffness(domain, domain.fields()[block.field_index]));
+  }
+  dealii::Utilities::MPI::max(stiffness, model.communicator, stiffness);
+  const auto [softest, stiffest] = std::minmax_element(stiffness.begin(), stiffness.end());
+  return !stiffness.empty() && *softest > 0 && *stiffest > GroupFacts::large_contrast * *softest;
 }
 
 /// How many the fields of a group's bodies have.
@@ -239,6 +270,8 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
         return model.is_symmetric(field);
       };
     group.why_entries = why_entries(model, fields, group);
+    group.why_matrix = why_matrix(model, group);
+    group.expects_contrast = expects_contrast(model, fields, group);
     const auto components = components_of_fields(model, group);
     group.n_components = std::accumulate(components.begin(), components.end(), 0u);
     if (has_useful_levels(model, group))

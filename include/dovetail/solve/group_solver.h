@@ -79,6 +79,8 @@ struct GroupTraits
   unsigned int n_solves = 1;     ///< that a matrix is kept for: where it never changes
   bool is_symmetric = true;      ///< and, but for multipliers, positive definite; may change with K
   std::string why_entries;       ///< why the cells' part of K must have entries; empty if products do
+  std::string why_matrix;        ///< why a matrix is faster, if products do; empty: it is not
+  bool expects_contrast = false; ///< by the laws of bodies, in a linear stage; K need not be known
   BodyShape shape;               ///< of bodies in space that resist to be bent
   double n_followed = 0;         ///< unknowns that an unknown follows by constraints, on average
 };

@@ -107,11 +107,11 @@ void reproduce(const std::vector<double> &wanted, std::vector<std::vector<double
 } // namespace
 
 CondensedBodies::CondensedBodies(const BlockMatrix &matrix, const std::vector<unsigned int> &bodies,
-                                 const std::vector<unsigned int> &multipliers,
+                                 const std::vector<unsigned int> &multipliers, const unsigned int degree,
                                  const std::vector<Follower> &given_followers,
                                  std::function<Modes()> given_modes)
     : block_matrix(matrix), body_operator(matrix, bodies), body_part(matrix.part_of(bodies[0])),
-      multiplier_part(matrix.part_of(multipliers[0])), modes(std::move(given_modes)),
+      multiplier_part(matrix.part_of(multipliers[0])), degree(degree), modes(std::move(given_modes)),
       place_of_row(body_operator.numbering().n_local(), -1)
 {
   unsigned int n_here = 0;
@@ -245,7 +245,8 @@ bool CondensedBodies::are_enough(const std::vector<double> &stiffness)
 /// flat ones resist much else less: the nodes behind their faces follow.
 double CondensedBodies::small_weight(const Epetra_Vector &diagonal_of_A) const
 {
-  const double usual = 1e-2, of_stiff = 3e-3, of_stiff_flat = 1e-4, strong_coupling = 0.3;
+  const double usual = 1e-2, of_stiff = 3e-3, of_stiff_flat = 1e-4, of_stiff_by_products = 3e-4,
+               strong_coupling = 0.3;
   const Epetra_Vector of_columns = at_columns(A(), diagonal_of_A);
   int here[3] = {static_cast<int>(followers.size()), 0, static_cast<int>(soft_leaders.size())}, all[3] = {};
   const SparseRows rows(A());
@@ -259,7 +260,11 @@ double CondensedBodies::small_weight(const Epetra_Vector &diagonal_of_A) const
     here[1] += strongest > strong_coupling ? 1 : 0;
   }
   A().Comm().SumAll(here, all, 3);
-  return all[2] == 0 ? usual : has_cells() || 2 * all[1] > all[0] ? of_stiff_flat : of_stiff;
+  if (all[2] == 0)
+    return usual;
+  if (has_cells()) // no coupling tells which ones are flat
+    return degree == 1 ? of_stiff_by_products : of_stiff_flat;
+  return 2 * all[1] > all[0] ? of_stiff_flat : of_stiff;
 }
 
 void CondensedBodies::find_columns_that_follow()

@@ -41,11 +41,11 @@ public:
     unsigned int tie; ///< from 0
   };
 
-  /// @p bodies and @p multipliers: their blocks, a part each; @p followers: of each own multiplier. @p modes:
-  /// what bodies hardly resist, asked for with the weights. Collective.
+  /// @p bodies and @p multipliers: their blocks, a part each; @p degree: of the bodies; @p followers: of each
+  /// own multiplier. @p modes: what bodies hardly resist, asked for with the weights. Collective.
   CondensedBodies(const BlockMatrix &matrix, const std::vector<unsigned int> &bodies,
-                  const std::vector<unsigned int> &multipliers, const std::vector<Follower> &followers,
-                  std::function<Modes()> modes);
+                  const std::vector<unsigned int> &multipliers, unsigned int degree,
+                  const std::vector<Follower> &followers, std::function<Modes()> modes);
   /// The matrix has new values. @p stiffness: of each own row of the bodies. @return whether it suits an
   /// iteration: D has an inverse, and where unknowns of a tie follow much softer ones, they are not fewer.
   /// Else functions of the soft side that Z does not see, and Z' does, would be stiff. Collective.
@@ -89,7 +89,7 @@ private:
 
   const BlockMatrix &block_matrix;
   MergedMatrix body_operator;
-  const unsigned int body_part, multiplier_part;
+  const unsigned int body_part, multiplier_part, degree;
   const std::function<Modes()> modes;
   std::vector<int> acting, followers; ///< own multipliers, and the own row of each of these that follows
   std::vector<unsigned int> tie_of_follower;

@@ -111,8 +111,9 @@ void GroupSystem::make_iterated(const std::function<void()> &forget)
 bool GroupSystem::condense()
 {
   if (!condensed)
-    condensed = std::make_unique<CondensedBodies>(*matrix, group.blocks, group.multiplier_blocks, followers(),
-                                                  [this]() { return near_null_space(nullptr); });
+    condensed =
+        std::make_unique<CondensedBodies>(*matrix, group.blocks, group.multiplier_blocks, group.degree,
+                                          followers(), [this]() { return near_null_space(nullptr); });
   return condensed->update(stiffness_of_row());
 }
 

@@ -474,6 +474,16 @@ void BlockMatrix::extract_row(const size_type row, std::vector<size_type> &colum
 
 std::vector<double> BlockMatrix::diagonal(const unsigned int block) const
 {
+  return diagonal(block, &PartOperator::add_diagonal);
+}
+
+std::vector<double> BlockMatrix::uncondensed_diagonal(const unsigned int block) const
+{
+  return diagonal(block, &PartOperator::add_uncondensed_diagonal);
+}
+
+std::vector<double> BlockMatrix::diagonal(const unsigned int block, const AddDiagonal of_operator) const
+{
   const auto [p, i] = place[block];
   const Epetra_CrsMatrix &matrix = part(p, p).trilinos_matrix();
   std::vector<double> values;
@@ -486,7 +496,7 @@ std::vector<double> BlockMatrix::diagonal(const unsigned int block) const
   }
   if (const PartOperator *summand = part_operator(p)) {
     Epetra_Vector all(matrix.DomainMap());
-    summand->add_diagonal(all);
+    (summand->*of_operator)(all);
     for (unsigned int k = 0; k < values.size(); ++k)
       values[k] += all[numberings[p].first_local_of(i) + k];
   }

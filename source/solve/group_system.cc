@@ -209,13 +209,13 @@ double GroupSystem::contrast() const
 }
 
 /// The geometric mean of the diagonal of each block. Of such a mean those rows are a small part to which a
-/// constraint adds the stiffness of another body.
+/// constraint adds the stiffness of another body, where that shows.
 std::vector<double> GroupSystem::usual_diagonals() const
 {
   std::vector<double> means;
   for (const unsigned int block : group.blocks) {
     std::array<double, 2> mine{}; // sum of logarithms, and their number
-    for (const double entry : matrix->diagonal(block))
+    for (const double entry : matrix->uncondensed_diagonal(block))
       if (entry != 0) {
         mine[0] += std::log(std::abs(entry));
         ++mine[1];

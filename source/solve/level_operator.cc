@@ -232,6 +232,35 @@ std::unique_ptr<Epetra_CrsMatrix> make_symmetric_part(const Epetra_CrsMatrix &A,
   return sum;
 }
 
+namespace {
+
+/// The rows of unknowns that follow others are empty, and get what they had before.
+Epetra_CrsMatrix with_condensed_rows(const PartOperator &cells, const Epetra_CrsMatrix &entries)
+{
+  const Epetra_Map &map = entries.OperatorDomainMap();
+  Epetra_Vector diagonal(map);
+  cells.add_uncondensed_diagonal(diagonal);
+  Epetra_CrsMatrix result(Copy, map, 0);
+  for (int row = 0; row < entries.NumMyRows(); ++row) {
+    const int itself = map.GID(row);
+    int n = 0, *columns = nullptr;
+    double *values = nullptr;
+    entries.ExtractMyRowView(row, n, values, columns);
+    const bool is_empty = std::all_of(values, values + n, [](const double value) { return value == 0; });
+    if (is_empty && cells.condensed()[row])
+      result.InsertGlobalValues(itself, 1, &diagonal[row], &itself);
+    for (int k = 0; k < n; ++k)
+      if (values[k] != 0) {
+        const int column = entries.GCID(columns[k]);
+        result.InsertGlobalValues(itself, 1, &values[k], &column);
+      }
+  }
+  result.FillComplete(map, map);
+  return result;
+}
+
+} // namespace
+
 std::unique_ptr<Epetra_CrsMatrix> make_matrix(const PartOperator &cells, const Epetra_CrsMatrix &entries)
 {
   const Epetra_Map &map = entries.OperatorDomainMap();
@@ -240,7 +269,7 @@ std::unique_ptr<Epetra_CrsMatrix> make_matrix(const PartOperator &cells, const E
                                 columns.assign(1, map.GID(row));
                                 weights.assign(1, 1.);
                               });
-  return cells.restricted(identity, entries);
+  return cells.restricted(identity, with_condensed_rows(cells, entries));
 }
 
 } // namespace dovetail

@@ -373,6 +373,14 @@ void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
     values[i] += diagonal[i];
 }
 
+template <int dim>
+void CellwiseTangent<dim>::add_uncondensed_diagonal(Epetra_Vector &values) const
+{
+  add_diagonal(values);
+  for (const auto &[i, value] : other_diagonal)
+    values[i] += value - diagonal[i];
+}
+
 /// (|K_ii| sum of |K_jj| x_j^2)^(1/2) over the unknowns j of the cells of i. K_ij^2 <= K_ii K_jj where K is
 /// positive, but most entries of a row are far smaller: the sum of |K_ij x_j| is a half of that, about.
 template <int dim>

@@ -107,6 +107,8 @@ public:
   void extract_row(size_type row, std::vector<size_type> &columns, std::vector<double> &values) const;
   /// Of the unknowns of a block that this rank owns.
   std::vector<double> diagonal(unsigned int block) const;
+  /// Likewise, but of products before unknowns follow others: a body's own.
+  std::vector<double> uncondensed_diagonal(unsigned int block) const;
   double el(size_type row, size_type column) const;
 
 private:
@@ -115,6 +117,8 @@ private:
     unsigned int part, position; ///< of a block, in the part
   };
 
+  using AddDiagonal = void (PartOperator::*)(Epetra_Vector &) const;
+  std::vector<double> diagonal(unsigned int block, AddDiagonal of_operator) const;
   void find_blocks(const dealii::DynamicSparsityPattern &pattern, const MPI_Comm &communicator);
   std::map<unsigned int, dealii::DynamicSparsityPattern>
   split_rows(unsigned int part, dealii::DynamicSparsityPattern &pattern) const;

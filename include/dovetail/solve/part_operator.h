@@ -30,6 +30,8 @@ public:
   virtual void add_product(double factor, const Epetra_Vector &x, Epetra_Vector &y,
                            bool of_symmetric_part) const = 0;
   virtual void add_diagonal(Epetra_Vector &values) const = 0;
+  /// Of what K is condensed from: before unknowns follow others.
+  virtual void add_uncondensed_diagonal(Epetra_Vector &values) const = 0;
   /// Of each row, sizes += about the sum of |K_ij x_j|, which says what rounding leaves of K x. Collective.
   virtual void add_sizes_of_products(const Epetra_Vector &x, Epetra_Vector &sizes) const = 0;
   /// An approximation of the symmetric part of K and the rest of a matrix with this @p diagonal, better than

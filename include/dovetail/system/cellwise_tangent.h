@@ -64,6 +64,7 @@ public:
     add_product(rough, x, y);
   }
   void add_diagonal(Epetra_Vector &values) const override;
+  void add_uncondensed_diagonal(Epetra_Vector &values) const override;
   void add_sizes_of_products(const Epetra_Vector &x, Epetra_Vector &sizes) const override;
   std::unique_ptr<Approximation> cellwise_approximation(const Epetra_Vector &all_diagonal,
                                                         bool in_single_precision) const override;

@@ -57,14 +57,25 @@ template <int dim>
 bool expects_contrast(const Model<dim> &model, const std::vector<std::string> &fields,
                       const SolveGroup &group)
 {
-  if (fields.size() > 1 || !model.is_linear(fields) || model.order_in_time() > 0)
+  if (group.blocks.size() < 2 || !group.why_entries.empty() || !model.is_linear(fields) ||
+      model.order_in_time() > 0)
     return false;
+  const auto domain_of = [&model](const unsigned int b) -> const Domain<dim> & {
+    return *model.domains[model.numbering->blocks()[b].domain_index];
+  };
+  const unsigned int rank = dealii::Utilities::MPI::this_mpi_process(model.communicator);
+  std::vector<unsigned int> first_rank; // with cells of the body: it alone evaluates a law
+  for (const unsigned int b : group.blocks)
+    first_rank.push_back(domain_of(b).mesh().n_locally_owned_active_cells() > 0
+                             ? rank
+                             : dealii::numbers::invalid_unsigned_int);
+  dealii::Utilities::MPI::min(first_rank, model.communicator, first_rank);
   std::vector<double> stiffness;
-  for (const unsigned int b : group.blocks) {
-    const Block &block = model.numbering->blocks()[b];
-    const Domain<dim> &domain = *model.domains[block.domain_index];
-    stiffness.push_back(usual_stiffness(domain, domain.fields()[block.field_index]));
-  }
+  for (const unsigned int b : group.blocks)
+    stiffness.push_back(
+        first_rank[stiffness.size()] == rank
+            ? usual_stiffness(domain_of(b), domain_of(b).fields()[model.numbering->blocks()[b].field_index])
+            : 0.);
   dealii::Utilities::MPI::max(stiffness, model.communicator, stiffness);
   const auto [softest, stiffest] = std::minmax_element(stiffness.begin(), stiffness.end());
   return !stiffness.empty() && *softest > 0 && *stiffest > GroupFacts::large_contrast * *softest;

@@ -11,7 +11,7 @@ namespace dovetail {
 
 /// About a diagonal entry of the tangent of a field: d A_cJ / d (grad B_c)_J at rest, on average over the
 /// components c and directions J, times h^(dim - 2), in the middle of the first own cell of the length h.
-/// @return 0 if this rank has no cell, or the laws are not defined there
+/// @return 0 if this rank has no cell, or the laws are not defined there, which the assembly tells
 template <int dim>
 double usual_stiffness(const Domain<dim> &domain, const Field &field);
 

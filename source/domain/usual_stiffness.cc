@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <exception>
+#include <vector>
 
 namespace dovetail {
 
@@ -16,13 +17,16 @@ template <int dim>
 double usual_stiffness(const Domain<dim> &domain, const Field &field)
 {
   const unsigned int n = domain.n_components();
+  std::vector<Asked> asked; // laws of other fields may not be defined at zero
+  for (const Field &other : domain.fields())
+    asked.push_back(other.name == field.name ? Asked::derivatives : Asked::nothing);
   for (const auto &cell : domain.mesh().active_cell_iterators()) {
     if (!cell->is_locally_owned())
       continue;
     CellPoints<dim> points(domain, 0);
     points.state.X = cell->center();
     try {
-      if (!points.evaluate(true))
+      if (!points.evaluate(asked, points.response))
         return 0;
     } catch (const std::exception &) { // of a formula, on this rank alone
       return 0;

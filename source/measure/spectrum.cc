@@ -258,7 +258,8 @@ ordered_json measure_spectrum(const BlockSystem<dim> &system, const Numbering &n
       n_rows += numbering.blocks()[block].end - numbering.blocks()[block].begin;
     const BlockMatrix &tangent = system.tangent();
     if (tangent.part_operator(tangent.part_of(group.blocks.front())) != nullptr) {
-      left_out.push_back("spectrum of " + group.name + ": its matrix has no entries (Linear solver, Type)");
+      left_out.push_back("spectrum of " + group.name +
+                         ": its matrix has no entries (Linear solver, Type = direct has them)");
       continue;
     }
     if (n_rows > 2 * largest_spectrum) { // hardly fewer without the constrained ones

@@ -71,10 +71,10 @@ struct LinearSolver::Group
   double iterations_of_direct() const;
   double iterations_worth_factors() const;
   bool is_matrix_free_by_degree() const;
-  bool needs_entries() const { return takes_direct() || chosen.solver->needs_entries(); }
+  bool needs_entries() const { return takes_direct() || must_have_entries || chosen.solver->needs_entries(); }
   bool lacks_entries() const
   {
-    return (is_direct || chosen.solver->needs_entries()) && system.plain().has_products();
+    return (is_direct || must_have_entries || !chosen.solver->serves(true)) && system.plain().has_products();
   }
   bool lacks_products() const { return wants_products && !system.plain().has_products(); }
   bool prepare(Member &member, const GroupOperator &K);
@@ -96,10 +96,11 @@ struct LinearSolver::Group
   bool is_direct = false;
   bool is_decided = false;
   bool iteration_failed = false;
-  bool was_slow = false;       ///< and did not fail
-  bool is_patient = false;     ///< since the direct solver is no help
-  bool wants_products = false; ///< likewise, and the iteration took products
-  double ended_at = 0;         ///< the relative residual of the last iteration
+  bool was_slow = false;          ///< and did not fail
+  bool is_patient = false;        ///< since the direct solver is no help
+  bool wants_products = false;    ///< likewise, and the iteration took products
+  bool must_have_entries = false; ///< since multipliers stay
+  double ended_at = 0;            ///< the relative residual of the last iteration
 };
 
 Member LinearSolver::Group::make(const std::string &name) const
@@ -179,21 +180,19 @@ bool LinearSolver::Group::is_direct_by_size() const
 bool LinearSolver::Group::is_matrix_free_by_degree() const
 {
   const GroupFacts &facts = system.facts();
-  return facts.why_entries.empty() && facts.why_matrix.empty();
+  return facts.why_entries.empty() && facts.why_matrix.empty() && facts.degree >= 2;
 }
 
 void LinearSolver::Group::set_matrix(const Matrix &matrix)
 {
   system.set_matrix(matrix);
   chosen.is_prepared = direct.is_prepared = false;
-  const bool has_asked_in_vain = lacks_products(); // nobody has made them, but entries
-  if (has_asked_in_vain)
+  if (lacks_products()) // nobody has made them, but entries
     chosen = make(name_of_multigrid);
   if (!is_decided)
     is_direct = is_direct_by_size();
   // the matrix of a new mesh was made as that of the last one
-  wants_products =
-      !has_asked_in_vain && !is_direct && !chosen.solver->needs_entries() && !system.plain().has_products();
+  wants_products = !is_direct && !chosen.solver->serves(false) && !system.plain().has_products();
   if (!is_patient)
     system.limit_iterations(std::max(many_iterations, iterations_of_direct()));
   is_decided = true;
@@ -236,6 +235,7 @@ std::optional<unsigned int> LinearSolver::Group::iterate(GroupVector &x, const G
       owner.all_notes.push_back(
           of_solver("the multipliers of " + system.facts().name +
                     " stay unknowns, for which the matrix is made; multigrid solves it"));
+    must_have_entries = true;
     chosen = make(name_of_multigrid);
     return {};
   }
@@ -349,7 +349,7 @@ std::optional<unsigned int> LinearSolver::Group::solve(GroupVector &x, const Gro
       return {};
     iteration_failed = is_direct = false;
     be_patient();
-    wants_products = !chosen.solver->needs_entries();
+    wants_products = !chosen.solver->serves(false);
     if (lacks_products())
       return {};
   }

@@ -49,15 +49,14 @@ public:
   {
     return describe_iteration(facts, needs_entries() ? "multigrid" : "multigrid and products of cells");
   }
-  bool needs_entries() const override
-  {
-    return !facts.why_entries.empty() || !facts.expects_contrast || facts.has_multipliers;
-  }
+  bool needs_entries() const override { return !facts.why_entries.empty() || !facts.expects_contrast; }
+  bool serves(bool) const override { return true; }
   std::optional<ExpectedCost> expected_cost(const GroupSize &size) const override
   {
-    const double share = facts.is_symmetric ? 1 : 2; // GMRES, and the symmetric part
+    const double share = facts.is_symmetric ? 1 : 2;           // GMRES, and the symmetric part
+    const double n_matrices = needs_entries() ? share - 1 : 1; // that it makes
     return {{130 * share * size.n_entries, 290 * share * size.n_entries,
-             12 * (share - 1) * size.n_entries + 75 * size.n_modes * size.n_modes * size.n_unknowns}};
+             12 * n_matrices * size.n_entries + 75 * size.n_modes * size.n_modes * size.n_unknowns}};
   }
   void prepare(const GroupOperator &K, const Agreement &all_ranks) override;
   unsigned int solve(const GroupOperator &K, GroupVector &x, const GroupVector &b, double goal) override;

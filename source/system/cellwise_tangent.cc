@@ -374,11 +374,20 @@ void CellwiseTangent<dim>::add_diagonal(Epetra_Vector &values) const
 }
 
 template <int dim>
+std::vector<double> CellwiseTangent<dim>::uncondensed_diagonal() const
+{
+  std::vector<double> of_K = diagonal;
+  for (const auto &[i, value] : other_diagonal)
+    of_K[i] = value;
+  return of_K;
+}
+
+template <int dim>
 void CellwiseTangent<dim>::add_uncondensed_diagonal(Epetra_Vector &values) const
 {
-  add_diagonal(values);
-  for (const auto &[i, value] : other_diagonal)
-    values[i] += value - diagonal[i];
+  const std::vector<double> of_K = uncondensed_diagonal();
+  for (unsigned int i = 0; i < of_K.size(); ++i)
+    values[i] += of_K[i];
 }
 
 /// (|K_ii| sum of |K_jj| x_j^2)^(1/2) over the unknowns j of the cells of i. K_ij^2 <= K_ii K_jj where K is
@@ -388,9 +397,7 @@ void CellwiseTangent<dim>::add_sizes_of_products(const Epetra_Vector &x, Epetra_
 {
   if (!follow)
     return;
-  std::vector<double> of_K = diagonal;
-  for (const auto &[i, value] : other_diagonal)
-    of_K[i] = value;
+  const std::vector<double> of_K = uncondensed_diagonal();
   Epetra_Vector squares(x), of_constrained(follow->RangeMap()), all(*columns), of_cells(*columns),
       sums(*own_rows);
   follow->Multiply(false, x, of_constrained);

@@ -78,7 +78,7 @@ bool expects_contrast(const Model<dim> &model, const std::vector<std::string> &f
             : 0.);
   dealii::Utilities::MPI::max(stiffness, model.communicator, stiffness);
   const auto [softest, stiffest] = std::minmax_element(stiffness.begin(), stiffness.end());
-  return !stiffness.empty() && *softest > 0 && *stiffest > GroupFacts::large_contrast * *softest;
+  return *softest > 0 && *stiffest > GroupFacts::large_contrast * *softest;
 }
 
 /// How many the fields of a group's bodies have.

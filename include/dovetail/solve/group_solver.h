@@ -174,8 +174,11 @@ public:
   virtual std::string description() const = 0;
   /// Why this group cannot be solved by it, "the matrix is not symmetric"; empty if it can.
   virtual std::string objection() const { return ""; }
-  /// Whether it asks for all entries of K. If not, those of cells are never made: GroupOperator::cells().
+  /// Whether it asks for all entries of K, before there is one. If not, those of cells are not made:
+  /// GroupOperator::cells().
   virtual bool needs_entries() const { return true; }
+  /// Whether it can solve with a K that has products of cells, or all entries.
+  virtual bool serves(const bool has_products) const { return needs_entries() != has_products; }
 
   /// Nothing if nobody has measured it.
   virtual std::optional<ExpectedCost> expected_cost(const GroupSize & /*size*/) const { return {}; }

@@ -103,6 +103,7 @@ private:
   void make_constraint_matrix(const dealii::AffineConstraints<double> &constraints);
   void add_followers(const std::vector<int> &followers, const Epetra_CrsMatrix &weights);
   void find_diagonal();
+  std::vector<double> uncondensed_diagonal() const;
   void add_product(Kind kind, const Epetra_Vector &x, Epetra_Vector &y) const;
   void multiply_cells(Kind kind, const Epetra_Vector &all_values, Epetra_Vector &y) const;
   void multiply_here(Kind kind, const double *x, double *y) const;

@@ -368,7 +368,7 @@ RowSums GroupSystem::linear_part() const
 {
   RowSums sums;
   for (const unsigned int block : group.blocks)
-    sums.append(group.linear_part(block));
+    sums.append(group.linear_part(block, is_smoothed_by_products));
   renumber(sums);
   return sums;
 }

@@ -35,6 +35,8 @@ public:
   void set_matrix(const BlockMatrix &matrix);
   void forget_matrix();
   void consider_constraints();
+  /// Whether the smoother of the finest level multiplies by cells, with no matrix.
+  void smooth_by_products(const bool by_products) { is_smoothed_by_products = by_products; }
   void limit_iterations(const double most) { facts_of_iteration.most_iterations = most; }
   void set_next_goal(GroupFacts::NextGoal next_goal) { facts_of_iteration.next_goal = std::move(next_goal); }
   /// Between set_matrix and the first use of iterated(). Calls @p forget before what has been iterated() so
@@ -83,7 +85,7 @@ private:
   const BlockMatrix *matrix = nullptr;
   std::unique_ptr<MergedMatrix> merged;
   const bool can_condense; ///< multipliers
-  bool may_condense, has_failed = false;
+  bool may_condense, has_failed = false, is_smoothed_by_products = false;
   std::unique_ptr<CondensedBodies> condensed; ///< with multipliers, or
   std::unique_ptr<SaddlePoint> saddle;
   const IteratedForm *form_of_iteration = nullptr; ///< one of these

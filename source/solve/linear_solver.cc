@@ -193,6 +193,7 @@ void LinearSolver::Group::set_matrix(const Matrix &matrix)
     is_direct = is_direct_by_size();
   // the matrix of a new mesh was made as that of the last one
   wants_products = !is_direct && !chosen.solver->serves(false) && !system.plain().has_products();
+  system.smooth_by_products(!chosen.solver->serves(false));
   if (!is_patient)
     system.limit_iterations(std::max(many_iterations, iterations_of_direct()));
   is_decided = true;

@@ -201,14 +201,13 @@ double mean_followed(const Model<dim> &model, const std::vector<unsigned int> &b
 }
 
 template <int dim>
-RowSums linear_part_of(const Model<dim> &model, const unsigned int number, const BlockMatrix &K,
+RowSums linear_part_of(const Model<dim> &model, const unsigned int number, const bool may_solve_in_cells,
                        const dealii::AffineConstraints<double> &constraints)
 {
-  const bool is_smoothed_by_solves = K.part_operator(K.part_of(number)) != nullptr;
   const Block &block = model.numbering->blocks()[number];
   const Domain<dim> &domain = *model.domains[block.domain_index];
   return linear_part(domain, block, constraints,
-                     is_smoothed_by_solves ? smallest_stretch_beside_solves : smallest_stretch,
+                     may_solve_in_cells ? smallest_stretch_beside_solves : smallest_stretch,
                      tied_ids(model, domain));
 }
 
@@ -262,8 +261,8 @@ std::vector<SolveGroup> make_solve_groups(const Model<dim> &model,
     group.positions = [&model](const unsigned int number, const Selection *unknowns) {
       return positions_of(model, number, unknowns);
     };
-    group.linear_part = [&model, system](const unsigned int number) {
-      return linear_part_of(model, number, system().tangent(), system().all_constraints());
+    group.linear_part = [&model, system](const unsigned int number, const bool by_products) {
+      return linear_part_of(model, number, by_products, system().all_constraints());
     };
     tell_of_multipliers(group, model, system);
     const auto &blocks = model.numbering->blocks();

@@ -37,9 +37,10 @@ struct SolveGroup : GroupTraits
       near_null_space;
   /// Of each of this rank's unknowns of a block: the unknowns of the whole system, and the weights, that it
   /// is the sum of in a function of degree one: those at the vertices of its cell, or those that it follows
-  /// by a constraint; none if it is prescribed, itself if it is a vertex. Asked for only if a solver does;
-  /// may be missing, which costs time only.
-  std::function<RowSums(unsigned int block)> linear_part;
+  /// by a constraint; none if it is prescribed, itself if it is a vertex. @p by_products: the smoother sees
+  /// products, and may solve in cells. Asked for only if a solver does; may be missing, which costs time
+  /// only.
+  std::function<RowSums(unsigned int block, bool by_products)> linear_part;
   /// Likewise which of these vertices coarser meshes do not have, as GroupFacts::mesh_levels. May be missing.
   std::function<MeshLevels(unsigned int block, bool with_parents)> mesh_levels;
   /// Where the nodes of some of this rank's unknowns of a block are. Asked for only if a solver does; may be

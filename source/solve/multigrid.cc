@@ -47,7 +47,8 @@ public:
 
   std::string description() const override
   {
-    return describe_iteration(facts, needs_entries() ? "multigrid" : "multigrid and products of cells");
+    const bool has_entries = needs_entries() || facts.has_multipliers;
+    return describe_iteration(facts, has_entries ? "multigrid" : "multigrid and products of cells");
   }
   bool needs_entries() const override { return !facts.why_entries.empty() || !facts.expects_contrast; }
   bool serves(bool) const override { return true; }

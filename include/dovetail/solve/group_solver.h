@@ -177,7 +177,7 @@ public:
   /// Whether it asks for all entries of K, before there is one. If not, those of cells are not made:
   /// GroupOperator::cells().
   virtual bool needs_entries() const { return true; }
-  /// Whether it can solve with a K that has products of cells, or all entries.
+  /// Whether it can solve with a K that has products of cells; or else with one that has all entries.
   virtual bool serves(const bool has_products) const { return needs_entries() != has_products; }
 
   /// Nothing if nobody has measured it.

@@ -80,7 +80,11 @@ protected:
   /// few each: aggregates do not cross ranks, so that many ranks could not coarsen any further.
   /// @return how to bring what belongs to the rows there; nullptr if they stay where they are. Collective.
   const Epetra_Import *gather_coarsest();
-  void factorise_coarsest() { factors = std::make_unique<Factors>(coarsest()); }
+  /// @param first_row of each node, as MatrixNodes has them
+  void factorise_coarsest(const std::vector<int> &first_row = {})
+  {
+    factors = std::make_unique<Factors>(coarsest(), first_row);
+  }
   /// In place of its factors. The matrix belongs to the cycle that @p make makes.
   void solve_coarsest_by(const std::function<std::unique_ptr<Cycle>(Finest A)> &make)
   {
@@ -109,7 +113,10 @@ private:
 class FactorisedCycle : public Cycle
 {
 public:
-  explicit FactorisedCycle(Finest A) : Cycle(std::move(A)) { factorise_coarsest(); }
+  FactorisedCycle(Finest A, const std::vector<int> &first_row) : Cycle(std::move(A))
+  {
+    factorise_coarsest(first_row);
+  }
 };
 
 /// What belongs to rows, where @p import brings them. Collective.

@@ -21,7 +21,7 @@ namespace dovetail {
 DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, RowSums &&sums, const MakeModes &make_modes,
                                    const GroupFacts &facts, std::unique_ptr<Smoother> given_smoother,
                                    const MakeCoarse &make_coarse, const MeshLevels *const levels)
-    : A(A), dim(facts.dim), smoother(std::move(given_smoother))
+    : A(A), dim(facts.dim), nodes_across(facts.shape.nodes_across), smoother(std::move(given_smoother))
 {
   give_back_freed_memory();
   find_coarse_rows(sums);
@@ -36,6 +36,7 @@ DegreeCoarsening::DegreeCoarsening(const LevelOperator &A, RowSums &&sums, const
   coarse_rows = Selection(); // = {} would keep the memory
   give_back_freed_memory();
   auto A_1 = A.restricted(*prolongation);
+  n_entries = A_1->NumGlobalNonzeros64();
   give_back_freed_memory();
   coarse = coarsen_mesh(std::move(A_1), std::move(steps), std::move(modes), std::move(places), make_coarse);
 }
@@ -94,15 +95,15 @@ void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
 }
 
 /// Where thousands of iterations are expected, the residual has hardly begun to fall, and that tells little.
-bool DegreeCoarsening::factors_pay(const double n_expected, const double work_of_iteration) const
+bool DegreeCoarsening::factors_pay(const double n_expected, const double work_above) const
 {
-  const double n_with_factors = 15, largest_n = 1000;
-  const int largest = 100000; // rows: about a GiB for those of a cube
+  const double n_with_factors = 15, largest_n = 1000, work_of_entry = 22;
+  const int largest = 300000; // rows: about a GiB for those of a cube
   if (!coarse || !coarse->has_levels() || n_expected > largest_n)
     return false;
   const int n_rows = prolongation->domain().NumGlobalElements();
-  return n_rows <= largest &&
-         work_of_factors(n_rows, dim) < (n_expected - n_with_factors) * work_of_iteration;
+  return n_rows <= largest && work_of_factors(n_rows, dim, nodes_across) <
+                                  (n_expected - n_with_factors) * (work_above + work_of_entry * n_entries);
 }
 
 /// By the functions of degree one.

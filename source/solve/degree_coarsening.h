@@ -65,8 +65,8 @@ public:
 
   void vmult(Epetra_Vector &x, const Epetra_Vector &b) const;
   /// Whether A_1 has levels, and its factors would take less work than they spare where so many iterations
-  /// are still expected. @param work_of_iteration as ExpectedCost
-  bool factors_pay(double n_expected, double work_of_iteration) const;
+  /// are still expected. @param work_above of an iteration, without that of A_1's levels, as ExpectedCost
+  bool factors_pay(double n_expected, double work_above) const;
 
 private:
   void find_coarse_rows(const RowSums &sums);
@@ -75,6 +75,8 @@ private:
 
   const LevelOperator &A;
   const unsigned int dim;
+  const double nodes_across;
+  double n_entries = 0;                       ///< of A_1
   Selection coarse_rows;                      ///< own rows of A that are unknowns of A_1
   std::unique_ptr<Prolongation> prolongation; ///< P
   std::unique_ptr<Cycle> coarse;

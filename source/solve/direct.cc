@@ -64,15 +64,13 @@ private:
   std::string missing;
 };
 
-/// With nested dissection (George 1973): in 3D n^2 operations and n^(4/3) entries of the factors of a cube.
-/// Of a body with fewer nodes m across, (m n)^(3/2) and m n.
+/// In 3D n^(4/3) entries of the factors of a cube, m n with fewer nodes m across (work_of_factors).
 std::optional<ExpectedCost> Direct::expected_cost(const GroupSize &size) const
 {
   const double share = facts.is_positive_definite() ? 1 : 2; // L U
-  const double n = size.n_unknowns, across_cube = std::cbrt(n / 3) / 3,
-               thin = facts.shape.nodes_across > 0 ? std::min(1., facts.shape.nodes_across / across_cube) : 1,
-               n_factors = facts.dim == 3 ? 30 * thin * std::pow(n, 4. / 3) : 10 * n * std::log2(n + 1),
-               operations = (facts.dim == 3 ? std::pow(thin, 1.5) : 1) * work_of_factors(n, facts.dim);
+  const double n = size.n_unknowns, across = facts.shape.nodes_across,
+               thin = thin_share(n, facts.dim, across), operations = work_of_factors(n, facts.dim, across),
+               n_factors = facts.dim == 3 ? 30 * thin * std::pow(n, 4. / 3) : 10 * n * std::log2(n + 1);
   return {{390 * size.n_entries + share * operations, 4 * share * n_factors, 8 * share * n_factors}};
 }
 

@@ -18,12 +18,20 @@
 #include <Epetra_MultiVector.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace dovetail {
 
-double work_of_factors(const double n_rows, const unsigned int dim)
+double thin_share(const double n_rows, const unsigned int dim, const double nodes_across)
 {
-  return dim == 3 ? 1.6 * n_rows * n_rows : 6000 * n_rows;
+  const double across_cube = std::cbrt(n_rows / 3) / 3;
+  return dim == 3 && nodes_across > 0 ? std::min(1., nodes_across / across_cube) : 1;
+}
+
+double work_of_factors(const double n_rows, const unsigned int dim, const double nodes_across)
+{
+  return dim == 3 ? 1.6 * n_rows * n_rows * std::pow(thin_share(n_rows, dim, nodes_across), 1.5)
+                  : 6000 * n_rows;
 }
 
 Factors::Factors(std::unique_ptr<Epetra_CrsMatrix> given, const bool is_symmetric)
@@ -37,9 +45,14 @@ Factors::Factors(const Epetra_CrsMatrix &A, const bool is_symmetric) : A(A), is_
   factorise();
 }
 
+Factors::Factors(const Epetra_CrsMatrix &A, const std::vector<int> &first_row) : A(A), is_symmetric(true)
+{
+  factorise(first_row);
+}
+
 Factors::~Factors() = default;
 
-void Factors::factorise()
+void Factors::factorise(const std::vector<int> &first_row)
 {
   const int most_of_klu = 2000;
   if (A.NumGlobalRows() > most_of_klu) {
@@ -47,7 +60,7 @@ void Factors::factorise()
     const Agreement ranks{dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm(), {}};
     mumps =
         std::make_unique<MumpsFactors>(ranks.communicator, A.NumGlobalRows(), is_symmetric, has_small_pivots);
-    ranks.run("entries", [this]() { mumps->take(A); });
+    ranks.run("entries", [&]() { mumps->take(A, first_row); });
     mumps->analyse();
     const double missing = mumps->memory_on_machine() - free_memory(); // the kernel would end the process
     AssertThrow(dealii::Utilities::MPI::max(missing, ranks.communicator) <= 0,

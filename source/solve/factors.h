@@ -8,6 +8,7 @@
 #include <Epetra_CrsMatrix.h>
 
 #include <memory>
+#include <vector>
 
 class Amesos_BaseSolver;
 class Epetra_LinearProblem;
@@ -16,11 +17,14 @@ namespace dovetail {
 
 class MumpsFactors;
 
-/// What the factors of a symmetric matrix of a cube's @p n_rows take, in units of ExpectedCost: with nested
-/// dissection n^2 operations in 3D.
+/// How thin bodies are: nodes across them beside those across a cube of @p n_rows vectors; 1 in 2D.
+double thin_share(double n_rows, unsigned int dim, double nodes_across);
+/// What the factors of a symmetric matrix take, in units of ExpectedCost: with nested dissection n^2
+/// operations for a cube in 3D, and (m n)^(3/2) where there are fewer nodes m across.
 ///
 /// J. A. George: Nested dissection of a regular finite element mesh, 1973.
-double work_of_factors(double n_rows, unsigned int dim);
+/// @param nodes_across 0: not known
+double work_of_factors(double n_rows, unsigned int dim, double nodes_across);
 
 /// Up to 2000 rows KLU factorises on the first rank; more are left to MUMPS.
 ///
@@ -32,6 +36,8 @@ public:
   /// @throw std::exception if a pivot is zero or memory is missing, on all ranks. Collective.
   explicit Factors(std::unique_ptr<Epetra_CrsMatrix> A, bool is_symmetric = true);
   explicit Factors(const Epetra_CrsMatrix &A, bool is_symmetric = true); ///< by reference
+  /// The same, where @p first_row of each node is known, as MatrixNodes has them.
+  Factors(const Epetra_CrsMatrix &A, const std::vector<int> &first_row);
   ~Factors();
 
   /// x = A^-1 b on the own rows. Collective.
@@ -39,7 +45,7 @@ public:
   void solve_transposed(double *x, const double *b) const { solve(x, b, !is_symmetric); } ///< x = A^-T b
 
 private:
-  void factorise();
+  void factorise(const std::vector<int> &first_row = {});
   void solve(double *x, const double *b, bool by_transposed) const;
 
   std::unique_ptr<Epetra_CrsMatrix> owned; ///< nullptr, or A

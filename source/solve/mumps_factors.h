@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include "nested_dissection.h"
+
 #include <Epetra_CrsMatrix.h>
 #include <dmumps_c.h>
 #include <mpi.h>
@@ -26,7 +28,8 @@ public:
 
   /// Take the entries of the own rows. @return whether their pattern is that of the last analysis; not
   /// collective
-  bool take(const Epetra_CrsMatrix &A);
+  /// @param first_row of each node, as MatrixNodes has them
+  bool take(const Epetra_CrsMatrix &A, const std::vector<int> &first_row = {});
   void analyse();
   bool are_symmetric() const { return is_symmetric; } ///< L D L^T
   bool suit(int n_rows, bool symmetric) const;        ///< and are not to be made anew
@@ -52,6 +55,7 @@ private:
     if (const int error = global_result(1); error < 0)
       throw std::runtime_error("MUMPS gives error " + std::to_string(error));
   }
+  std::vector<int> order_of_elimination() const;
   template <typename Number>
   std::vector<Number> gather(const std::vector<Number> &own, MPI_Datatype type) const;
 
@@ -60,6 +64,7 @@ private:
   DMUMPS_STRUC_C mumps = {};
   std::vector<int> rows, columns; ///< from 1, of the entries; of a symmetric matrix the upper triangle
   std::vector<double> entries;
+  MatrixNodes nodes;
   std::vector<int> all_rows, all_columns; ///< of a small matrix, on the first rank
   std::vector<double> all_entries;
   unsigned long n_negative = 0;

@@ -3,6 +3,8 @@
 
 #include "semicoarsening.h"
 
+#include <dovetail/solve/free_memory.h>
+
 #include "aggregate_products.h"
 #include "smoothed_aggregation.h"
 
@@ -706,7 +708,7 @@ bool are_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const Epe
   const double least_share = 0.1;
   const Couplings couplings(A, nodes);
   const double n_modes = modes_of_nodes(modes, nodes);
-  const bool are_few = A.NumGlobalRows() <= Semicoarsening::largest_of_lines,
+  const bool are_few = A.NumGlobalRows() <= Semicoarsening::largest_of_lines(A.Comm()),
              is_cheap =
                  n_modes < largest_cheap * couplings.rows_together ||
                  (couplings.are_in_lines() && (are_few || n_modes < largest_cheap * couplings.rows_of_line));
@@ -779,12 +781,22 @@ bool has_mixed_bodies(const GroupFacts &facts)
   return facts.n_blocks > 2 && facts.has_large_contrast();
 }
 
+/// A stack of twelve plates with as many unknowns takes 20 kB for each of them.
+int Semicoarsening::largest_of_lines(const Epetra_Comm &ranks)
+{
+  const double most = 300000, fewest = 100000, KiB_of_row = 20;
+  double that_fit = std::min(most, 1024 * free_memory() / KiB_of_row), least = most;
+  ranks.MinAll(&that_fit, &least, 1);
+  return static_cast<int>(std::max(least, fewest));
+}
+
 Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, LevelNodes nodes,
                                const MakeSmoother &make_smoother, const Lines lines)
     : Cycle(std::move(A))
 {
   std::unique_ptr<Epetra_MultiVector> modes = modes_side_by_side(given_modes, nodes);
   int largest = largest_coarse;
+  const int most_of_lines = largest_of_lines(coarsest().Comm());
   int n_unknowns = coarsest().NumGlobalRows(); // without the rows of vectors of bases that are zero
   while (n_unknowns > largest) {
     const Epetra_CrsMatrix &matrix = coarsest();
@@ -794,12 +806,12 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
       if (Couplings closer(matrix, nodes, smaller_ratio); lead_everywhere(closer, nodes, matrix.Comm()))
         couplings = std::move(closer);
     const bool are_means = lines == Lines::whole && n_levels() == 0 && modes->NumVectors() == 1;
-    const bool are_short = couplings.are_in_short_lines() && n_unknowns <= largest_of_lines;
+    const bool are_short = couplings.are_in_short_lines() && n_unknowns <= most_of_lines;
     const bool are_whole = are_means || are_short ||
                            (lines != Lines::in_parts &&
                             modes_of_nodes(*modes, nodes) >= largest_cheap * couplings.rows_together);
     if (are_whole && couplings.are_in_lines())
-      largest = largest_of_lines;
+      largest = most_of_lines;
     else
       couplings.line_length.assign(nodes.size(), 0);
     const Aggregates aggregates(own_part(couplings.near), couplings.all, couplings.line_length);
@@ -824,7 +836,7 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
       nodes = imported_nodes(nodes, *gather);
     }
   }
-  factorise_coarsest();
+  factorise_coarsest(nodes.first_row);
 }
 
 } // namespace dovetail

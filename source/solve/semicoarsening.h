@@ -81,7 +81,8 @@ public:
     whole_if_cheap, ///< where the levels of their parts would have about as many unknowns
     whole ///< also of scalars, where a line has the mean of some leaders, which its parts do not find
   };
-  static constexpr int largest_of_lines = 100000; ///< as largest_coarse; their ends make a surface
+  /// As largest_coarse; their ends make surfaces, and the memory of this machine may allow less. Collective.
+  static int largest_of_lines(const Epetra_Comm &ranks);
 
   /// @param modes near-null space of A
   Semicoarsening(Finest A, const Epetra_MultiVector &modes, LevelNodes nodes,

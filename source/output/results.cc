@@ -6,6 +6,7 @@
 #include <dovetail/material/transient.h>
 #include <dovetail/measure/balance.h>
 #include <dovetail/measure/bending_stiffness.h>
+#include <dovetail/measure/bent_cells.h>
 #include <dovetail/measure/jumps.h>
 #include <dovetail/measure/measures.h>
 #include <dovetail/measure/probe_names.h>
@@ -444,6 +445,7 @@ void Results<dim>::explain(const Solution<dim> &solution)
   const Vector ghosted = solution.system.ghosted(solution.x);
   notes.add(explain_resolution(model, ghosted, solution.t));
   notes.add(explain_stiffness(model, ghosted, solution.t));
+  notes.add(explain_bent_cells(model, ghosted, solution.t));
   notes.add(probes.notes_on_extremes(ghosted, solution.t));
   notes.add(
       explain_jumps(model, solution.t, report()["domains"], report()["balance"], report()["interfaces"]));

@@ -80,7 +80,7 @@ protected:
   /// few each: aggregates do not cross ranks, so that many ranks could not coarsen any further.
   /// @return how to bring what belongs to the rows there; nullptr if they stay where they are. Collective.
   const Epetra_Import *gather_coarsest();
-  /// @param first_row of each node, as MatrixNodes has them
+  /// @param first_row of each node, as Factors takes them
   void factorise_coarsest(const std::vector<int> &first_row = {})
   {
     factors = std::make_unique<Factors>(coarsest(), first_row);

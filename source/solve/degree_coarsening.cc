@@ -97,13 +97,15 @@ void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
 /// Where thousands of iterations are expected, the residual has hardly begun to fall, and that tells little.
 bool DegreeCoarsening::factors_pay(const double n_expected, const double work_above) const
 {
-  const double n_with_factors = 15, largest_n = 1000, work_of_entry = 22;
-  const int largest = 300000; // rows: about a GiB for those of a cube
+  const double n_with_factors = 15, largest_n = 1000;
+  const int largest =
+      300000; // rows: about 5 GiB for those of a cube, which Factors compares with what is free
   if (!coarse || !coarse->has_levels() || n_expected > largest_n)
     return false;
   const int n_rows = prolongation->domain().NumGlobalElements();
-  return n_rows <= largest && work_of_factors(n_rows, dim, nodes_across) <
-                                  (n_expected - n_with_factors) * (work_above + work_of_entry * n_entries);
+  return n_rows <= largest &&
+         work_of_factors(n_rows, dim, nodes_across) <
+             (n_expected - n_with_factors) * (work_above + work_of_level_entry * n_entries);
 }
 
 /// By the functions of degree one.

@@ -67,6 +67,7 @@ public:
   /// Whether A_1 has levels, and its factors would take less work than they spare where so many iterations
   /// are still expected. @param work_above of an iteration, without that of A_1's levels, as ExpectedCost
   bool factors_pay(double n_expected, double work_above) const;
+  static constexpr double work_of_level_entry = 22; ///< of a matrix with levels below, in an iteration
 
 private:
   void find_coarse_rows(const RowSums &sums);

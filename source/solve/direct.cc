@@ -12,6 +12,7 @@
 
 #include "factors.h"
 #include "mumps_factors.h"
+#include "nested_dissection.h"
 
 #include <dovetail/scene/section.h>
 #include <dovetail/solve/free_memory.h>
@@ -28,6 +29,7 @@
 #include <memory>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
 
 namespace dovetail {
 
@@ -85,7 +87,11 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
       factors = std::make_unique<MumpsFactors>(ranks.communicator, A.NumGlobalRows(),
                                                facts.is_positive_definite(), facts.has_multipliers);
     });
-  ranks.run("entries", [&]() { is_same = factors->take(A); });
+  const bool has_vectors_in_space =
+      facts.dim == 3 && facts.n_components > 1; // of others, MUMPS' order is as good
+  ranks.run("entries", [&]() {
+    is_same = factors->take(A, has_vectors_in_space ? rows_of_nodes(A) : std::vector<int>());
+  });
   if (dealii::Utilities::MPI::min(static_cast<int>(is_same), ranks.communicator) == 0) {
     ranks.run("analysis", [&]() { factors->analyse(); });
     check_memory(ranks.communicator);

@@ -19,6 +19,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <utility>
 
 namespace dovetail {
 
@@ -60,7 +62,12 @@ void Factors::factorise(const std::vector<int> &first_row)
     const Agreement ranks{dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm(), {}};
     mumps =
         std::make_unique<MumpsFactors>(ranks.communicator, A.NumGlobalRows(), is_symmetric, has_small_pivots);
-    ranks.run("entries", [&]() { mumps->take(A, first_row); });
+    ranks.run("entries", [&]() {
+      std::vector<int> rows_of_nodes;
+      for (std::size_t node = 0; node + 1 < first_row.size(); ++node)
+        rows_of_nodes.push_back(first_row[node + 1] - first_row[node]);
+      mumps->take(A, std::move(rows_of_nodes));
+    });
     mumps->analyse();
     const double missing = mumps->memory_on_machine() - free_memory(); // the kernel would end the process
     AssertThrow(dealii::Utilities::MPI::max(missing, ranks.communicator) <= 0,

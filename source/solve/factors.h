@@ -17,7 +17,8 @@ namespace dovetail {
 
 class MumpsFactors;
 
-/// How thin bodies are: nodes across them beside those across a cube of @p n_rows vectors; 1 in 2D.
+/// How thin bodies are: nodes across them beside those across a cube of @p n_rows vectors; 1 in 2D or if
+/// they are not known.
 double thin_share(double n_rows, unsigned int dim, double nodes_across);
 /// What the factors of a symmetric matrix take, in units of ExpectedCost: with nested dissection n^2
 /// operations for a cube in 3D, and (m n)^(3/2) where there are fewer nodes m across.
@@ -36,7 +37,8 @@ public:
   /// @throw std::exception if a pivot is zero or memory is missing, on all ranks. Collective.
   explicit Factors(std::unique_ptr<Epetra_CrsMatrix> A, bool is_symmetric = true);
   explicit Factors(const Epetra_CrsMatrix &A, bool is_symmetric = true); ///< by reference
-  /// The same, where @p first_row of each node is known, as MatrixNodes has them.
+  /// The same, where @p first_row of each node is known, and the number of rows at the end; empty: they are
+  /// not.
   Factors(const Epetra_CrsMatrix &A, const std::vector<int> &first_row);
   ~Factors();
 

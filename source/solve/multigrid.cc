@@ -261,10 +261,10 @@ Multigrid::Way Multigrid::way_for(const double n_expected, const unsigned int n)
   const double very_slow = 100;
   Way next = way;
   if (facts.degree > 1) {
-    const double slow = 40, work_per_entry = 22;
+    const double slow = 40, work_of_entry = DegreeCoarsening::work_of_level_entry;
     const bool has_means = facts.has_multipliers || way.means != Means::usual, // of K without multipliers
         factors_pay = !way.has_factors && !lacks_factors && by_degree &&
-                      by_degree->factors_pay(n_expected - n, work_per_entry * matrix->NumGlobalNonzeros64());
+                      by_degree->factors_pay(n_expected - n, work_of_entry * matrix->NumGlobalNonzeros64());
     if (factors_pay && (n_expected > very_slow || (has_means && n > Outlook::n_between_looks)))
       next.has_factors = true;
     else if (n_expected > slow && !has_means)

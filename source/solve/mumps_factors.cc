@@ -2,10 +2,16 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include "mumps_factors.h"
+#include "nested_dissection.h"
+
+#include <dovetail/solve/free_memory.h>
 
 #include <deal.II/base/mpi.h>
 
+#include <cstddef>
+#include <limits>
 #include <new>
+#include <numeric>
 #include <utility>
 
 namespace dovetail {
@@ -80,7 +86,7 @@ std::vector<Number> MumpsFactors::gather(const std::vector<Number> &own, const M
   return all;
 }
 
-bool MumpsFactors::take(const Epetra_CrsMatrix &A, const std::vector<int> &first_row)
+bool MumpsFactors::take(const Epetra_CrsMatrix &A, std::vector<int> rows_of_nodes)
 {
   std::vector<int> new_rows, new_columns;
   entries.clear();
@@ -96,10 +102,9 @@ bool MumpsFactors::take(const Epetra_CrsMatrix &A, const std::vector<int> &first
       }
   }
   const bool is_same = new_rows == rows && new_columns == columns;
+  rows_of_own_nodes = std::move(rows_of_nodes);
   rows = std::move(new_rows);
   columns = std::move(new_columns);
-  if (!is_same)
-    nodes = MatrixNodes(A, first_row);
   mumps.n = A.NumGlobalRows();
   mumps.nnz_loc = entries.size();
   mumps.irn_loc = rows.data();
@@ -109,20 +114,24 @@ bool MumpsFactors::take(const Epetra_CrsMatrix &A, const std::vector<int> &first
   return is_same && is_analysed;
 }
 
-/// Of vectors in 3D, on the first rank; elsewhere empty: in 2D and for scalars the order of MUMPS is as good.
+/// On the first rank, elsewhere empty. Nodes of two rows gain nothing.
 std::vector<int> MumpsFactors::order_of_elimination() const
 {
-  const double rows_of_node = 2.5; // on average
-  if (dealii::Utilities::MPI::sum(double(nodes.n_rows.size()), communicator) * rows_of_node > mumps.n)
+  const double fewest_rows = 2.5; // of a node, on average
+  const auto sum_up = [this](const std::size_t n) {
+    return dealii::Utilities::MPI::sum(static_cast<double>(n), communicator);
+  };
+  const double n_nodes = sum_up(rows_of_own_nodes.size()),
+               n_rows = sum_up(std::accumulate(rows_of_own_nodes.begin(), rows_of_own_nodes.end(), 0));
+  if (n_rows != mumps.n || n_nodes * fewest_rows > mumps.n ||
+      sum_up(rows.size()) > std::numeric_limits<int>::max())
     return {};
-  MatrixNodes all;
-  all.n_rows = gather(nodes.n_rows, MPI_INT);
-  all.n_columns = gather(nodes.n_columns, MPI_INT);
-  all.columns = gather(nodes.columns, MPI_INT);
-  try {
-    return is_first ? nested_dissection(all) : std::vector<int>();
+  try { // what lacks memory lacks it on all ranks, or on the first one after the others are done
+    const std::vector<int> nodes = gather(rows_of_own_nodes, MPI_INT), of_entries = gather(rows, MPI_INT),
+                           their_columns = gather(columns, MPI_INT);
+    return is_first ? nested_dissection(nodes, of_entries, their_columns) : std::vector<int>();
   } catch (const std::bad_alloc &) {
-    return {}; // MUMPS takes its own, or lacks memory on all ranks
+    return {};
   }
 }
 
@@ -144,6 +153,8 @@ void MumpsFactors::analyse()
   const int given = 1, automatic = 7;
   control(mumps, 7) = order.empty() ? automatic : given;
   mumps.perm_in = order.data();
+  if (!order.empty())
+    give_back_freed_memory(); // before somebody looks how much is free
   call(1);
   mumps.perm_in = nullptr;
   check();

@@ -5,8 +5,6 @@
 
 #pragma once
 
-#include "nested_dissection.h"
-
 #include <Epetra_CrsMatrix.h>
 #include <dmumps_c.h>
 #include <mpi.h>
@@ -28,8 +26,8 @@ public:
 
   /// Take the entries of the own rows. @return whether their pattern is that of the last analysis; not
   /// collective
-  /// @param first_row of each node, as MatrixNodes has them
-  bool take(const Epetra_CrsMatrix &A, const std::vector<int> &first_row = {});
+  /// @param rows_of_nodes of the own rows, which nested_dissection() may order; empty: MUMPS orders them
+  bool take(const Epetra_CrsMatrix &A, std::vector<int> rows_of_nodes);
   void analyse();
   bool are_symmetric() const { return is_symmetric; } ///< L D L^T
   bool suit(int n_rows, bool symmetric) const;        ///< and are not to be made anew
@@ -64,7 +62,7 @@ private:
   DMUMPS_STRUC_C mumps = {};
   std::vector<int> rows, columns; ///< from 1, of the entries; of a symmetric matrix the upper triangle
   std::vector<double> entries;
-  MatrixNodes nodes;
+  std::vector<int> rows_of_own_nodes;
   std::vector<int> all_rows, all_columns; ///< of a small matrix, on the first rank
   std::vector<double> all_entries;
   unsigned long n_negative = 0;

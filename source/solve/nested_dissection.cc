@@ -6,76 +6,48 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <csignal>
+#include <cstddef>
+#include <limits>
 
 namespace dovetail {
 
-namespace {
-
-struct Columns
+std::vector<int> rows_of_nodes(const Epetra_CrsMatrix &A)
 {
-  const int *begin = nullptr, *end = nullptr; ///< local numbers, sorted
-};
-
-Columns columns_of(const Epetra_CrsMatrix &A, const int row)
-{
-  int n = 0, *local = nullptr;
-  double *values = nullptr;
-  A.ExtractMyRowView(row, n, values, local);
-  return {local, local + n};
-}
-
-std::vector<int> first_rows_of_equal_columns(const Epetra_CrsMatrix &A)
-{
-  std::vector<int> first_row;
-  Columns last;
-  for (int row = 0; row < A.NumMyRows(); ++row)
-    if (const auto [begin, end] = columns_of(A, row);
-        row == 0 || !std::equal(begin, end, last.begin, last.end)) {
-      first_row.push_back(row);
-      last = {begin, end};
-    }
-  first_row.push_back(A.NumMyRows());
-  return first_row;
-}
-
-} // namespace
-
-MatrixNodes::MatrixNodes(const Epetra_CrsMatrix &A, std::vector<int> first_row)
-{
-  if (first_row.empty() || first_row.back() != A.NumMyRows())
-    first_row = first_rows_of_equal_columns(A);
-  std::vector<int> local;
-  for (auto row = first_row.begin(); row + 1 < first_row.end(); ++row) {
-    local.clear();
-    for (int of_node = *row; of_node < *(row + 1); ++of_node) {
-      const auto [begin, end] = columns_of(A, of_node);
-      local.insert(local.end(), begin, end);
-    }
-    std::sort(local.begin(), local.end());
-    local.erase(std::unique(local.begin(), local.end()), local.end());
-    n_rows.push_back(*(row + 1) - *row);
-    n_columns.push_back(local.size());
-    for (const int column : local)
-      columns.push_back(A.GCID(column));
+  std::vector<int> result;
+  int n_last = 0, *last = nullptr;
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n = 0, *local = nullptr;
+    double *values = nullptr;
+    A.ExtractMyRowView(row, n, values, local);
+    if (row > 0 && std::equal(local, local + n, last, last + n_last))
+      ++result.back();
+    else
+      result.push_back(1);
+    n_last = n;
+    last = local;
   }
+  return result;
 }
 
 namespace {
 
 /// The neighbours of each node, without itself, in both directions.
-std::vector<std::vector<idx_t>> neighbours(const MatrixNodes &all)
+std::vector<std::vector<idx_t>> neighbours(const std::vector<int> &rows_of_nodes,
+                                           const std::vector<int> &rows, const std::vector<int> &columns)
 {
-  std::vector<int> node_of_row;
-  for (unsigned int node = 0; node < all.n_rows.size(); ++node)
-    node_of_row.insert(node_of_row.end(), all.n_rows[node], node);
-  std::vector<std::vector<idx_t>> result(all.n_rows.size());
-  auto column = all.columns.begin();
-  for (unsigned int node = 0; node < all.n_rows.size(); ++node)
-    for (int k = 0; k < all.n_columns[node]; ++k)
-      if (const unsigned int other = node_of_row[*column++]; other != node) {
-        result[node].push_back(other);
-        result[other].push_back(node);
-      }
+  std::vector<idx_t> node_of_row(1, -1); // from 1
+  for (std::size_t node = 0; node < rows_of_nodes.size(); ++node)
+    node_of_row.insert(node_of_row.end(), rows_of_nodes[node], static_cast<idx_t>(node));
+  std::vector<std::vector<idx_t>> result(rows_of_nodes.size());
+  std::vector<idx_t> seen_by(rows_of_nodes.size(), -1); // the rows of a node follow each other
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    if (const idx_t node = node_of_row[rows[k]], other = node_of_row[columns[k]];
+        node != other && seen_by[other] != node) {
+      seen_by[other] = node;
+      result[node].push_back(other);
+      result[other].push_back(node);
+    }
   for (auto &list : result) {
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
@@ -83,22 +55,37 @@ std::vector<std::vector<idx_t>> neighbours(const MatrixNodes &all)
   return result;
 }
 
+/// METIS catches SIGTERM during its work and stops: a request to end the run, which it must not swallow.
+int run_metis(std::vector<idx_t> weights, std::vector<idx_t> &first, std::vector<idx_t> &edges,
+              std::vector<idx_t> &node_at)
+{
+  auto n_nodes = static_cast<idx_t>(weights.size());
+  std::vector<idx_t> place_of(n_nodes);
+  const int status = METIS_NodeND(&n_nodes, first.data(), edges.data(), weights.data(), nullptr,
+                                  node_at.data(), place_of.data());
+  if (status == METIS_ERROR)
+    std::raise(SIGTERM);
+  return status;
+}
+
 } // namespace
 
-std::vector<int> nested_dissection(const MatrixNodes &all)
+std::vector<int> nested_dissection(const std::vector<int> &rows_of_nodes, const std::vector<int> &rows,
+                                   const std::vector<int> &columns)
 {
   std::vector<idx_t> first(1, 0), edges;
-  for (const auto &list : neighbours(all)) {
+  for (const auto &list : neighbours(rows_of_nodes, rows, columns)) {
+    if (list.size() > std::numeric_limits<idx_t>::max() - edges.size())
+      return {};
     edges.insert(edges.end(), list.begin(), list.end());
-    first.push_back(edges.size());
+    first.push_back(static_cast<idx_t>(edges.size()));
   }
-  idx_t n_nodes = all.n_rows.size();
-  std::vector<idx_t> node_at(n_nodes), place_of(n_nodes);
-  if (edges.empty() || METIS_NodeND(&n_nodes, first.data(), edges.data(), nullptr, nullptr, node_at.data(),
-                                    place_of.data()) != METIS_OK)
+  std::vector<idx_t> node_at(rows_of_nodes.size());
+  if (edges.empty() ||
+      run_metis({rows_of_nodes.begin(), rows_of_nodes.end()}, first, edges, node_at) != METIS_OK)
     return {};
   std::vector<int> first_row(1, 0);
-  for (const int n : all.n_rows)
+  for (const int n : rows_of_nodes)
     first_row.push_back(first_row.back() + n);
   std::vector<int> result(first_row.back());
   int place = 0;

@@ -11,26 +11,18 @@
 
 namespace dovetail {
 
-/// The nodes of a matrix: rows of one rank that follow each other and have about the same columns, as the
-/// components at a node do.
-struct MatrixNodes
-{
-  std::vector<int> n_rows;    ///< of each node
-  std::vector<int> n_columns; ///< that its rows have
-  std::vector<int> columns;   ///< global numbers, node after node
+/// How many of the own rows each node has: rows that follow each other and have the same columns, as the
+/// components at a node do. Not collective.
+std::vector<int> rows_of_nodes(const Epetra_CrsMatrix &A);
 
-  MatrixNodes() = default;
-  /// Of the own rows; not collective.
-  /// @param first_row of each node, and the number of rows at the end; if it is not known, rows that have
-  /// exactly the same columns belong to a node
-  MatrixNodes(const Epetra_CrsMatrix &A, std::vector<int> first_row);
-};
-
-/// Nested dissection of the graph of all nodes, whose rows have the numbers 0, 1, 2 and so on.
+/// Nested dissection of the graph of all nodes.
 ///
+/// @param rows_of_nodes of all nodes, in the order of the rows
+/// @param rows, columns of entries, at least of either triangle, from 1
 /// @return for each row when it is eliminated, from 1; empty if the graph has no edges or METIS fails
 ///
 /// G. Karypis, V. Kumar: A fast and high quality multilevel scheme for partitioning irregular graphs, 1998.
-std::vector<int> nested_dissection(const MatrixNodes &all);
+std::vector<int> nested_dissection(const std::vector<int> &rows_of_nodes, const std::vector<int> &rows,
+                                   const std::vector<int> &columns);
 
 } // namespace dovetail

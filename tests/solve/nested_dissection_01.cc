@@ -12,6 +12,7 @@
 // ranks: 1, 2, 3
 
 #include "../../source/solve/mumps_factors.h"
+#include "../../source/solve/nested_dissection.h"
 
 #include "../system/scene_model.h"
 
@@ -58,14 +59,6 @@ Epetra_CrsMatrix make_matrix(const int n, const Epetra_Comm &ranks, const bool l
   return A;
 }
 
-std::vector<int> every_third(const int n_rows)
-{
-  std::vector<int> first_row;
-  for (int row = 0; row <= n_rows; row += n_components)
-    first_row.push_back(row);
-  return first_row;
-}
-
 /// Of the factors, below the diagonal. @param place of each row
 double count_entries(const Epetra_CrsMatrix &A, const std::vector<int> &place)
 {
@@ -89,14 +82,25 @@ double count_entries(const Epetra_CrsMatrix &A, const std::vector<int> &place)
 
 void check_order(const Epetra_CrsMatrix &A)
 {
-  const MatrixNodes nodes(A, {});
-  const std::vector<int> order = nested_dissection(nodes);
+  const std::vector<int> nodes = rows_of_nodes(A);
+  std::vector<int> rows, columns; // the upper triangle, from 1
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n = 0, *others = nullptr;
+    double *values = nullptr;
+    A.ExtractMyRowView(row, n, values, others);
+    for (int k = 0; k < n; ++k)
+      if (others[k] >= row) {
+        rows.push_back(row + 1);
+        columns.push_back(others[k] + 1);
+      }
+  }
+  const std::vector<int> order = nested_dissection(nodes, rows, columns);
   std::vector<int> sorted = order, natural(A.NumMyRows());
   std::sort(sorted.begin(), sorted.end());
   std::iota(natural.begin(), natural.end(), 1);
   report("each row has a place", sorted == natural);
   int first = 0, n_apart = 0;
-  for (const int n_rows : nodes.n_rows) {
+  for (const int n_rows : nodes) {
     for (int row = first + 1; row < first + n_rows; ++row)
       n_apart += order[row] == order[row - 1] + 1 ? 0 : 1;
     first += n_rows;
@@ -109,7 +113,7 @@ double residual_of_mumps(const Epetra_CrsMatrix &A, const bool is_symmetric)
 {
   const bool has_small_pivots = false;
   MumpsFactors factors(MPI_COMM_WORLD, A.NumGlobalRows(), is_symmetric, has_small_pivots);
-  factors.take(A, every_third(A.NumMyRows()));
+  factors.take(A, std::vector<int>(A.NumMyRows() / n_components, n_components));
   factors.analyse();
   factors.factorise();
   Epetra_Vector x(A.RowMap()), b(A.RowMap()), r(A.RowMap());
@@ -130,10 +134,7 @@ int main(int argc, char **argv)
   const Epetra_MpiComm all(MPI_COMM_WORLD), self(MPI_COMM_SELF);
   const Epetra_CrsMatrix A = make_matrix(9, self, false), B = make_matrix(9, self, true);
   check_order(A);
-  const MatrixNodes known(B, every_third(B.NumMyRows())), by_columns(B, {}),
-      of_A(A, every_third(A.NumMyRows()));
-  report("nodes by their rows", known.n_rows == std::vector<int>(729, 3) && known.columns == of_A.columns);
-  report("nodes that lack entries are more by their columns", by_columns.n_rows.size() > 2 * 729);
+  report("an entry that lacks divides its node", rows_of_nodes(B).size() > 2 * 729);
   for (const int n : {8, 9}) {
     const Epetra_CrsMatrix distributed = make_matrix(n, all, true);
     for (const bool is_symmetric : {true, false})

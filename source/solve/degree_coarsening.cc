@@ -98,8 +98,7 @@ void DegreeCoarsening::vmult(Epetra_Vector &x, const Epetra_Vector &b) const
 bool DegreeCoarsening::factors_pay(const double n_expected, const double work_above) const
 {
   const double n_with_factors = 15, largest_n = 1000;
-  const int largest =
-      300000; // rows: about 5 GiB for those of a cube, which Factors compares with what is free
+  const int largest = 300000; // rows: about 5 GiB for those of a cube. Factors looks how much is free
   if (!coarse || !coarse->has_levels() || n_expected > largest_n)
     return false;
   const int n_rows = prolongation->domain().NumGlobalElements();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
-#include <dovetail/domain/cell_points.h>
 #include <dovetail/measure/bent_cells.h>
+#include <dovetail/measure/domain_point.h>
 
 #include <deal.II/base/mpi.h>
 #include <deal.II/base/symmetric_tensor.h>
@@ -20,6 +20,7 @@ const NoteName of_bent_cells("bent cells",
 
 const unsigned int largest_degree = 2; ///< four Gauss points and more err by 6 % at most
 const double smallest_strain = 0.1;    ///< of the deviator of the whole strain
+const double largest_share = 0.5;      ///< of the inelastic strain that turns its sign within cells
 
 /// Integrals over a body.
 struct InelasticStrain
@@ -31,7 +32,7 @@ struct InelasticStrain
   double share_of_turning() const { return 1 - of_cells / of_points; }
   bool is_bending() const
   {
-    return of_points > smallest_strain * whole && share_of_turning() > largest_share_of_turning;
+    return of_points > smallest_strain * whole && share_of_turning() > largest_share;
   }
 };
 
@@ -56,31 +57,27 @@ InelasticStrain inelastic_strain(const Domain<dim> &domain, const unsigned int f
 {
   const bool is_large = domain.material.has_large_strain();
   InelasticStrain result;
-  CellPoints<dim> point(domain, t);
+  DomainPoint<dim> point(domain, solution, t);
   dealii::FEValues<dim> values(domain.mapping(), domain.layout().shape_element(), domain.cell_quadrature(),
-                               dealii::update_values | dealii::update_gradients |
-                                   dealii::update_quadrature_points | dealii::update_JxW_values);
-  std::vector<dealii::types::global_dof_index> dofs;
-  std::vector<double> unknowns(domain.dofs_per_cell());
+                               DomainPoint<dim>::needed() | dealii::update_JxW_values);
   for (const auto &cell : domain.dof_handler().active_cell_iterators())
     if (cell->is_locally_owned()) {
       values.reinit(typename dealii::Triangulation<dim>::active_cell_iterator(cell));
-      domain.cell_dofs(cell, dofs);
-      solution.extract_subvector_to(dofs.begin(), dofs.end(), unknowns.begin());
-      dealii::Tensor<2, 3> sum;
+      point.enter(values);
+      dealii::Tensor<2, 3> of_cell;
       for (const unsigned int q : values.quadrature_point_indices()) {
-        point.reinit(values, q, unknowns);
-        const double *component = point.state.memory.accepted.data() + first;
+        point.move_to(q);
+        const double *component = point.state().memory.accepted.data() + first;
         dealii::Tensor<2, 3> eps_p;
         for (unsigned int i = 0; i < 3; ++i)
           for (unsigned int j = 0; j < 3; ++j)
             eps_p[i][j] = *component++;
         const double dV = domain.measure(values, q);
-        sum += dV * eps_p;
+        of_cell += dV * eps_p;
         result.of_points += dV * eps_p.norm();
         result.whole += dV * size_of_strain(point.displacement_gradient(), is_large);
       }
-      result.of_cells += sum.norm();
+      result.of_cells += of_cell.norm();
     }
   return result;
 }

@@ -87,13 +87,14 @@ void Direct::prepare(const GroupOperator &K, const Agreement &ranks)
       factors = std::make_unique<MumpsFactors>(ranks.communicator, A.NumGlobalRows(),
                                                facts.is_positive_definite(), facts.has_multipliers);
     });
-  const bool has_vectors_in_space =
-      facts.dim == 3 && facts.n_components > 1; // of others, MUMPS' order is as good
-  ranks.run("entries", [&]() {
-    is_same = factors->take(A, has_vectors_in_space ? rows_of_nodes(A) : std::vector<int>());
-  });
+  ranks.run("entries", [&]() { is_same = factors->take(A); });
   if (dealii::Utilities::MPI::min(static_cast<int>(is_same), ranks.communicator) == 0) {
-    ranks.run("analysis", [&]() { factors->analyse(); });
+    std::vector<int> nodes; // of vectors in 3D: of others, MUMPS' order is as good
+    ranks.run("nodes", [&]() {
+      if (facts.dim == 3 && facts.n_components > 1)
+        nodes = rows_of_nodes(A);
+    });
+    ranks.run("analysis", [&]() { factors->analyse(nodes); });
     check_memory(ranks.communicator);
   }
   ranks.run("factors", [&]() { factors->factorise(); });

@@ -62,13 +62,13 @@ void Factors::factorise(const std::vector<int> &first_row)
     const Agreement ranks{dynamic_cast<const Epetra_MpiComm &>(A.Comm()).Comm(), {}};
     mumps =
         std::make_unique<MumpsFactors>(ranks.communicator, A.NumGlobalRows(), is_symmetric, has_small_pivots);
+    std::vector<int> rows_of_nodes;
     ranks.run("entries", [&]() {
-      std::vector<int> rows_of_nodes;
+      mumps->take(A);
       for (std::size_t node = 0; node + 1 < first_row.size(); ++node)
         rows_of_nodes.push_back(first_row[node + 1] - first_row[node]);
-      mumps->take(A, std::move(rows_of_nodes));
     });
-    mumps->analyse();
+    mumps->analyse(rows_of_nodes);
     const double missing = mumps->memory_on_machine() - free_memory(); // the kernel would end the process
     AssertThrow(dealii::Utilities::MPI::max(missing, ranks.communicator) <= 0,
                 dealii::ExcMessage("There is too little memory for the factors of a matrix."));

@@ -86,7 +86,7 @@ std::vector<Number> MumpsFactors::gather(const std::vector<Number> &own, const M
   return all;
 }
 
-bool MumpsFactors::take(const Epetra_CrsMatrix &A, std::vector<int> rows_of_nodes)
+bool MumpsFactors::take(const Epetra_CrsMatrix &A)
 {
   std::vector<int> new_rows, new_columns;
   entries.clear();
@@ -102,7 +102,6 @@ bool MumpsFactors::take(const Epetra_CrsMatrix &A, std::vector<int> rows_of_node
       }
   }
   const bool is_same = new_rows == rows && new_columns == columns;
-  rows_of_own_nodes = std::move(rows_of_nodes);
   rows = std::move(new_rows);
   columns = std::move(new_columns);
   mumps.n = A.NumGlobalRows();
@@ -115,19 +114,19 @@ bool MumpsFactors::take(const Epetra_CrsMatrix &A, std::vector<int> rows_of_node
 }
 
 /// On the first rank, elsewhere empty. Nodes of two rows gain nothing.
-std::vector<int> MumpsFactors::order_of_elimination() const
+std::vector<int> MumpsFactors::order_of_elimination(const std::vector<int> &rows_of_nodes) const
 {
   const double fewest_rows = 2.5; // of a node, on average
   const auto sum_up = [this](const std::size_t n) {
     return dealii::Utilities::MPI::sum(static_cast<double>(n), communicator);
   };
-  const double n_nodes = sum_up(rows_of_own_nodes.size()),
-               n_rows = sum_up(std::accumulate(rows_of_own_nodes.begin(), rows_of_own_nodes.end(), 0));
+  const double n_nodes = sum_up(rows_of_nodes.size()),
+               n_rows = sum_up(std::accumulate(rows_of_nodes.begin(), rows_of_nodes.end(), 0));
   if (n_rows != mumps.n || n_nodes * fewest_rows > mumps.n ||
       sum_up(rows.size()) > std::numeric_limits<int>::max())
     return {};
   try { // what lacks memory lacks it on all ranks, or on the first one after the others are done
-    const std::vector<int> nodes = gather(rows_of_own_nodes, MPI_INT), of_entries = gather(rows, MPI_INT),
+    const std::vector<int> nodes = gather(rows_of_nodes, MPI_INT), of_entries = gather(rows, MPI_INT),
                            their_columns = gather(columns, MPI_INT);
     return is_first ? nested_dissection(nodes, of_entries, their_columns) : std::vector<int>();
   } catch (const std::bad_alloc &) {
@@ -135,7 +134,7 @@ std::vector<int> MumpsFactors::order_of_elimination() const
   }
 }
 
-void MumpsFactors::analyse()
+void MumpsFactors::analyse(const std::vector<int> &rows_of_nodes)
 {
   is_analysed = false;
   n_of_rank = dealii::Utilities::MPI::all_gather(communicator, n_own);
@@ -149,7 +148,7 @@ void MumpsFactors::analyse()
     mumps.irn_loc = all_rows.data();
     mumps.jcn_loc = all_columns.data();
   }
-  std::vector<int> order = order_of_elimination();
+  std::vector<int> order = order_of_elimination(rows_of_nodes);
   const int given = 1, automatic = 7;
   control(mumps, 7) = order.empty() ? automatic : given;
   mumps.perm_in = order.data();

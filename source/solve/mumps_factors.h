@@ -26,9 +26,9 @@ public:
 
   /// Take the entries of the own rows. @return whether their pattern is that of the last analysis; not
   /// collective
+  bool take(const Epetra_CrsMatrix &A);
   /// @param rows_of_nodes of the own rows, which nested_dissection() may order; empty: MUMPS orders them
-  bool take(const Epetra_CrsMatrix &A, std::vector<int> rows_of_nodes);
-  void analyse();
+  void analyse(const std::vector<int> &rows_of_nodes);
   bool are_symmetric() const { return is_symmetric; } ///< L D L^T
   bool suit(int n_rows, bool symmetric) const;        ///< and are not to be made anew
   /// What factorise() will need on this rank, in MiB, estimated from above. @pre analyse()
@@ -53,7 +53,7 @@ private:
     if (const int error = global_result(1); error < 0)
       throw std::runtime_error("MUMPS gives error " + std::to_string(error));
   }
-  std::vector<int> order_of_elimination() const;
+  std::vector<int> order_of_elimination(const std::vector<int> &rows_of_nodes) const;
   template <typename Number>
   std::vector<Number> gather(const std::vector<Number> &own, MPI_Datatype type) const;
 
@@ -62,7 +62,6 @@ private:
   DMUMPS_STRUC_C mumps = {};
   std::vector<int> rows, columns; ///< from 1, of the entries; of a symmetric matrix the upper triangle
   std::vector<double> entries;
-  std::vector<int> rows_of_own_nodes;
   std::vector<int> all_rows, all_columns; ///< of a small matrix, on the first rank
   std::vector<double> all_entries;
   unsigned long n_negative = 0;

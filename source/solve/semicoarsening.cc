@@ -3,10 +3,10 @@
 
 #include "semicoarsening.h"
 
-#include <dovetail/solve/free_memory.h>
-
 #include "aggregate_products.h"
 #include "smoothed_aggregation.h"
+
+#include <dovetail/solve/free_memory.h>
 
 #include <deal.II/base/exceptions.h>
 #include <deal.II/base/symmetric_tensor.h>

@@ -387,8 +387,7 @@ std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const G
   DegreeCoarsening::MakeCoarse make_coarse = DegreeCoarsening::make_usual_coarse;
   if (coarse == CoarseSolve::by_factors)
     make_coarse = [](Cycle::Finest A_1, const auto &, const std::vector<GroupFacts::Place> &places) {
-      return std::make_unique<FactorisedCycle>(
-          std::move(A_1), places.empty() ? std::vector<int>() : nodes_of_rows(places).first_row);
+      return std::make_unique<FactorisedCycle>(std::move(A_1), nodes_of_rows(places).first_row);
     };
   else if (coarse == CoarseSolve::within_bodies)
     make_coarse = make_cycle_within_bodies;

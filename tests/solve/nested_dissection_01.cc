@@ -4,10 +4,9 @@
 // Nested dissection of vectors on a grid of 9 x 9 x 9 nodes, each of which is coupled with those beside it,
 // and one of whose components is prescribed at every hundredth node. Every row has a place for itself, the
 // rows of a node follow each other, and the factors have less than 0.75 times the entries that they have in
-// the order of the grid, which are counted by eliminating one node after the other. The same nodes are found
-// by their columns and from the rows at which they begin, where an entry of each node lacks. MUMPS solves
-// with this order to rounding, on several ranks, too, and where the matrix is small and one rank has the
-// factors for all.
+// the order of the grid, which are counted by eliminating one row after the other. Nodes are found by their
+// columns; where an entry lacks, they must be known. MUMPS solves with this order to rounding, on several
+// ranks, too, and where the matrix is small and one rank has the factors for all.
 //
 // ranks: 1, 2, 3
 
@@ -113,8 +112,8 @@ double residual_of_mumps(const Epetra_CrsMatrix &A, const bool is_symmetric)
 {
   const bool has_small_pivots = false;
   MumpsFactors factors(MPI_COMM_WORLD, A.NumGlobalRows(), is_symmetric, has_small_pivots);
-  factors.take(A, std::vector<int>(A.NumMyRows() / n_components, n_components));
-  factors.analyse();
+  factors.take(A);
+  factors.analyse(std::vector<int>(A.NumMyRows() / n_components, n_components));
   factors.factorise();
   Epetra_Vector x(A.RowMap()), b(A.RowMap()), r(A.RowMap());
   b.PutScalar(1.);

@@ -11,9 +11,6 @@
 
 namespace dovetail {
 
-/// How much of the inelastic strain may turn its sign within cells without a note.
-inline constexpr double largest_share_of_turning = 0.5;
-
 /// Sentences about solids of degree 1 and 2 that yield or creep and whose inelastic strain eps_p (an internal
 /// variable of nine components whose name ends with "strain") turns its sign within cells, as in a sheet that
 /// bends with one cell across its height: the sum over the cells

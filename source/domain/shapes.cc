@@ -6,34 +6,45 @@
 
 namespace dovetail {
 
+namespace {
+
+template <int dim>
+unsigned int nearest(const std::vector<dealii::Point<dim>> &points, const dealii::Point<dim> &to)
+{
+  unsigned int result = 0;
+  for (unsigned int i = 1; i < points.size(); ++i)
+    if (to.distance_square(points[i]) < to.distance_square(points[result]))
+      result = i;
+  return result;
+}
+
+} // namespace
+
 template <int dim>
 UnitShapes<dim>::UnitShapes(const Domain<dim> &domain)
-    : layout(domain.layout()), element(domain.degree), values(element.size()), gradients(element.size())
+    : layout(domain.layout()), has_simplices(domain.has_simplices()), of_hypercubes(domain.degree),
+      of_simplices(has_simplices ? domain.degree : 1),
+      values(has_simplices ? of_simplices.size() : of_hypercubes.size()), gradients(values.size())
 {
-  if (domain.has_simplices())
-    return;
-  for (const auto &point : domain.scalar_element().get_unit_support_points()) {
-    unsigned int nearest = 0;
-    for (unsigned int i = 1; i < element.size(); ++i)
-      if (point.distance_square(element.support_points()[i]) <
-          point.distance_square(element.support_points()[nearest]))
-        nearest = i;
-    lexicographic.push_back(nearest);
-  }
+  for (const auto &point : domain.scalar_element().get_unit_support_points())
+    number.push_back(
+        nearest(has_simplices ? of_simplices.support_points() : of_hypercubes.support_points(), point));
 }
 
 template <int dim>
 void UnitShapes<dim>::evaluate(const dealii::Point<dim> &unit_point, const dealii::Tensor<2, dim> &inverse,
                                double *shape_values, dealii::Tensor<1, dim> *shape_gradients)
 {
-  if (!lexicographic.empty())
-    element.evaluate(unit_point, values, gradients, no_hessians);
-  for (unsigned int a = 0; a < lexicographic.size(); ++a) {
-    shape_values[a] = values[lexicographic[a]];
-    shape_gradients[a] = gradients[lexicographic[a]] * inverse;
+  if (has_simplices)
+    of_simplices.evaluate(unit_point, values, gradients, no_hessians);
+  else
+    of_hypercubes.evaluate(unit_point, values, gradients, no_hessians);
+  for (unsigned int a = 0; a < number.size(); ++a) {
+    shape_values[a] = values[number[a]];
+    shape_gradients[a] = gradients[number[a]] * inverse;
   }
-  unsigned int i = lexicographic.size();
-  for (unsigned int s = lexicographic.empty() ? 0 : 1; s < layout.n_spaces(); ++s) {
+  unsigned int i = number.size();
+  for (unsigned int s = 1; s < layout.n_spaces(); ++s) {
     const dealii::FiniteElement<dim> &space_element = layout.element_of_space(s);
     for (unsigned int a = 0; a < space_element.n_dofs_per_cell(); ++a, ++i) {
       shape_values[i] = space_element.shape_value(a, unit_point);

@@ -85,6 +85,7 @@ Simulation<dim>::Simulation(const std::shared_ptr<SceneText> &text, const MPI_Co
   if (!model.interfaces.empty()) {
     const Phases::Scope scope(phases, "pairing");
     model.pair();
+    step.solver().consider_shapes();
   }
   phases.add("tie", model.pairing_seconds);
 }

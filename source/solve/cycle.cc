@@ -42,6 +42,8 @@ void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_
   give_back_freed_memory();
   level.A = last.owned ? std::make_unique<LevelEntries>(CompactMatrix(std::move(last.owned)))
                        : std::make_unique<LevelEntries>(*last.A);
+  if (last.may_round)
+    level.A->single_precision();
   give_back_freed_memory();
   last = Finest(make_coarse());
   give_back_freed_memory();

@@ -41,8 +41,12 @@ public:
   class Finest
   {
   public:
-    Finest(const Epetra_CrsMatrix &A) : A(&A) {} // NOLINT: either is a matrix
-    Finest(std::unique_ptr<Epetra_CrsMatrix> A) : owned(std::move(A)), A(owned.get()) {} // NOLINT
+    /// @param may_round products may be in single precision, as those of the other levels
+    Finest(const Epetra_CrsMatrix &A, const bool may_round) : A(&A), may_round(may_round) {}
+    Finest(std::unique_ptr<Epetra_CrsMatrix> A) // NOLINT: this is a matrix
+        : owned(std::move(A)), A(owned.get()), may_round(true)
+    {
+    }
 
     const Epetra_CrsMatrix &matrix() const { return *A; }
 
@@ -50,6 +54,7 @@ public:
     friend class Cycle;
     std::unique_ptr<Epetra_CrsMatrix> owned; ///< nullptr, or A
     const Epetra_CrsMatrix *A;
+    bool may_round;
   };
 
   using MakeMatrix = std::function<std::unique_ptr<Epetra_CrsMatrix>()>;

@@ -31,15 +31,13 @@ GroupSystem::GroupSystem(SolveGroup given_group)
     const std::vector<int> field = field_of_block(); // the units of several differ
     return *std::max_element(field.begin(), field.end()) == 0 ? contrast() : 1;
   };
-  if (group.present_shape)
-    all_facts.shape = group.present_shape();
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
   if (group.mesh_levels)
     all_facts.mesh_levels = [this](const bool with_parents) { return mesh_levels(with_parents); };
   if (group.positions)
     all_facts.places = [this](const Selection *rows) { return places(rows); };
-  share_facts();
+  consider_shape();
 }
 
 /// What an iteration decides by is the same in all ways.
@@ -62,6 +60,13 @@ void GroupSystem::consider_constraints()
   share_facts();
 }
 
+void GroupSystem::consider_shape()
+{
+  if (group.present_shape)
+    all_facts.shape = group.present_shape();
+  share_facts();
+}
+
 void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
 {
   matrix = &new_matrix;
@@ -71,8 +76,7 @@ void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
     merged = std::make_unique<MergedMatrix>(*matrix, all);
     all_facts.n_unknowns = merged->numbering().size();
     all_facts.n_own_of_bodies = merged->numbering().first_local_of(group.blocks.size());
-    if (group.present_shape)
-      all_facts.shape = group.present_shape();
+    consider_shape();
   }
   merged->update();
   if (group.is_still_symmetric)

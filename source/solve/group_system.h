@@ -35,6 +35,7 @@ public:
   void set_matrix(const BlockMatrix &matrix);
   void forget_matrix();
   void consider_constraints();
+  void consider_shape();
   /// Whether the smoother of the finest level multiplies by cells, with no matrix.
   void smooth_by_products(const bool by_products) { is_smoothed_by_products = by_products; }
   void limit_iterations(const double most) { facts_of_iteration.most_iterations = most; }

@@ -73,24 +73,35 @@ std::vector<int> columns_of_rows(const Epetra_CrsMatrix &A);
 class MatrixLevel : public LevelOperator
 {
 public:
-  explicit MatrixLevel(const Epetra_CrsMatrix &A) : A(A) {} ///< by reference
+  /// @param A by reference; what coarser levels are made of has its entries, whatever the precision of
+  /// vmult()
+  MatrixLevel(const Epetra_CrsMatrix &A, const bool in_single_precision) : A(A), of_products(A)
+  {
+    if (in_single_precision)
+      of_products.single_precision();
+  }
 
   const Epetra_Map &rows() const override { return A.OperatorDomainMap(); }
-  void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override { A.Multiply(false, x, y); }
+  void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override { of_products.vmult(y, x); }
   void diagonal(Epetra_Vector &values) const override { LevelEntries(A).diagonal(values); }
+  /// In single precision once more, unless products are.
+  LevelEntries entries() const { return of_products; }
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override;
   bool is_condensed(const unsigned int row) const override { return A.NumMyEntries(row) <= 1; }
 
 private:
   const Epetra_CrsMatrix &A;
+  LevelEntries of_products;
 };
 
 /// A + R^T R
 class AugmentedLevel : public MatrixLevel
 {
 public:
-  AugmentedLevel(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &R)
-      : MatrixLevel(A), R(R) {} ///< by reference
+  AugmentedLevel(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &R, const bool in_single_precision)
+      : MatrixLevel(A, in_single_precision), R(R)
+  {
+  } ///< by reference
 
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override;
   void diagonal(Epetra_Vector &values) const override;

@@ -432,6 +432,12 @@ std::optional<ExpectedCost> LinearSolver::expected_cost(const unsigned int group
   return (its.takes_direct() ? its.direct : its.chosen).solver->expected_cost(size);
 }
 
+void LinearSolver::consider_shapes()
+{
+  for (auto &group : groups)
+    group->system.consider_shape();
+}
+
 void LinearSolver::consider_constraints()
 {
   for (auto &group : groups)

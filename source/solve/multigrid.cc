@@ -33,12 +33,26 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 namespace dovetail {
+
+namespace {
+
+/// Whether the finest level may multiply in single precision, as the others do. What rounding leaves of a
+/// rotation holds a stiff body, which must not be more than soft ones do. The matrix of a scalar has few
+/// entries per row, and fewer iterations than would pay for the copy.
+bool may_be_rounded(const GroupFacts &facts)
+{
+  return facts.n_components > 1 &&
+         (!facts.contrast || facts.contrast() * std::numeric_limits<float>::epsilon() < 1);
+}
+
+} // namespace
 
 class Multigrid : public GroupSolver
 {
@@ -177,28 +191,35 @@ void Multigrid::make_levels()
   cycle.reset();
   by_degree.reset();
   of_finest = nullptr;
-  finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix)
-                                 : std::make_unique<AugmentedLevel>(*matrix, *added_rows);
+  const bool may_round = may_be_rounded(facts);
+  const auto make_finest = [&]() {
+    finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix, may_round)
+                                   : std::make_unique<AugmentedLevel>(*matrix, *added_rows, may_round);
+  };
   const auto part_of_modes = [this](const Epetra_Map &map, const Selection *rows) {
     return rows != nullptr ? select_rows(*modes, map, *rows) : std::make_unique<Epetra_MultiVector>(*modes);
   };
   if (facts.degree > 1 && facts.linear_part) {
+    make_finest();
     auto smoother = DegreeCoarsening::usual_smoother(*finest, facts.degree, added_rows != nullptr);
     of_finest = smoother.get();
     if (way.means != Means::usual)
-      of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest);
+      of_finest->take_factorisation(finest->entries(), factorisation_of_finest);
     CoarseSolve coarse = way.has_factors                         ? CoarseSolve::by_factors
                          : is_mixed && way.means != Means::usual ? CoarseSolve::within_bodies
                                                                  : CoarseSolve::by_levels;
     by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother), coarse);
-  } else if (const auto [leaders, are_means] = SoftLeaders::find(facts, finest->rows()); leaders)
+  } else if (const auto [leaders, are_means] = SoftLeaders::find(facts, matrix->OperatorDomainMap());
+             leaders) {
+    make_finest();
     by_degree =
         leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {
           return make_cycle_of_degree_one(std::move(A_1), std::move(level)..., false, Lines::whole_if_cheap);
         });
-  else
+  } else
     cycle = coarsen_mesh(
-        added_rows == nullptr ? Cycle::Finest(*matrix) : Cycle::Finest(with_added_rows(*matrix, *added_rows)),
+        added_rows == nullptr ? Cycle::Finest(*matrix, may_round)
+                              : Cycle::Finest(with_added_rows(*matrix, *added_rows)),
         mesh_steps(), modes,
         way.means == Means::usual && !is_mixed ? std::vector<GroupFacts::Place>() : facts.known_places(),
         [this, lines = are_means ? Lines::whole : Lines::whole_if_cheap](Cycle::Finest A, auto... level) {
@@ -222,7 +243,7 @@ std::vector<MeshStep> Multigrid::mesh_steps() const
     return {};
   Selection all(matrix->NumMyRows());
   std::iota(all.begin(), all.end(), 0u);
-  return make_mesh_steps(levels, facts.linear_part(), finest->rows(), std::move(all), true);
+  return make_mesh_steps(levels, facts.linear_part(), matrix->OperatorDomainMap(), std::move(all), true);
 }
 
 bool Multigrid::is_stretched() const
@@ -329,7 +350,7 @@ void Multigrid::change_to(const Way &next)
   upkeep.forget();
   if (keeps_levels)
     ranks.run("multigrid",
-              [this]() { of_finest->take_factorisation(LevelEntries(*matrix), factorisation_of_finest); });
+              [this]() { of_finest->take_factorisation(finest->entries(), factorisation_of_finest); });
   else
     make_agreed_levels();
   upkeep.made();

@@ -96,15 +96,35 @@ std::vector<unsigned int> components_of_fields(const Model<dim> &model, const So
   return result;
 }
 
-/// The boundary ids of a domain at which it is tied to another one, and goes on there.
+template <int dim>
+double covered_share(const Interface<dim> &interface, const unsigned int side)
+{
+  if (!interface.is_paired() || interface.pairing().coverage().is_complete(side))
+    return 1;
+  const Coverage &coverage = interface.pairing().coverage();
+  return coverage.covered[side] / coverage.area[side];
+}
+
+/// Which share of the boundary ids of a domain is tied to another one, at which it goes on: all, as long as
+/// their sides are not paired.
+template <int dim>
+std::map<dealii::types::boundary_id, double> tied_shares(const Model<dim> &model, const Domain<dim> &domain)
+{
+  std::map<dealii::types::boundary_id, double> result;
+  for (const auto &interface : model.interfaces)
+    for (unsigned int side = 0; side < 2; ++side)
+      if (interface->sides[side].domain == &domain)
+        for (const auto id : interface->sides[side].boundary_ids)
+          result[id] = std::min(1., result[id] + covered_share(*interface, side));
+  return result;
+}
+
 template <int dim>
 std::set<dealii::types::boundary_id> tied_ids(const Model<dim> &model, const Domain<dim> &domain)
 {
   std::set<dealii::types::boundary_id> result;
-  for (const auto &interface : model.interfaces)
-    for (const auto &side : interface->sides)
-      if (side.domain == &domain)
-        result.insert(side.boundary_ids.begin(), side.boundary_ids.end());
+  for (const auto &[id, share] : tied_shares(model, domain))
+    result.insert(id);
   return result;
 }
 
@@ -132,12 +152,14 @@ BodyShape shape_of(const Model<dim> &model, const std::vector<unsigned int> &blo
     for (const auto &cell : domain.dof_handler().active_cell_iterators())
       if (cell->is_locally_owned())
         mine[0] += measure_by_vertices<dim>(cell);
-    const auto tied = tied_ids(model, domain);
+    const auto tied = tied_shares(model, domain);
     for (const auto &face : domain.boundary_faces())
-      if (face.cell->is_locally_owned() && tied.count(face.id) == 0) {
+      if (face.cell->is_locally_owned()) {
         const auto its_face = face.cell->face(face.number);
-        mine[1] += area_by_vertices<dim>(its_face);
-        mine[2] += domain.degree * domain.degree * (its_face->n_vertices() == 3 ? 0.5 : 1);
+        const auto share = tied.find(face.id);
+        const double open = share == tied.end() ? 1 : 1 - share->second;
+        mine[1] += open * area_by_vertices<dim>(its_face);
+        mine[2] += open * domain.degree * domain.degree * (its_face->n_vertices() == 3 ? 0.5 : 1);
       }
   }
   dealii::Utilities::MPI::sum(mine, model.communicator, all);

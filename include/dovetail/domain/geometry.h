@@ -6,10 +6,10 @@
 #pragma once
 
 #include <deal.II/base/point.h>
-#include <deal.II/base/polynomials_barycentric.h>
 #include <deal.II/base/tensor.h>
 #include <deal.II/base/tensor_product_polynomials.h>
 
+#include <array>
 #include <vector>
 
 namespace dovetail {
@@ -39,7 +39,8 @@ private:
   dealii::TensorProductPolynomials<structdim> polynomials;
 };
 
-/// The same for triangles and tetrahedra: the Lagrange basis of FE_SimplexP and its support points.
+/// The same for triangles and tetrahedra: the Lagrange basis of FE_SimplexP, of degree 1 to 3, and its
+/// support points.
 template <int structdim>
 class SimplexBasis
 {
@@ -55,8 +56,11 @@ public:
                 std::vector<dealii::Tensor<2, structdim>> &hessians) const;
 
 private:
+  static constexpr unsigned int largest_degree = 3;
+
+  unsigned int degree;
   std::vector<dealii::Point<structdim>> points;
-  dealii::BarycentricPolynomials<structdim> polynomials;
+  std::vector<std::array<unsigned int, structdim + 1>> steps; ///< by node: degree times its lambda_d
 };
 
 } // namespace dovetail

@@ -41,9 +41,10 @@ public:
 
 private:
   const CellLayout<dim> &layout;
-  const LagrangeBasis<dim> element; ///< of hypercubes
-  std::vector<unsigned int>
-      lexicographic; ///< index in `element` of the shape functions of the scalar element; empty: simplices
+  const bool has_simplices;
+  const LagrangeBasis<dim> of_hypercubes;
+  const SimplexBasis<dim> of_simplices;
+  std::vector<unsigned int> number; ///< in that basis, of the shape functions of the scalar element
   std::vector<double> values;
   std::vector<dealii::Tensor<1, dim>> gradients;
   std::vector<dealii::Tensor<2, dim>> no_hessians;

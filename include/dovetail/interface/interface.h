@@ -36,6 +36,7 @@ public:
   /// Find the partners; obeys `Uncovered`. Collective.
   void pair(const MPI_Comm &communicator);
   const Pairing<dim> &pairing() const { return *geometry; }
+  bool is_paired() const { return geometry != nullptr; }
   /// What the laws of both sides remember at the points.
   InterfaceMemory<dim> memory;
   /// What it has cost so far; whoever works for it adds to that.

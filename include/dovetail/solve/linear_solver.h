@@ -76,6 +76,8 @@ public:
   LinearSolver(const Section &section, std::vector<SolveGroup> groups, Choice choice = Choice::of_scene);
   ~LinearSolver();
 
+  /// The sides of interfaces have been paired. Collective.
+  void consider_shapes();
   /// There are other constraints, and no matrix yet. Collective.
   void consider_constraints();
   /// Of each group: whether its matrix must have all entries. If not, the tangent of cells may be products.

@@ -4,6 +4,7 @@
 // The basis of MappingQ: phi_a(xi) = prod_d l_{a_d}(xi_d), with l_i the Lagrange polynomials on Gauss-Lobatto
 // points.
 
+#include <dovetail/compatibility.h>
 #include <dovetail/domain/geometry.h>
 
 #include <deal.II/base/exceptions.h>
@@ -55,6 +56,7 @@ namespace {
 template <int structdim>
 const std::vector<Point<structdim>> &nodes_of_simplex(const unsigned int degree)
 {
+  AssertThrow(degree <= largest_degree_of_simplices, ExcNotImplemented());
   static std::map<unsigned int, std::vector<Point<structdim>>> made;
   auto found = made.find(degree);
   if (found == made.end())
@@ -80,7 +82,6 @@ template <int structdim>
 SimplexBasis<structdim>::SimplexBasis(const unsigned int degree)
     : degree(degree), points(nodes_of_simplex<structdim>(degree))
 {
-  AssertThrow(degree <= largest_degree, ExcNotImplemented());
   for (const Point<structdim> &node : points) {
     steps.emplace_back();
     for (unsigned int d = 0; d <= structdim; ++d)
@@ -96,7 +97,7 @@ void SimplexBasis<structdim>::evaluate(const Point<structdim> &xi, std::vector<d
                                        std::vector<Tensor<2, structdim>> &hessians) const
 {
   // of each lambda_d the f_n, and their first and second derivatives
-  std::array<std::array<std::array<double, 3>, largest_degree + 1>, structdim + 1> factor;
+  std::array<std::array<std::array<double, 3>, largest_degree_of_simplices + 1>, structdim + 1> factor;
   for (unsigned int d = 0; d <= structdim; ++d) {
     const double lambda = barycentric(xi, d);
     factor[d][0] = {{1, 0, 0}};

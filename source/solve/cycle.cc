@@ -42,10 +42,11 @@ void Cycle::add_level(const MakeSmoother &make_smoother, std::unique_ptr<Epetra_
   give_back_freed_memory();
   level.A = last.owned ? std::make_unique<LevelEntries>(CompactMatrix(std::move(last.owned)))
                        : std::make_unique<LevelEntries>(*last.A);
-  if (last.may_round)
-    level.A->single_precision();
   give_back_freed_memory();
+  const bool may_round = last.may_round;
   last = Finest(make_coarse());
+  if (may_round)
+    level.A->single_precision();
   give_back_freed_memory();
   level.smoother = make_smoother(*level.A, facts);
   levels.push_back(std::move(level));

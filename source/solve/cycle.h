@@ -42,8 +42,11 @@ public:
   {
   public:
     /// @param may_round products may be in single precision, as those of the other levels
-    Finest(const Epetra_CrsMatrix &A, const bool may_round) : A(&A), may_round(may_round) {}
-    Finest(std::unique_ptr<Epetra_CrsMatrix> A) // NOLINT: this is a matrix
+    Finest(const Epetra_CrsMatrix &A, const bool may_round = false) // NOLINT: either is a matrix
+        : A(&A), may_round(may_round)
+    {
+    }
+    Finest(std::unique_ptr<Epetra_CrsMatrix> A) // NOLINT
         : owned(std::move(A)), A(owned.get()), may_round(true)
     {
     }

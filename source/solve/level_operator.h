@@ -73,18 +73,20 @@ std::vector<int> columns_of_rows(const Epetra_CrsMatrix &A);
 class MatrixLevel : public LevelOperator
 {
 public:
-  /// @param A by reference; what coarser levels are made of has its entries, whatever the precision of
-  /// vmult()
-  MatrixLevel(const Epetra_CrsMatrix &A, const bool in_single_precision) : A(A), of_products(A)
+  /// @param A by reference
+  explicit MatrixLevel(const Epetra_CrsMatrix &A) : A(A), of_products(A) {}
+
+  /// From now on, products are those of the present entries in single precision, or those of A.
+  void round(const bool in_single_precision)
   {
+    of_products = LevelEntries(A);
     if (in_single_precision)
       of_products.single_precision();
   }
-
   const Epetra_Map &rows() const override { return A.OperatorDomainMap(); }
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override { of_products.vmult(y, x); }
   void diagonal(Epetra_Vector &values) const override { LevelEntries(A).diagonal(values); }
-  /// In single precision once more, unless products are.
+  /// Those of products. Who makes them single precision while products are not has a copy.
   LevelEntries entries() const { return of_products; }
   std::unique_ptr<Epetra_CrsMatrix> restricted(const Prolongation &P) const override;
   bool is_condensed(const unsigned int row) const override { return A.NumMyEntries(row) <= 1; }
@@ -98,10 +100,8 @@ private:
 class AugmentedLevel : public MatrixLevel
 {
 public:
-  AugmentedLevel(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &R, const bool in_single_precision)
-      : MatrixLevel(A, in_single_precision), R(R)
-  {
-  } ///< by reference
+  /// @param A and R by reference
+  AugmentedLevel(const Epetra_CrsMatrix &A, const Epetra_CrsMatrix &R) : MatrixLevel(A), R(R) {}
 
   void vmult(Epetra_Vector &y, const Epetra_Vector &x) const override;
   void diagonal(Epetra_Vector &values) const override;

@@ -97,15 +97,17 @@ private:
   {
     Means means = Means::usual; ///< until an iteration is slow with them
     bool has_factors = false;   ///< of the functions of degree one
+    bool has_digits = false;    ///< those of double precision, on the finest level of a degree above one
 
     bool operator==(const Way &other) const
     {
-      return means == other.means && has_factors == other.has_factors;
+      return means == other.means && has_factors == other.has_factors && has_digits == other.has_digits;
     }
   };
 
   void forget_values();
   void make(const GroupOperator &K);
+  void round_finest();
   void make_levels();
   void make_agreed_levels();
   std::unique_ptr<Cycle> make_cycle_of_degree_one(Cycle::Finest A,
@@ -129,6 +131,7 @@ private:
   const Epetra_CrsMatrix *added_rows = nullptr;     ///< as of GroupOperator
   Way way;
   bool lacks_factors = false; ///< they failed, for instance for lack of memory
+  bool may_round = false;     ///< the finest level may multiply in single precision
   bool is_mixed = false;      ///< stiff and soft bodies, more than two: no aggregate has nodes of two
   std::unique_ptr<Cycle> cycle;
   std::unique_ptr<MatrixLevel> finest;         ///< of by_degree
@@ -149,7 +152,15 @@ void Multigrid::forget_values()
 void Multigrid::prepare(const GroupOperator &K, const Agreement &all_ranks)
 {
   ranks = all_ranks;
-  upkeep.prepare([&]() { make(K); }, preparations);
+  bool is_made = false;
+  upkeep.prepare(
+      [&]() {
+        make(K);
+        is_made = true;
+      },
+      preparations);
+  if (!is_made && !symmetric_part) // the levels are kept, the entries are new
+    round_finest();
 }
 
 void Multigrid::make(const GroupOperator &K)
@@ -172,8 +183,19 @@ void Multigrid::make(const GroupOperator &K)
     is_mixed = has_mixed_bodies(facts);
     if (way.means == Means::usual && facts.degree == 1 && !is_mixed && is_stretched())
       way.means = Means::factorisation;
+    may_round = may_be_rounded(facts);
+    finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix)
+                                   : std::make_unique<AugmentedLevel>(*matrix, *added_rows);
   });
+  round_finest();
   make_agreed_levels();
+}
+
+/// It has degrees above one; levels of degree one round it themselves.
+void Multigrid::round_finest()
+{
+  if (facts.degree > 1)
+    ranks.run("finest level", [this]() { finest->round(may_round && !way.has_digits); });
 }
 
 /// On all ranks; without factors if these fail.
@@ -191,16 +213,10 @@ void Multigrid::make_levels()
   cycle.reset();
   by_degree.reset();
   of_finest = nullptr;
-  const bool may_round = may_be_rounded(facts);
-  const auto make_finest = [&]() {
-    finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix, may_round)
-                                   : std::make_unique<AugmentedLevel>(*matrix, *added_rows, may_round);
-  };
   const auto part_of_modes = [this](const Epetra_Map &map, const Selection *rows) {
     return rows != nullptr ? select_rows(*modes, map, *rows) : std::make_unique<Epetra_MultiVector>(*modes);
   };
   if (facts.degree > 1 && facts.linear_part) {
-    make_finest();
     auto smoother = DegreeCoarsening::usual_smoother(*finest, facts.degree, added_rows != nullptr);
     of_finest = smoother.get();
     if (way.means != Means::usual)
@@ -209,14 +225,12 @@ void Multigrid::make_levels()
                          : is_mixed && way.means != Means::usual ? CoarseSolve::within_bodies
                                                                  : CoarseSolve::by_levels;
     by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother), coarse);
-  } else if (const auto [leaders, are_means] = SoftLeaders::find(facts, matrix->OperatorDomainMap());
-             leaders) {
-    make_finest();
+  } else if (const auto [leaders, are_means] = SoftLeaders::find(facts, finest->rows()); leaders)
     by_degree =
         leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {
           return make_cycle_of_degree_one(std::move(A_1), std::move(level)..., false, Lines::whole_if_cheap);
         });
-  } else
+  else
     cycle = coarsen_mesh(
         added_rows == nullptr ? Cycle::Finest(*matrix, may_round)
                               : Cycle::Finest(with_added_rows(*matrix, *added_rows)),
@@ -243,7 +257,7 @@ std::vector<MeshStep> Multigrid::mesh_steps() const
     return {};
   Selection all(matrix->NumMyRows());
   std::iota(all.begin(), all.end(), 0u);
-  return make_mesh_steps(levels, facts.linear_part(), matrix->OperatorDomainMap(), std::move(all), true);
+  return make_mesh_steps(levels, facts.linear_part(), finest->rows(), std::move(all), true);
 }
 
 bool Multigrid::is_stretched() const
@@ -290,6 +304,8 @@ Multigrid::Way Multigrid::way_for(const double n_expected, const unsigned int n)
       next.has_factors = true;
     else if (n_expected > slow && !has_means)
       next.means = Means::factorisation;
+    if (may_round && (n_expected > very_slow || (n_expected > slow && has_means)))
+      next.has_digits = true;
     return next;
   }
   const bool gains_little = is_mixed || facts.has_multipliers; // by factorisations: hardly an iteration
@@ -346,13 +362,16 @@ void Multigrid::change_to(const Way &next)
 {
   const bool keeps_levels =
       of_finest != nullptr && next.has_factors == way.has_factors && (way.has_factors || !is_mixed);
+  const bool has_new_means = next.means != way.means, has_new_digits = next.has_digits != way.has_digits;
   way = next;
   upkeep.forget();
-  if (keeps_levels)
+  if (has_new_digits)
+    round_finest();
+  if (!keeps_levels)
+    make_agreed_levels();
+  else if (has_new_means)
     ranks.run("multigrid",
               [this]() { of_finest->take_factorisation(finest->entries(), factorisation_of_finest); });
-  else
-    make_agreed_levels();
   upkeep.made();
 }
 

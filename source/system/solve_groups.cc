@@ -96,6 +96,19 @@ std::vector<unsigned int> components_of_fields(const Model<dim> &model, const So
   return result;
 }
 
+/// The boundary ids of a domain at which it is tied to another one, and goes on there.
+template <int dim>
+std::set<dealii::types::boundary_id> tied_ids(const Model<dim> &model, const Domain<dim> &domain)
+{
+  std::set<dealii::types::boundary_id> result;
+  for (const auto &interface : model.interfaces)
+    for (const auto &side : interface->sides)
+      if (side.domain == &domain)
+        result.insert(side.boundary_ids.begin(), side.boundary_ids.end());
+  return result;
+}
+
+/// The share of a side that faces the other one; all, as long as they are not paired.
 template <int dim>
 double covered_share(const Interface<dim> &interface, const unsigned int side)
 {
@@ -105,27 +118,22 @@ double covered_share(const Interface<dim> &interface, const unsigned int side)
   return coverage.covered[side] / coverage.area[side];
 }
 
-/// Which share of the boundary ids of a domain is tied to another one, at which it goes on: all, as long as
-/// their sides are not paired.
+/// About which share of a boundary face is not tied to another domain, at which the body goes on.
 template <int dim>
-std::map<dealii::types::boundary_id, double> tied_shares(const Model<dim> &model, const Domain<dim> &domain)
+double open_share(const Model<dim> &model, const Domain<dim> &domain,
+                  const typename Domain<dim>::BoundaryFace &face, const unsigned int field)
 {
-  std::map<dealii::types::boundary_id, double> result;
+  double open = 1;
   for (const auto &interface : model.interfaces)
-    for (unsigned int side = 0; side < 2; ++side)
-      if (interface->sides[side].domain == &domain)
-        for (const auto id : interface->sides[side].boundary_ids)
-          result[id] = std::min(1., result[id] + covered_share(*interface, side));
-  return result;
-}
-
-template <int dim>
-std::set<dealii::types::boundary_id> tied_ids(const Model<dim> &model, const Domain<dim> &domain)
-{
-  std::set<dealii::types::boundary_id> result;
-  for (const auto &[id, share] : tied_shares(model, domain))
-    result.insert(id);
-  return result;
+    for (const unsigned int side : {source, destination}) {
+      const InterfaceSide<dim> &its_side = interface->sides[side];
+      const auto &fields = interface->fields;
+      if (its_side.domain == &domain && its_side.belongs(face.cell, face.id) &&
+          std::any_of(fields.begin(), fields.end(),
+                      [&](const TiedField &tied) { return tied.field[side] == field; }))
+        open -= covered_share(*interface, side);
+    }
+  return open > 1e-5 ? open : 0;
 }
 
 template <int dim>
@@ -152,12 +160,10 @@ BodyShape shape_of(const Model<dim> &model, const std::vector<unsigned int> &blo
     for (const auto &cell : domain.dof_handler().active_cell_iterators())
       if (cell->is_locally_owned())
         mine[0] += measure_by_vertices<dim>(cell);
-    const auto tied = tied_shares(model, domain);
     for (const auto &face : domain.boundary_faces())
       if (face.cell->is_locally_owned()) {
         const auto its_face = face.cell->face(face.number);
-        const auto share = tied.find(face.id);
-        const double open = share == tied.end() ? 1 : 1 - share->second;
+        const double open = open_share(model, domain, face, block.field_index);
         mine[1] += open * area_by_vertices<dim>(its_face);
         mine[2] += open * domain.degree * domain.degree * (its_face->n_vertices() == 3 ? 0.5 : 1);
       }

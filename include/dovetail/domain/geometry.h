@@ -56,8 +56,6 @@ public:
                 std::vector<dealii::Tensor<2, structdim>> &hessians) const;
 
 private:
-  static constexpr unsigned int largest_degree = 3;
-
   unsigned int degree;
   std::vector<dealii::Point<structdim>> points;
   std::vector<std::array<unsigned int, structdim + 1>> steps; ///< by node: degree times its lambda_d

@@ -39,8 +39,8 @@ private:
   dealii::TensorProductPolynomials<structdim> polynomials;
 };
 
-/// The same for triangles and tetrahedra: the Lagrange basis of FE_SimplexP, of degree 1 to 3, and its
-/// support points.
+/// The same for triangles and tetrahedra: the Lagrange basis of FE_SimplexP and its support points, of any
+/// degree that deal.II has.
 template <int structdim>
 class SimplexBasis
 {

@@ -69,9 +69,15 @@ void Notes::repeat()
   }
 }
 
+/// Hundreds of interfaces may have the same to tell, each in its own words.
 void Notes::print(const std::size_t i)
 {
-  log.tell("  note (" + names_of_sentences[i] + "): " + sentences[i]);
+  const auto end = names_of_sentences.begin() + i;
+  const auto n_before = std::count(names_of_sentences.begin(), end, names_of_sentences[i]);
+  if (n_before <= most_of_name)
+    log.tell(
+        "  note (" + names_of_sentences[i] + "): " +
+        (n_before < most_of_name ? sentences[i] : "there are more of this name; the report has all of them"));
 }
 
 } // namespace dovetail

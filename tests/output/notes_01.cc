@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 //
-// Each note is told once, and again at the end if the log has gone on for more than a screen since.
+// Each note is told once, and again at the end if the log has gone on for more than a screen since. Of a
+// name, the log has eight, and the report all.
 //
 // ranks: 1
 
@@ -44,4 +45,10 @@ int main(int argc, char **argv)
         std::cout << " '" << line << "'";
     std::cout << std::endl;
   }
+  Log log(MPI_COMM_WORLD);
+  Notes notes(log);
+  for (unsigned int i = 0; i < 12; ++i)
+    notes.add(of_first("interface " + std::to_string(i)));
+  notes.add(of_second("second"));
+  std::cout << notes.texts().size() << " notes" << std::endl;
 }

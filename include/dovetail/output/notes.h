@@ -16,7 +16,7 @@
 namespace dovetail {
 
 /// The only way of a warning: at once into the log, at the end into the report, and each sentence once. Not
-/// of a name that the scene silences.
+/// of a name that the scene silences. The log has the first sentences of each name alone.
 class Notes
 {
 public:
@@ -39,6 +39,8 @@ public:
   void repeat();
 
 private:
+  static constexpr int most_of_name = 8; ///< in the log
+
   void print(std::size_t i);
 
   Log &log;

@@ -266,15 +266,21 @@ void Log::cost_of_pairing(const Model<dim> &model)
   line(words.str());
 }
 
+/// Of parts with a line for each of many interfaces the first and the last ones.
 void Log::plan(const Plan &plan)
 {
+  const std::size_t most_lines = 24, n_last = 4;
   line();
   using Part = std::pair<const char *, const std::vector<std::string> *>;
   for (const auto &[heading, sentences] : {Part("plan", &plan.needed), Part("left out", &plan.left_out)})
-    for (std::size_t i = 0; i < sentences->size(); ++i) {
+    for (std::size_t i = 0, n = sentences->size(); i < n; ++i) {
       char text[16];
       std::snprintf(text, sizeof(text), "  %-10s", i == 0 ? heading : "");
-      line(text + (*sentences)[i]);
+      const bool is_gap = n > most_lines && i + n_last + 1 == most_lines;
+      line(text + (is_gap ? "… and " + std::to_string(n - most_lines + 1) + " more, which the report has"
+                          : (*sentences)[i]));
+      if (is_gap)
+        i = n - n_last - 1;
     }
 }
 

@@ -3,11 +3,13 @@
 //
 // What the log says of steps, with `#` for seconds and memory: all iterations of a few steps, a line for each
 // of many, and with that what the iterations of the last step have said if it fails; with --verbose all of
-// them, with --quiet what is told in any case. No step is "13 of 12".
+// them, with --quiet what is told in any case. No step is "13 of 12". Of thirty lines of a plan it says 23
+// and how many are missing.
 //
 // ranks: 1 3
 
 #include <dovetail/output/log.h>
+#include <dovetail/output/plan.h>
 
 #include <deal.II/base/mpi.h>
 
@@ -59,4 +61,8 @@ int main(int argc, char **argv)
   show("nobody knows how many", Detail::usual, 0, 3);
   show("verbose", Detail::verbose, 11, 3);
   show("quiet", Detail::quiet, 12, 13);
+  Plan plan;
+  for (unsigned int i = 1; i <= 30; ++i)
+    plan.left_out.push_back("line " + std::to_string(i));
+  Log(MPI_COMM_WORLD).plan(plan);
 }

@@ -128,20 +128,33 @@ dealii::Point<dim> reference_vertex(const unsigned int i)
   return i == 0 ? dealii::Point<dim>() : dealii::Point<dim>::unit_vector(i - 1);
 }
 
-/// Its nodes in the order of the support points of the quadratic element.
-template <int dim, typename Edges>
-std::vector<dealii::Point<dim>> nodes_of_cell(const typename dealii::Triangulation<dim>::cell_iterator &cell,
-                                              const Edges &nodes_on_edges, const SimplexBasis<dim> &quadratic)
+/// The edge on which each support point of the quadratic element lies that is no vertex.
+template <int dim>
+std::vector<unsigned int> edges_of_support_points()
 {
-  std::vector<dealii::Point<dim>> nodes;
-  for (const unsigned int v : cell->vertex_indices())
-    nodes.push_back(cell->vertex(v));
+  const SimplexBasis<dim> quadratic(2);
+  std::vector<unsigned int> result;
   for (unsigned int a = dim + 1; a < quadratic.size(); ++a)
-    for (unsigned int e = 0; e < nodes_on_edges.size(); ++e)
+    for (unsigned int e = 0; e < edges<dim>().size(); ++e)
       if (const auto [i, j] = edges<dim>()[e];
           quadratic.support_points()[a].distance(
               dealii::Point<dim>((reference_vertex<dim>(i) + reference_vertex<dim>(j)) / 2)) < 0.1)
-        nodes.push_back(nodes_on_edges[e]);
+        result.push_back(e);
+  return result;
+}
+
+/// Its nodes in the order of the support points of the quadratic element.
+template <int dim, typename Edges>
+std::vector<dealii::Point<dim>> nodes_of_cell(const typename dealii::Triangulation<dim>::cell_iterator &cell,
+                                              const Edges &nodes_on_edges)
+{
+  static const std::vector<unsigned int> order = edges_of_support_points<dim>();
+  std::vector<dealii::Point<dim>> nodes;
+  nodes.reserve(dim + 1 + order.size());
+  for (const unsigned int v : cell->vertex_indices())
+    nodes.push_back(cell->vertex(v));
+  for (const unsigned int e : order)
+    nodes.push_back(nodes_on_edges[e]);
   return nodes;
 }
 
@@ -155,7 +168,7 @@ void divide_edges(const typename dealii::Triangulation<dim>::cell_iterator &cell
   static std::vector<double> values(quadratic.size());
   static std::vector<dealii::Tensor<1, dim>> no_gradients;
   static std::vector<dealii::Tensor<2, dim>> no_hessians;
-  const auto nodes = nodes_of_cell<dim>(cell, nodes_on_edges[cell->active_cell_index()], quadratic);
+  const auto nodes = nodes_of_cell<dim>(cell, nodes_on_edges[cell->active_cell_index()]);
   std::map<unsigned int, dealii::Point<dim>> place; // of the vertices of the parts in the cell
   for (const unsigned int v : cell->vertex_indices())
     place[cell->vertex_index(v)] = reference_vertex<dim>(v);
@@ -256,7 +269,7 @@ class QuadraticMapping : public dealii::MappingFE<dim>
 {
 public:
   explicit QuadraticMapping(const MeshOfSimplices<dim> &mesh)
-      : dealii::MappingFE<dim>(dealii::FE_SimplexP<dim>(2)), mesh(mesh), quadratic(2)
+      : dealii::MappingFE<dim>(dealii::FE_SimplexP<dim>(2)), mesh(mesh)
   {
   }
 
@@ -269,12 +282,11 @@ protected:
   std::vector<dealii::Point<dim>> compute_mapping_support_points(
       const typename dealii::Triangulation<dim>::cell_iterator &cell) const override
   {
-    return nodes_of_cell<dim>(cell, mesh.nodes_on_edges.at(cell->id().get_coarse_cell_id()), quadratic);
+    return nodes_of_cell<dim>(cell, mesh.nodes_on_edges.at(cell->id().get_coarse_cell_id()));
   }
 
 private:
   const MeshOfSimplices<dim> &mesh;
-  const SimplexBasis<dim> quadratic;
 };
 
 } // namespace

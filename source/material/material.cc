@@ -366,6 +366,13 @@ bool Material<dim>::is_uniform(const unsigned int field) const
 }
 
 template <int dim>
+bool Material<dim>::has_uniform_stiffness(const unsigned int field) const
+{
+  return all_terms(field,
+                   [](const Term<dim> &term) { return !term.has_flux() || term.has_uniform_stiffness(); });
+}
+
+template <int dim>
 void Material<dim>::count_uniform(const std::vector<Asked> &asked, const unsigned int n_points) const
 {
   for (unsigned int i = 0; i < terms.size(); ++i)

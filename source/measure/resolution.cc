@@ -17,13 +17,14 @@ namespace dovetail {
 
 namespace {
 
-const NoteName of_resolution("resolution",
-                             "a conductivity, or the volume of a mixed solid, varies much within one cell");
+const NoteName
+    of_resolution("resolution",
+                  "a conductivity, a stiffness, or the volume of a mixed solid varies much within one cell");
 
 /// Of the volumes at the points of cells, as root of the mean square.
 const double largest_spread = 0.1;
 
-/// Largest over smallest conductivity of a field within one cell, and the centre of that cell.
+/// Largest over smallest stiffness of a field within one cell, and the centre of that cell.
 template <int dim>
 using Variation = std::pair<double, dealii::Point<dim>>;
 
@@ -46,26 +47,60 @@ void for_each_cell(const Domain<dim> &domain, const Vector &solution, const Visi
     }
 }
 
+/// How A of a field depends on its gradient: a conductivity, or the stiffness of a solid at rest, which large
+/// strain does not change.
+template <int dim>
+class Stiffness
+{
+public:
+  Stiffness(const Domain<dim> &domain, const Field &field, const double t)
+      : field(field), n(domain.n_components()), point(domain, t), layout(domain.layout())
+  {
+    for (const Field &other : domain.fields())
+      asked.push_back(other.name == field.name ? Asked::derivatives : Asked::nothing);
+  }
+
+  /// At all quadrature points of a cell where the laws are defined.
+  std::vector<double> operator()(const dealii::FEValues<dim> &values, std::vector<double> unknowns)
+  {
+    if (field.n_components > 1)
+      std::fill(unknowns.begin() + layout.first(field.first_component),
+                unknowns.begin() + layout.first(field.first_component + field.n_components), 0.);
+    std::vector<double> result;
+    for (const unsigned int q : values.quadrature_point_indices()) {
+      point.reinit(values, q, unknowns);
+      if (!point.evaluate(asked, point.response))
+        continue;
+      double square = 0;
+      for (unsigned int c = field.first_component; c < field.first_component + field.n_components; ++c)
+        square += point.response.by_gradient[c * (n + 1)].norm_square();
+      result.push_back(std::sqrt(square));
+    }
+    return result;
+  }
+
+private:
+  const Field &field;
+  const unsigned int n;
+  CellPoints<dim> point;
+  const CellLayout<dim> &layout;
+  std::vector<Asked> asked;
+};
+
 template <int dim>
 Variation<dim> variation_on_this_rank(const Domain<dim> &domain, const Field &field, const Vector &solution,
                                       const double t)
 {
-  const unsigned int n = domain.n_components();
-  CellPoints<dim> point(domain, t);
+  Stiffness<dim> stiffness(domain, field, t);
   Variation<dim> worst(1., dealii::Point<dim>());
   for_each_cell(
       domain, solution, [&](const auto &cell, const auto &values, const std::vector<double> &unknowns) {
-        double smallest = std::numeric_limits<double>::infinity(), largest = 0;
-        for (const unsigned int q : values.quadrature_point_indices()) {
-          point.reinit(values, q, unknowns);
-          if (!point.evaluate(true))
-            continue;
-          const double k = point.response.by_gradient[field.first_component * (n + 1)].norm();
-          smallest = std::min(smallest, k);
-          largest = std::max(largest, k);
-        }
-        if (largest > worst.first * smallest)
-          worst = {smallest > 0 ? largest / smallest : std::numeric_limits<double>::max(), cell->center()};
+        const std::vector<double> k = stiffness(values, unknowns);
+        if (k.empty())
+          return;
+        const auto [smallest, largest] = std::minmax_element(k.begin(), k.end());
+        if (*largest > worst.first * *smallest)
+          worst = {*smallest > 0 ? *largest / *smallest : std::numeric_limits<double>::max(), cell->center()};
       });
   return worst;
 }
@@ -154,7 +189,8 @@ NoteList explain_resolution(const Model<dim> &model, const Vector &solution, con
         if (volumes.spread() > largest_spread)
           notes.push_back(of_resolution(explain_volumes(*domain, volumes)));
       }
-      if (field.n_components > 1 || domain->material.is_linear(f))
+      const bool is_of_past = field.n_components > 1 && domain->material.has_memory(); // not that at rest
+      if (domain->material.has_uniform_stiffness(f) || is_of_past)
         continue;
       const auto gathered = dealii::Utilities::MPI::all_gather(
           model.communicator, variation_on_this_rank(*domain, field, solution, t));
@@ -164,8 +200,9 @@ NoteList explain_resolution(const Model<dim> &model, const Vector &solution, con
         continue;
       std::ostringstream words;
       words.precision(2);
-      words << domain->name << ": within one cell, around " << in_words(worst.second)
-            << ", the conductivity for its " << field.name << " varies by a factor of " << worst.first
+      words << domain->name << ": within one cell, around " << in_words(worst.second) << ", the "
+            << (field.n_components > 1 ? "stiffness" : "conductivity") << " for its " << field.name
+            << " varies by a factor of " << worst.first
             << ". The mesh does not resolve that, and the result may be far off. Refine it there";
       notes.push_back(of_resolution(words.str()));
     }

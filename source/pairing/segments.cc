@@ -137,6 +137,7 @@ private:
   void add_piece_of_rest(const Chart<dim> &chart, const std::vector<Point<dim - 1>> &corners,
                          const Point<dim - 1> &s, double share, double weight);
   void begin_piece(const std::vector<Point<dim>> &vertices, unsigned int n_points);
+  bool is_affine(const Chart<dim> &chart, const Segment &segment) const;
   unsigned int degree_of_rule(const Chart<dim> &chart, const Segment &segment) const;
   Match match(const NearbyFace &partner, const typename FaceLocator<dim>::Query &query) const;
 
@@ -426,15 +427,24 @@ bool Segmentation<dim>::is_aligned_box(const Chart<dim> &chart, const Region<dim
   return false;
 }
 
+/// Whether products of shape functions are polynomials on a segment.
+template <int dim>
+bool Segmentation<dim>::is_affine(const Chart<dim> &chart, const Segment &segment) const
+{
+  return chart.is_affine && segment.partner != nullptr &&
+         partner_shape.is_affine(segment.partner->nodes.data());
+}
+
 /// Exact for products of shape functions where both faces are affine. Rational integrands converge fast with
-/// the degree; in 3D every point costs memory.
+/// the degree; in 3D every point costs memory. Points without partner only count for the area.
 template <int dim>
 unsigned int Segmentation<dim>::degree_of_rule(const Chart<dim> &chart, const Segment &segment) const
 {
-  const bool is_affine =
-      chart.is_affine && segment.partner != nullptr && partner_shape.is_affine(segment.partner->nodes.data());
+  const bool is_affine = this->is_affine(chart, segment);
   if (dim == 2)
     return 2 * degree + 1 + (is_affine ? 0 : 2 * std::max(own.shape.degree(), partner_shape.degree()));
+  if (!segment.is_tied)
+    return chart.is_flat ? 1 : 2 * own.shape.degree();
   return 2 * degree * (has_quadrilaterals ? 2 : 1) + (is_affine ? 0 : chart.is_flat ? 4 : 2);
 }
 
@@ -454,6 +464,11 @@ void Segmentation<dim>::integrate(const Chart<dim> &chart, const Segment &segmen
     const auto &rule = rules.simplex(degree_of_rule(chart, segment));
     if (region.size() == 3)
       return add_piece(chart, region, rule, segment);
+    if (!segment.is_tied || is_affine(chart, segment)) {
+      for (unsigned int i = 1; i + 1 < region.size(); ++i)
+        add_piece(chart, {region[0], region[i], region[i + 1]}, rule, segment);
+      return;
+    }
     const Point<2> centre = centroid(region);
     for (unsigned int i = 0; i < region.size(); ++i)
       add_piece(chart, {centre, region[i], region[(i + 1) % region.size()]}, rule, segment);
@@ -605,18 +620,25 @@ bool Segmentation<dim>::add_curved_face(const Chart<dim> &chart, const std::vect
   return dim == 3;
 }
 
-/// A fan about the centroid, X = C + u (c(v) - C) with an arc c(v): Gauss points for u and v, or those of a
-/// triangle where the arc is straight.
+/// A fan X = C + u (c(v) - C) with an arc c(v) about the centroid, or about a corner of a polygon whose faces
+/// are affine: Gauss points for u and v, or those of a triangle where the arc is straight.
 template <int dim>
 void Segmentation<dim>::integrate(const Chart<dim> &chart, CurvedWindow &window, const CurvedSegment &segment)
 {
   if constexpr (dim == 3) {
     ++points.n_segments;
     const unsigned int degree = degree_of_rule(chart, segment.tied);
-    const Point<2> centre = window.centroid(segment.region);
+    const auto is_straight = [&](const Arc &arc) { return window.is_straight(arc); };
+    const bool is_polygon = is_affine(chart, segment.tied) &&
+                            std::all_of(segment.region.begin(), segment.region.end(), is_straight);
+    const Arc &first = segment.region.front();
+    const Point<2> centre =
+        is_polygon ? window.evaluate(first, first.begin).s : window.centroid(segment.region);
     for (const Arc &arc : segment.region) {
       const Point<2> from = window.evaluate(arc, arc.begin).s, to = window.evaluate(arc, arc.end).s;
-      if (window.is_straight(arc)) {
+      if (is_polygon && std::min(from.distance(centre), to.distance(centre)) < 1e-13)
+        continue;
+      if (is_polygon || is_straight(arc)) {
         add_piece(chart, {centre, from, to}, rules.simplex(degree), segment.tied);
         continue;
       }
@@ -681,15 +703,15 @@ void Segmentation<dim>::add_reference_region(const Region<dim - 1> &region, cons
       for (const Point<2> &corner : region) // a strip of a face that goes on beyond the rim is none
         segment.is_tied =
             segment.is_tied && nearest_face(own.shape.evaluate(nodes, corner), face_boxes).is_tied;
-    const auto &rule = rules.simplex(2 * degree + 2);
-    for (unsigned int i = 0; i < region.size(); ++i) {
-      const Tensor<1, 2> a = region[i] - centre, b = region[(i + 1) % region.size()] - centre;
-      begin_piece({own.shape.evaluate(nodes, centre).X, own.shape.evaluate(nodes, region[i]).X,
-                   own.shape.evaluate(nodes, region[(i + 1) % region.size()]).X},
+    const auto &rule = rules.simplex(segment.is_tied ? 2 * degree + 2 : 2 * own.shape.degree());
+    for (unsigned int i = 1; i + 1 < region.size(); ++i) {
+      const Tensor<1, 2> a = region[i] - region[0], b = region[i + 1] - region[0];
+      begin_piece({own.shape.evaluate(nodes, region[0]).X, own.shape.evaluate(nodes, region[i]).X,
+                   own.shape.evaluate(nodes, region[i + 1]).X},
                   rule.size());
       for (unsigned int q = 0; q < rule.size(); ++q) {
         const SurfacePoint<dim> point =
-            own.shape.evaluate(nodes, centre + rule.point(q)[0] * a + rule.point(q)[1] * b);
+            own.shape.evaluate(nodes, region[0] + rule.point(q)[0] * a + rule.point(q)[1] * b);
         add_point(point,
                   rule.weight(q) * (a[0] * b[1] - a[1] * b[0]) *
                       cross_product_3d(point.tangent[0], point.tangent[1]).norm(),

@@ -44,9 +44,11 @@ GroupSystem::GroupSystem(SolveGroup given_group)
 void GroupSystem::share_facts()
 {
   const double most_iterations = facts_of_iteration.most_iterations;
+  const double most_before_change = facts_of_iteration.most_before_change;
   const GroupFacts::NextGoal next_goal = facts_of_iteration.next_goal;
   facts_of_iteration = all_facts;
   facts_of_iteration.most_iterations = most_iterations;
+  facts_of_iteration.most_before_change = most_before_change;
   facts_of_iteration.next_goal = next_goal;
   facts_of_iteration.has_multipliers = all_facts.has_multipliers && !may_condense;
   if (facts_of_iteration.linear_part && may_condense)

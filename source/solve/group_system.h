@@ -38,7 +38,11 @@ public:
   void consider_shape();
   /// Whether the smoother of the finest level multiplies by cells, with no matrix.
   void smooth_by_products(const bool by_products) { is_smoothed_by_products = by_products; }
-  void limit_iterations(const double most) { facts_of_iteration.most_iterations = most; }
+  void limit_iterations(const double most, const double most_before_change)
+  {
+    facts_of_iteration.most_iterations = most;
+    facts_of_iteration.most_before_change = most_before_change;
+  }
   void set_next_goal(GroupFacts::NextGoal next_goal) { facts_of_iteration.next_goal = std::move(next_goal); }
   /// Between set_matrix and the first use of iterated(). Calls @p forget before what has been iterated() so
   /// far is destroyed. Collective.

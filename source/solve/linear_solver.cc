@@ -22,7 +22,7 @@ const NoteName of_solver("linear solver", "another solver takes over from the on
 const std::string automatic = "automatic", name_of_direct = "direct", name_of_multigrid = "multigrid",
                   name_of_matrix_free = "matrix-free";
 
-const double few_iterations = 14, many_iterations = 100;
+const double few_iterations = 14, usual_iterations = 30, many_iterations = 100;
 const double few_entries = 6e5;  ///< up to which factors cost about as much as products
 const double large_share = 0.15; ///< of a row, for what an unknown follows
 
@@ -70,6 +70,7 @@ struct LinearSolver::Group
   bool is_direct_by_size() const;
   double iterations_of_direct() const;
   double iterations_worth_factors() const;
+  double most_before_change() const;
   bool is_matrix_free_by_degree() const;
   bool needs_entries() const { return takes_direct() || must_have_entries || chosen.solver->needs_entries(); }
   bool lacks_entries() const
@@ -155,6 +156,16 @@ double LinearSolver::Group::iterations_worth_factors() const
          std::sqrt(facts.n_solves * std::max(1., n_nodes / n_of_cube));
 }
 
+/// From how many expected iterations on the direct solver takes over before multigrid tries other means: it
+/// takes half as long by iterations_of_direct(), which is right to a factor of 1.5 where shapes are known.
+double LinearSolver::Group::most_before_change() const
+{
+  const GroupFacts &facts = system.facts();
+  if (owner.type != automatic || facts.has_multipliers || !(facts.shape.nodes_across > 0))
+    return std::numeric_limits<double>::infinity();
+  return std::max(usual_iterations, 2 * iterations_of_direct());
+}
+
 /// Factorisation wins while the fill is small, and longer for L D L^T: the tables of
 /// doc/theory/linear_solvers.md. In thin bodies the fill is small, and in flat ones aggregates longer than
 /// the thickness leave much to the iteration. Beside products the entries cost, too, unless the bodies may be
@@ -195,7 +206,7 @@ void LinearSolver::Group::set_matrix(const Matrix &matrix)
   wants_products = !is_direct && !chosen.solver->serves(false) && !system.plain().has_products();
   system.smooth_by_products(!chosen.solver->serves(false));
   if (!is_patient)
-    system.limit_iterations(std::max(many_iterations, iterations_of_direct()));
+    system.limit_iterations(std::max(many_iterations, iterations_of_direct()), most_before_change());
   is_decided = true;
   if (is_direct)
     chosen.solver->forget();
@@ -212,7 +223,8 @@ void LinearSolver::Group::forget_matrix()
 void LinearSolver::Group::be_patient()
 {
   is_patient = true;
-  system.limit_iterations(std::numeric_limits<double>::infinity());
+  const double infinity = std::numeric_limits<double>::infinity();
+  system.limit_iterations(infinity, infinity);
 }
 
 bool LinearSolver::Group::prepare(Member &member, const GroupOperator &K)

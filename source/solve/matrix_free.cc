@@ -127,7 +127,7 @@ private:
   Upkeep upkeep;
   std::unique_ptr<SumLevel> level;
   std::unique_ptr<DegreeCoarsening> cycle;
-  CoarseSolve coarse = CoarseSolve::by_levels;
+  CoarseSolve coarse = CoarseSolve::by_levels, made = coarse; ///< what is wanted, and what the cycle has
   bool lacks_factors = false; ///< they failed, for instance for lack of memory
   bool needs_digits = false;  ///< those of double precision
 };
@@ -147,10 +147,11 @@ void MatrixFree::make(const GroupOperator &K)
     level = std::make_unique<SumLevel>(K, facts, !needs_digits);
   });
   const auto make_cycle = [&]() {
+    made = coarse;
     cycle = coarsen_degree(
         *level, facts,
         [this](const Epetra_Map &map, const Selection *rows) { return make_modes(facts, map, rows); },
-        DegreeCoarsening::usual_smoother(*level, facts.degree, false), coarse);
+        DegreeCoarsening::usual_smoother(*level, facts.degree, false), made);
   };
   if (coarse == CoarseSolve::by_factors) {
     if (ranks.succeeds("factors of degree one", make_cycle))
@@ -172,9 +173,8 @@ unsigned int MatrixFree::solve(const GroupOperator &K, GroupVector &x, const Gro
       [&](GroupVector &z, const GroupVector &r) { return solve_with_new(K, z, r, goal); });
 }
 
-/// What to go on with where so many iterations are expected. Aggregates of stiff and soft bodies serve most
-/// scenes, and cost the fewest iterations there. Where they do not, A_1 is factorised if that pays, or
-/// coarsened again, within bodies. @param n those that are done
+/// What to go on with where so many iterations are expected: A_1 is factorised if that pays, or coarsened
+/// again, within bodies. @param n those that are done
 CoarseSolve MatrixFree::next_for(const double n_expected, const unsigned int n) const
 {
   const double work_per_unknown = 1500;
@@ -182,7 +182,9 @@ CoarseSolve MatrixFree::next_for(const double n_expected, const unsigned int n) 
     return coarse;
   if (!lacks_factors && cycle->factors_pay(n_expected - n, work_per_unknown * facts.n_unknowns))
     return CoarseSolve::by_factors;
-  return coarse == CoarseSolve::by_levels && has_mixed_bodies(facts) ? CoarseSolve::within_bodies : coarse;
+  return made == CoarseSolve::by_levels && has_mixed_bodies(facts, GroupFacts::large_contrast)
+             ? CoarseSolve::within_bodies
+             : coarse;
 }
 
 unsigned int MatrixFree::solve_with_new(const GroupOperator &K, GroupVector &x, const GroupVector &b,

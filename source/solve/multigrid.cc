@@ -132,7 +132,9 @@ private:
   Way way;
   bool lacks_factors = false; ///< they failed, for instance for lack of memory
   bool may_round = false;     ///< the finest level may multiply in single precision
-  bool is_mixed = false;      ///< stiff and soft bodies, more than two: no aggregate has nodes of two
+  /// Stiff and soft bodies, more than two. At degree one, no aggregate has nodes of two.
+  bool is_mixed = false;
+  bool keeps_to_bodies = false; ///< no aggregate of by_degree has
   std::unique_ptr<Cycle> cycle;
   std::unique_ptr<MatrixLevel> finest;         ///< of by_degree
   std::unique_ptr<DegreeCoarsening> by_degree; ///< instead, for a degree above one
@@ -180,9 +182,14 @@ void Multigrid::make(const GroupOperator &K)
   }
   ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
   ranks.run("multigrid", [&]() {
-    is_mixed = has_mixed_bodies(facts);
-    if (way.means == Means::usual && facts.degree == 1 && !is_mixed && is_stretched())
-      way.means = Means::factorisation;
+    is_mixed = has_mixed_bodies(facts, GroupFacts::large_contrast);
+    if (facts.degree == 1 && !is_mixed) {
+      const bool may_mix = has_mixed_bodies(facts, GroupFacts::small_contrast),
+                 has_long_cells = (may_mix || way.means == Means::usual) && is_stretched();
+      if (has_long_cells && way.means == Means::usual)
+        way.means = Means::factorisation;
+      is_mixed = may_mix && !has_long_cells;
+    }
     may_round = may_be_rounded(facts);
     finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix)
                                    : std::make_unique<AugmentedLevel>(*matrix, *added_rows);
@@ -225,6 +232,7 @@ void Multigrid::make_levels()
                          : is_mixed && way.means != Means::usual ? CoarseSolve::within_bodies
                                                                  : CoarseSolve::by_levels;
     by_degree = coarsen_degree(*finest, facts, part_of_modes, std::move(smoother), coarse);
+    keeps_to_bodies = coarse == CoarseSolve::within_bodies;
   } else if (const auto [leaders, are_means] = SoftLeaders::find(facts, finest->rows()); leaders)
     by_degree =
         leaders->coarsen(*finest, facts, part_of_modes, nullptr, [this](Cycle::Finest A_1, auto... level) {
@@ -263,9 +271,7 @@ std::vector<MeshStep> Multigrid::mesh_steps() const
 bool Multigrid::is_stretched() const
 {
   const std::vector<GroupFacts::Place> places = facts.known_places();
-  int here = places.size() == static_cast<unsigned int>(matrix->NumMyRows()), everywhere = 0;
-  matrix->Comm().MinAll(&here, &everywhere, 1);
-  return everywhere != 0 && are_mostly_stretched(*matrix, nodes_of_rows(places));
+  return are_all_known(places, *matrix) && are_mostly_stretched(*matrix, nodes_of_rows(places));
 }
 
 std::unique_ptr<Cycle>
@@ -342,8 +348,11 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
       return false;
     const bool is_slow = !(way_for(outlook.iterations_since_largest(usual_decades), n) == way);
     next = is_slow ? way_for(outlook.iterations(usual_decades), n) : way;
-    const bool is_hopeless = !is_slow && outlook.is_hopeless(goal, facts.most_iterations);
+    const bool is_hopeless = is_slow ? outlook.is_long(goal, facts.most_before_change)
+                                     : outlook.is_hopeless(goal, facts.most_iterations);
     expected = is_hopeless ? outlook.iterations_to(goal) : 0;
+    if (is_hopeless)
+      next = way;
     return is_slow || is_hopeless;
   };
   return solve_in_two_attempts(
@@ -356,12 +365,12 @@ unsigned int Multigrid::solve_with_new(const GroupOperator &K, GroupVector &x, c
       });
 }
 
-/// The levels of A_1 stay if only the smoother of the finest level changes, and if they do not keep to bodies
-/// from then on, as they do of mixed ones.
+/// The levels of A_1 stay if only the smoother of the finest level changes, unless they are to keep to bodies
+/// from then on, as those of mixed ones, and do not yet.
 void Multigrid::change_to(const Way &next)
 {
-  const bool keeps_levels =
-      of_finest != nullptr && next.has_factors == way.has_factors && (way.has_factors || !is_mixed);
+  const bool keeps_levels = of_finest != nullptr && next.has_factors == way.has_factors &&
+                            (way.has_factors || !is_mixed || keeps_to_bodies);
   const bool has_new_means = next.means != way.means, has_new_digits = next.has_digits != way.has_digits;
   way = next;
   upkeep.forget();

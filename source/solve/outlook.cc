@@ -41,6 +41,12 @@ double Outlook::iterations_to(const double goal) const
   return n_of_largest + iterations_since_largest(std::log10(largest / least));
 }
 
+bool Outlook::is_long(const double goal, const double most) const
+{
+  const double expected = iterations_to(goal);
+  return 4 * n_of_largest <= n && expected > n + most && expected < largest_credible;
+}
+
 bool Outlook::is_hopeless(const double goal, const double most) const
 {
   return n - n_of_largest >= n_for_hopeless && iterations_to(goal) > most;

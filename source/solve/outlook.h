@@ -21,12 +21,16 @@ public:
   double iterations_since_largest(double decades) const;
   /// To the residual @p goal more than @p most, in all.
   bool is_hopeless(double goal, double most) const;
+  /// More than @p most after those that are done. Also after few of them, in most of which the residual has
+  /// fallen; where it has hardly done so, that tells little.
+  bool is_long(double goal, double most) const;
   double iterations_to(double goal) const; ///< or to what rounding leaves at best
 
 private:
   double per_decade(unsigned int n_counted) const;
 
   static constexpr unsigned int n_for_hopeless = 24;
+  static constexpr double largest_credible = 1000;
   unsigned int n = 0, n_of_largest = 0;
   double largest = 0, smallest = 0;
 };

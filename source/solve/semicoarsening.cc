@@ -629,6 +629,13 @@ bool lead_everywhere(const Couplings &couplings, const LevelNodes &nodes, const 
 
 } // namespace
 
+bool are_all_known(const std::vector<GroupFacts::Place> &places, const Epetra_CrsMatrix &A)
+{
+  int here = places.size() == static_cast<unsigned int>(A.NumMyRows()), everywhere = 0;
+  A.Comm().MinAll(&here, &everywhere, 1);
+  return everywhere != 0;
+}
+
 bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 {
   const unsigned int every = 16;  // node
@@ -724,9 +731,7 @@ std::unique_ptr<Cycle> make_cycle(Cycle::Finest finest, std::shared_ptr<const Ep
                                   const Semicoarsening::Lines lines)
 {
   const Epetra_CrsMatrix &A = finest.matrix();
-  int has_places = places.size() == static_cast<unsigned int>(A.NumMyRows()), all_have = 0;
-  A.Comm().MinAll(&has_places, &all_have, 1);
-  if (all_have != 0) {
+  if (are_all_known(places, A)) {
     LevelNodes nodes = nodes_of_rows(places);
     places = std::vector<GroupFacts::Place>(); // = {} would keep the memory
     if (when == Semicoarsen::always || are_stretched(A, nodes, *modes, when))
@@ -776,9 +781,9 @@ std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
                     make_smoother, Semicoarsening::Lines::in_parts);
 }
 
-bool has_mixed_bodies(const GroupFacts &facts)
+bool has_mixed_bodies(const GroupFacts &facts, const double contrast)
 {
-  return facts.n_blocks > 2 && facts.has_large_contrast();
+  return facts.n_blocks > 2 && facts.contrast && facts.contrast() > contrast;
 }
 
 /// A stack of twelve plates with as many unknowns takes 20 kB for each of them.

@@ -96,6 +96,8 @@ private:
 /// Whether more than a quarter of the nodes are coupled in their body with another one that is 2.8 times as
 /// far as the next one. By some of the nodes, and what is on their rank. Collective.
 bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes);
+/// Whether the places of all rows are known. Collective.
+bool are_all_known(const std::vector<GroupFacts::Place> &places, const Epetra_CrsMatrix &A);
 
 /// When to take Semicoarsening in place of SmoothedAggregation.
 enum class Semicoarsen {
@@ -125,7 +127,7 @@ std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
                                                 std::shared_ptr<const Epetra_MultiVector> modes,
                                                 std::vector<GroupFacts::Place> places);
 /// Whether stiff and soft bodies meet in such a way that aggregates of both may serve neither: there are
-/// three or more. Collective.
-bool has_mixed_bodies(const GroupFacts &facts);
+/// three or more, with more than this contrast. Collective.
+bool has_mixed_bodies(const GroupFacts &facts, double contrast);
 
 } // namespace dovetail

@@ -232,7 +232,8 @@ SoftLeaders::Found SoftLeaders::find(const GroupFacts &facts, const Epetra_Map &
   result->is_reversed = n_followers < n_leaders; // on a finer side hardly a P u_s is zero
   Found found;
   found.are_means = n_followers > n_leaders && largest_contrast > least_of_means;
-  if (n_leaders > most_leaders || (!result->is_reversed && !has_mixed_bodies(facts)))
+  if (n_leaders > most_leaders ||
+      (!result->is_reversed && !has_mixed_bodies(facts, GroupFacts::large_contrast)))
     return found;
   if (!result->is_reversed)
     result->sums = sums;
@@ -382,7 +383,7 @@ std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const G
 {
   RowSums sums = facts.linear_part();
   const auto [leaders, are_means] = SoftLeaders::find(facts, A.rows(), &sums);
-  if (coarse == CoarseSolve::by_levels && leaders && has_mixed_bodies(facts))
+  if (coarse == CoarseSolve::by_levels && leaders && has_mixed_bodies(facts, GroupFacts::large_contrast))
     coarse = CoarseSolve::within_bodies;
   DegreeCoarsening::MakeCoarse make_coarse = DegreeCoarsening::make_usual_coarse;
   if (coarse == CoarseSolve::by_factors)
@@ -393,6 +394,13 @@ std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const G
     make_coarse = make_cycle_within_bodies;
   else if (are_means)
     make_coarse = make_cycle_of_whole_lines;
+  else if (has_mixed_bodies(facts, GroupFacts::small_contrast))
+    make_coarse = [&coarse](Cycle::Finest A_1, auto modes, auto places) {
+      if (!are_all_known(places, A_1.matrix()) || are_mostly_stretched(A_1.matrix(), nodes_of_rows(places)))
+        return DegreeCoarsening::make_usual_coarse(std::move(A_1), std::move(modes), std::move(places));
+      coarse = CoarseSolve::within_bodies;
+      return make_cycle_within_bodies(std::move(A_1), std::move(modes), std::move(places));
+    };
   if (leaders)
     return leaders->coarsen(A, facts, make_modes, std::move(smoother), make_coarse);
   const bool has_levels = facts.mesh_levels && coarse != CoarseSolve::by_factors;

@@ -72,7 +72,8 @@ private:
 enum class CoarseSolve { by_levels, within_bodies, by_factors };
 
 /// DegreeCoarsening of A with @p smoother, by SoftLeaders where there are some. Collective.
-/// @param coarse becomes within_bodies where SoftLeaders meet more than two bodies, unless it is by_factors
+/// @param coarse becomes within_bodies where SoftLeaders meet more than two bodies, or where stiff and soft
+/// ones meet whose cells are not stretched, unless it is by_factors
 std::unique_ptr<DegreeCoarsening> coarsen_degree(const LevelOperator &A, const GroupFacts &facts,
                                                  const DegreeCoarsening::MakeModes &make_modes,
                                                  std::unique_ptr<Smoother> smoother, CoarseSolve &coarse);

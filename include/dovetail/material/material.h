@@ -92,6 +92,7 @@ public:
   bool has_linear_flux(unsigned int field) const; ///< the same of the flux alone
   /// Whether all that evaluate() gives for a field without rates is Term::is_uniform().
   bool is_uniform(unsigned int field) const;
+  bool has_uniform_stiffness(unsigned int field) const; ///< all fluxes have Term::has_uniform_stiffness()
   /// Count @p n_points more points of the fields of which something is asked: evaluate() would have said
   /// there what it has said before.
   void count_uniform(const std::vector<Asked> &asked, unsigned int n_points) const;

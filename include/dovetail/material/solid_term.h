@@ -42,6 +42,7 @@ public:
   Coupling coupling(unsigned int c, unsigned int d) const override;
   bool is_linear() const override { return law->is_linear(); }
   bool is_uniform() const override { return law->is_uniform() && !expansion && !is_axisymmetric; }
+  bool has_uniform_stiffness() const override { return law->is_uniform(); }
   bool is_symmetric() const override { return law->is_symmetric(); }
   bool has_large_strain() const override { return law->has_large_strain(); }
   bool depends_on_time() const override { return law->depends_on_time(); }

@@ -134,6 +134,8 @@ public:
   /// Whether its flux is D grad B with the same D at every X, t and state, and it has no source: then its
   /// derivatives at one state say all.
   virtual bool is_uniform() const { return false; }
+  /// Whether its flux depends on grad B by the same D, whatever else it may be.
+  virtual bool has_uniform_stiffness() const { return is_uniform(); }
   virtual bool is_symmetric() const = 0;    ///< its derivatives by its own field are, and not negative
   virtual bool depends_on_time() const = 0; ///< through t itself
   virtual bool has_large_strain() const { return false; } ///< it knows the deformed body

@@ -13,14 +13,15 @@
 
 namespace dovetail {
 
-/// How much a conductivity that depends on the solution may vary within a cell without a note.
+/// How much a conductivity or a stiffness may vary within a cell without a note.
 inline constexpr double largest_variation = 100;
 
-/// Sentences about scalar fields whose conductivity |dA/dgrad B| varies more than that over the quadrature
-/// points of one cell: on such a mesh the discrete equations may have several solutions, and the one that was
-/// found may be far from the true one. And about mixed solids at large strain whose J at the points of one
-/// cell spreads about the volume that belongs to the pressure, as where a mesh is too coarse. @p solution:
-/// ghosted. Collective.
+/// Sentences about fields whose |dA/dgrad B| varies more than that over the quadrature points of one cell.
+/// Where it depends on the solution, the discrete equations may have several solutions on such a mesh; where
+/// it is a formula of X, quadrature sees it at a few points only. The result may be far from the true one.
+/// Solids that remember are left out, because they have no stiffness at rest.
+/// And about mixed solids at large strain whose J at the points of one cell spreads about the volume that
+/// belongs to the pressure, as where a mesh is too coarse. @p solution: ghosted. Collective.
 template <int dim>
 NoteList explain_resolution(const Model<dim> &model, const Vector &solution, double t);
 

@@ -46,9 +46,10 @@ FacePoints<dim> mapped_points(const SideFaces<dim> &own, const FaceLocator<dim> 
 /// `segments`: the common refinement of the faces of both sides. A segment is what a face shares with a face
 /// of the other side when that is projected along the own face's normal: an interval in 2D, a convex polygon
 /// in 3D, clipped by Sutherland and Hodgman (1974) in the plane of the own face (curved faces: in its
-/// parameter plane) and divided into a fan about its area centroid. Neighbours project their common vertices
-/// to the same points, so the segments tile the face exactly; what no face covers remains as pieces of its
-/// own. Each quadrature point lies on the true own face and has the closest point of the true other face.
+/// parameter plane) and divided into a fan about a corner where both faces are affine, and about its area
+/// centroid elsewhere. Neighbours project their common vertices to the same points, so the segments tile the
+/// face exactly; what no face covers remains as pieces of its own. Each quadrature point lies on the true own
+/// face and has the closest point of the true other face.
 ///
 /// On affine faces all products of shape functions are integrated exactly; @p own_degree and @p
 /// partner_degree are the degrees of the elements. Where several faces overlap in projection (sharp corners,

@@ -112,6 +112,7 @@ struct GroupFacts : GroupTraits
   /// The largest ratio of the stiffnesses of two blocks that are coupled, of one field. May be missing.
   /// Collective.
   std::function<double()> contrast;
+  static constexpr double small_contrast = 10;  ///< up to here an aggregate of two bodies serves both
   static constexpr double large_contrast = 1e3; ///< from here on bodies hardly share a mode
   bool has_large_contrast() const { return contrast && contrast() > large_contrast; } ///< collective
   /// Of some own rows of the bodies: the number of the block, and where the node is. May be missing.
@@ -122,6 +123,8 @@ struct GroupFacts : GroupTraits
   };
   /// solve() may fail as soon as it expects more: another solver costs less then.
   double most_iterations = std::numeric_limits<double>::infinity();
+  /// The same where a solver would go on by other means.
+  double most_before_change = std::numeric_limits<double>::infinity();
   /// Asked by an iteration that has reached its goal with x: the goal to go on to, the same if it is done.
   /// Also asked when it begins.
   using NextGoal = std::function<double(const GroupVector &x, double goal, bool begins)>;

@@ -255,7 +255,8 @@ void Multigrid::make_levels()
 /// of hexahedra that were divided serve wherever cells are stretched, scalars as well.
 std::vector<MeshStep> Multigrid::mesh_steps() const
 {
-  if (!facts.mesh_levels || !facts.linear_part || is_mixed || added_rows != nullptr)
+  if (!facts.mesh_levels || !facts.linear_part || added_rows != nullptr ||
+      (is_mixed && facts.has_large_contrast()))
     return {};
   const bool is_usual = way.means == Means::usual;
   if (is_usual && modes->NumVectors() == 1)

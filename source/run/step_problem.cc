@@ -32,7 +32,8 @@ const NoteName of_free_pressure("free pressure",
 /// put in, which is less.
 const double exact_linear_residual = 1e-11;
 const double usual_linear_residual = 1e-8; ///< more is told
-const double share_of_exact = 0.1;         ///< that the solver is asked for
+const std::string of_unbalanced = "the iteration leaves equations of some body unbalanced";
+const double share_of_exact = 0.1; ///< that the solver is asked for
 /// Relative to the forces at work. A first update that leaves more has bent a slender body: the strains of
 /// second order in its rotation are membrane strains, which have far more force than those of bending.
 const double raised_residual = 3;
@@ -513,7 +514,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
       guess ? solve_from_guess(x, dx) : solve_with_any_matrix(x, dx, system.negative_residual(), needed);
   guess.reset();
   if (model.is_linear() && n_iterations)
-    residual_of_solver = refine_linear_solution(x, dx);
+    residual_of_solver = refine_linear_solution(x, dx, most_passes(may_be_refined, is_in_time));
   update_moves = moves_constraints();
   update_loads = system.negative_residual();
   moving_loads.reset();
@@ -529,6 +530,10 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
     if (is_in_time)
       system.give_up_products(); // which are rounded as K is
     *n_iterations += refine_by_laws(x, dx, of_all, inexact);
+    if (leaves_much && inexact != 0. && linear_solver.iterates()) {
+      linear_solver.prefer_direct(of_unbalanced);
+      *n_iterations += refine_by_laws(x, dx, of_all, inexact);
+    }
   }
   if (leaves_much && !(inexact == 0. && are_volumes_kept()))
     explain_linear_residual();
@@ -700,21 +705,33 @@ bool is_rounding(BlockSystem<dim> &system, const BlockMatrix::Vector &dx)
 
 } // namespace
 
+/// Of refine_linear_solution(): what follows it may do the rest.
+template <int dim>
+unsigned int StepProblem<dim>::most_passes(const bool may_be_refined, const bool is_in_time) const
+{
+  const Stage &stage = stages[present_stage];
+  if (!may_be_refined)
+    return 2;
+  const bool refines_all = !is_in_time && linear_solver.first_with_stiff_and_soft(
+                                              stage.first_group, stage.end_group) == stage.first_group;
+  return refines_all ? 0 : 1;
+}
+
 /// The linear solver sees one norm for all bodies; a body that carries little beside one that carries much
 /// may be left unsolved. The rest is solved for once more, then directly.
 /// @return the relative residual of dx, the largest of all parts
 template <int dim>
-double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx)
+double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx, const unsigned int most_passes)
 {
   has_solver_failed = false;
   Vector rest = system.owned_vector(), correction;
   double relative = linear_residual(dx, rest);
   const bool is_final = relative > exact_linear_residual && is_rounding(system, dx);
-  for (unsigned int pass = 0;
-       pass < 2 && !is_final && relative > (pass == 0 ? exact_linear_residual : usual_linear_residual);
+  for (unsigned int pass = 0; pass < most_passes && !is_final &&
+                              relative > (pass == 0 ? exact_linear_residual : usual_linear_residual);
        ++pass) {
     if (pass == 1)
-      linear_solver.prefer_direct("the iteration leaves equations of some body unbalanced");
+      linear_solver.prefer_direct(of_unbalanced);
     LinearSolver::Demand needed = demand();
     needed.enough = share_of_exact * exact_linear_residual / relative;
     correction.reinit(rest);

@@ -29,7 +29,7 @@ GroupSystem::GroupSystem(SolveGroup given_group)
   all_facts.n_blocks = group.blocks.size();
   all_facts.contrast = [this]() {
     const std::vector<int> field = field_of_block(); // the units of several differ
-    return *std::max_element(field.begin(), field.end()) == 0 ? contrast() : 1;
+    return *std::max_element(field.begin(), field.end()) == 0 ? contrast(false) : 1;
   };
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
@@ -199,9 +199,9 @@ bool GroupSystem::are_coupled(const unsigned int block, const unsigned int other
                                               });
 }
 
-/// The largest ratio of the usual diagonal entries of two blocks that are coupled. In a long chain of bodies
-/// each of which is a little stiffer than the one before, only neighbours matter.
-double GroupSystem::contrast() const
+/// The largest ratio of the usual diagonal entries of two blocks.
+/// @param of_neighbours that are coupled
+double GroupSystem::contrast(const bool of_neighbours) const
 {
   if (group.blocks.size() == 1)
     return 1;
@@ -209,7 +209,7 @@ double GroupSystem::contrast() const
   double largest = 1;
   for (unsigned int i = 0; i < means.size(); ++i)
     for (unsigned int j = 0; j < means.size(); ++j)
-      if (are_coupled(group.blocks[i], group.blocks[j]) && means[j] > 0)
+      if (means[j] > 0 && (!of_neighbours || are_coupled(group.blocks[i], group.blocks[j])))
         largest = std::max(largest, means[i] / means[j]);
   return largest;
 }
@@ -272,7 +272,8 @@ unsigned int GroupSystem::largest_number_of_modes() const
 /// of all bodies together cost nothing extra, and some iterations at a high contrast (measured on two blocks,
 /// 3D: 16 iterations for both at contrast 1, 18 against 23 at 1e6). Bodies that can come apart need their own
 /// modes (two blocks with an elastic joint: 13 iterations against up to 37). Bodies that are not coupled
-/// share vectors, so a chain of any length needs two sets.
+/// share vectors, so a chain of any length needs two sets. Where each body is a little stiffer than the one
+/// before, only neighbours matter.
 GroupSystem::Modes GroupSystem::near_null_space(const Selection *rows) const
 {
   const unsigned int largest_number = 24;
@@ -280,7 +281,7 @@ GroupSystem::Modes GroupSystem::near_null_space(const Selection *rows) const
   const std::vector<unsigned int> set_of = color_blocks();
   const unsigned int n_sets = *std::max_element(set_of.begin(), set_of.end()) + 1;
   const bool is_shared = n_sets * n_of_block > largest_number ||
-                         (!group.allows_jumps && contrast() <= GroupFacts::large_contrast);
+                         (!group.allows_jumps && contrast(true) <= GroupFacts::large_contrast);
   bool is_about_one_point = is_shared; // rotations; neighbours that share them turn together
   for (unsigned int i = 0; i < set_of.size(); ++i)
     for (unsigned int j = 0; j < i; ++j)

@@ -80,7 +80,7 @@ private:
   unsigned int largest_number_of_modes() const;
   bool are_coupled(unsigned int block, unsigned int other) const;
   std::vector<double> mean_diagonals() const;
-  double contrast() const;
+  double contrast(bool of_neighbours) const;
   std::vector<double> usual_diagonals() const;
   std::vector<double> stiffness_of_row() const;
   std::vector<unsigned int> color_blocks() const;

@@ -74,7 +74,8 @@ Followers make_followers(const Epetra_Map &rows, const RowSums &sums, const std:
   return result;
 }
 
-/// P^T without small weights, with sums of one (of absolute values) in each row.
+/// P^T without small weights, with sums of one in each row, so that constants stay. Weights below zero, which
+/// dual functions on triangles have, count only if a row has hardly others.
 std::unique_ptr<Epetra_CrsMatrix> make_reverse(const Epetra_CrsMatrix &P)
 {
   const double least_share = 0.2;
@@ -83,13 +84,17 @@ std::unique_ptr<Epetra_CrsMatrix> make_reverse(const Epetra_CrsMatrix &P)
   auto Q = std::make_unique<Epetra_CrsMatrix>(Copy, P.RowMap(), 0);
   for (int row = 0; row < transposed.NumMyRows(); ++row) {
     int n = 0, *columns = nullptr;
-    double *values = nullptr, largest = 0, sum = 0;
+    double *values = nullptr, above = 0, below = 0, sum = 0;
     transposed.ExtractMyRowView(row, n, values, columns);
+    for (int k = 0; k < n; ++k) {
+      above = std::max(above, values[k]);
+      below = std::max(below, -values[k]);
+    }
+    const double sign = above > least_share * below ? 1 : -1,
+                 least = least_share * (sign > 0 ? above : below);
+    const auto is_small = [&](const int k) { return !(sign * values[k] > least); };
     for (int k = 0; k < n; ++k)
-      largest = std::max(largest, std::abs(values[k]));
-    const auto is_small = [&](const int k) { return !(std::abs(values[k]) > least_share * largest); };
-    for (int k = 0; k < n; ++k)
-      sum += is_small(k) ? 0 : std::abs(values[k]);
+      sum += is_small(k) ? 0 : values[k];
     for (int k = 0; k < n; ++k)
       if (!is_small(k)) {
         const int column = transposed.GCID(columns[k]);

@@ -69,6 +69,7 @@ private:
   {
     std::vector<int> index;      ///< of the unknowns of each node it leads, in the arrays
     std::vector<double> factors; ///< of each node
+    double share = 1;            ///< their sum
   };
   struct Summand ///< of a leading unknown
   {
@@ -79,6 +80,7 @@ private:
 
   void find_nodes(const std::function<int(dealii::types::global_dof_index)> &index);
   void find_blocks();
+  bool has_rows_of_zero_sum() const;
   unsigned int position(unsigned int row, unsigned int column) const; ///< of a block; n_blocks: none
   double entry(unsigned int row, unsigned int c, unsigned int other, unsigned int d) const;
   /// Of the transposed of what is below the diagonal where block k is above.
@@ -108,6 +110,7 @@ private:
   std::vector<unsigned int> first_block, column; ///< of each node; of each block, on or above the diagonal
   std::vector<double> upper;                     ///< the blocks, row by row
   std::vector<double> lower; ///< the transposed of those across the diagonal; empty if they are the same
+  bool keeps_translations = false;       ///< these cost nothing
   std::vector<unsigned int> position_of; ///< scratch: of the blocks of a row, by node
 };
 

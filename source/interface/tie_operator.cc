@@ -93,8 +93,6 @@ void TieOperator<dim>::find_nodes(const std::function<int(dealii::types::global_
           for (unsigned int c = 0; c < n_components; ++c)
             nodes.back().index.push_back(index(dofs[first + c * n_nodes + a]));
         }
-        const std::vector<double> &factors = nodes.back().factors;
-        nodes.back().share = std::accumulate(factors.begin(), factors.end(), 0.);
       }
     }
   }
@@ -235,16 +233,18 @@ void TieOperator<dim>::finish_tangent()
   }
   if (difference <= 1e-13 * largest)
     lower = std::vector<double>();
-  keeps_translations = has_rows_of_zero_sum();
+  keeps_translations = !nodes.empty() && has_rows_of_zero_sum();
 }
 
-/// Whether T does not resist what moves all nodes alike.
+/// Whether S does not resist what moves all unknowns alike.
 template <int dim>
 bool TieOperator<dim>::has_rows_of_zero_sum() const
 {
   const double rounding = 1e-13;
   const unsigned int n = n_components;
-  std::vector<double> sums(nodes.size() * n * n, 0.), sizes(nodes.size(), 0.);
+  std::vector<double> sums(nodes.size() * n * n, 0.), sizes(nodes.size(), 0.), share;
+  for (const Node &node : nodes)
+    share.push_back(std::accumulate(node.factors.begin(), node.factors.end(), 0.));
   const auto add = [&](const unsigned int row, const unsigned int c, const unsigned int d,
                        const double value) {
     sums[(row * n + c) * n + d] += value;
@@ -254,9 +254,9 @@ bool TieOperator<dim>::has_rows_of_zero_sum() const
     for (unsigned int k = first_block[row]; k < first_block[row + 1]; ++k)
       for (unsigned int c = 0; c < n; ++c)
         for (unsigned int d = 0; d < n; ++d) {
-          add(row, c, d, nodes[column[k]].share * upper[(k * n + c) * n + d]);
+          add(row, c, d, share[column[k]] * upper[(k * n + c) * n + d]);
           if (column[k] != row)
-            add(column[k], d, c, nodes[row].share * lower_entry(k, c, d));
+            add(column[k], d, c, share[row] * lower_entry(k, c, d));
         }
   for (unsigned int row = 0; row < nodes.size(); ++row)
     for (unsigned int e = row * n * n; e < (row + 1) * n * n; ++e)
@@ -288,23 +288,11 @@ struct UpperBlocks
   bool is_mean;                       ///< the mean of both counts
 };
 
-/// Each node has the same number of places. The value of a leading node is share * moves + turns: it moves as
-/// the first node that it leads, and its line turns.
-struct LeadingValues
-{
-  const double *moves, *turns, *share;
-  const double *origin; ///< of each row, from where it counts what moves
-};
-
-/// y += T x with vectors in which the first n places of each node count.
+/// y += T x with vectors in which each node has the same number of places, the first n of which count.
 template <int n, int places>
-DOVETAIL_PART_OF_CALLER void add_product_of_blocks(const UpperBlocks &T, const LeadingValues &x,
+DOVETAIL_PART_OF_CALLER void add_product_of_blocks(const UpperBlocks &T, const double *const __restrict__ x,
                                                    double *const __restrict__ y)
 {
-  const auto value = [&x](const unsigned int node, const unsigned int row, const int d) {
-    const std::size_t k = std::size_t(node) * places + d, of_row = std::size_t(row) * places + d;
-    return x.share[node] * (x.moves[k] - x.origin[of_row]) + x.turns[k];
-  };
   const double *above = T.above, *below = T.below;
   double mean[n * n + places] = {};
   for (unsigned int i = 0; i < T.n_rows; ++i) {
@@ -315,20 +303,16 @@ DOVETAIL_PART_OF_CALLER void add_product_of_blocks(const UpperBlocks &T, const L
         mean[e] = (above[e] + below[e]) / 2;
       const double *const __restrict__ a = T.is_mean ? mean : above;
       const double *const __restrict__ b = T.is_mean ? mean : below;
-      double x_j[places];
-      for (int d = 0; d < places; ++d)
-        x_j[d] = value(j, i, d);
+      const double *const __restrict__ x_j = x + std::size_t(j) * places;
       for (int c = 0; c < n; ++c)
         for (int d = 0; d < places; ++d)
           products[c][d] += a[c * n + d] * x_j[d];
       if (j == i)
         continue;
       double y_j[places] = {};
-      for (int c = 0; c < n; ++c) {
-        const double x_i = value(i, j, c);
+      for (int c = 0; c < n; ++c)
         for (int d = 0; d < places; ++d)
-          y_j[d] += b[c * n + d] * x_i;
-      }
+          y_j[d] += b[c * n + d] * x[std::size_t(i) * places + c];
       for (int d = 0; d < places; ++d)
         y[std::size_t(j) * places + d] += y_j[d];
     }
@@ -340,7 +324,7 @@ DOVETAIL_PART_OF_CALLER void add_product_of_blocks(const UpperBlocks &T, const L
 
 constexpr int places_of_three = 4; ///< as many as fit in a vector of the processor
 
-DOVETAIL_WIDEST_VECTORS void add_product_of_three(const UpperBlocks &T, const LeadingValues &x,
+DOVETAIL_WIDEST_VECTORS void add_product_of_three(const UpperBlocks &T, const double *const x,
                                                   double *const y)
 {
   add_product_of_blocks<3, places_of_three>(T, x, y);
@@ -348,27 +332,22 @@ DOVETAIL_WIDEST_VECTORS void add_product_of_three(const UpperBlocks &T, const Le
 
 } // namespace
 
-/// Each block counts twice, above and below the diagonal. A tie does not resist what moves all nodes alike,
+/// Each block counts twice, above and below the diagonal. A tie does not resist what moves both sides alike,
 /// but what rounding leaves of a sum of large values would, more than a soft body that holds a stiff one. So
-/// each row counts from its own node.
+/// values count from those of one node.
 template <int dim>
 template <int n>
 void TieOperator<dim>::multiply(const double *x, double *y, const bool of_symmetric_part) const
 {
   constexpr int places = n == 3 ? places_of_three : n;
-  const std::vector<double> zeros(nodes.size() * places, 0.);
-  std::vector<double> moves(zeros), turns(zeros), sums(zeros), shares(nodes.size());
-  for (unsigned int i = 0; i < nodes.size(); ++i) {
-    shares[i] = nodes[i].share;
-    for (unsigned int c = 0; c < n; ++c) {
-      const double first = x[nodes[i].index[c]];
-      moves[i * places + c] = first;
-      for (unsigned int k = 1; k < nodes[i].factors.size(); ++k)
-        turns[i * places + c] += nodes[i].factors[k] * (x[nodes[i].index[k * n + c]] - first);
-    }
-  }
-  const LeadingValues values = {moves.data(), turns.data(), shares.data(),
-                                (keeps_translations ? moves : zeros).data()};
+  std::vector<double> of_nodes(nodes.size() * places, 0.), sums(nodes.size() * places, 0.);
+  std::array<double, n> origin{};
+  for (unsigned int c = 0; c < n && keeps_translations; ++c)
+    origin[c] = x[nodes[0].index[c]];
+  for (unsigned int i = 0; i < nodes.size(); ++i)
+    for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
+      for (unsigned int c = 0; c < n; ++c)
+        of_nodes[i * places + c] += nodes[i].factors[k] * (x[nodes[i].index[k * n + c]] - origin[c]);
   const UpperBlocks T = {static_cast<unsigned int>(nodes.size()),
                          first_block.data(),
                          column.data(),
@@ -376,9 +355,9 @@ void TieOperator<dim>::multiply(const double *x, double *y, const bool of_symmet
                          lower.empty() ? upper.data() : lower.data(),
                          of_symmetric_part && !lower.empty()};
   if constexpr (n == 3)
-    add_product_of_three(T, values, sums.data());
+    add_product_of_three(T, of_nodes.data(), sums.data());
   else
-    add_product_of_blocks<n, places>(T, values, sums.data());
+    add_product_of_blocks<n, places>(T, of_nodes.data(), sums.data());
   for (unsigned int i = 0; i < nodes.size(); ++i)
     for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)
       for (unsigned int c = 0; c < n; ++c)

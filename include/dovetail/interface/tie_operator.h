@@ -69,7 +69,6 @@ private:
   {
     std::vector<int> index;      ///< of the unknowns of each node it leads, in the arrays
     std::vector<double> factors; ///< of each node
-    double share = 1;            ///< their sum
   };
   struct Summand ///< of a leading unknown
   {

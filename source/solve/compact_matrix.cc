@@ -173,6 +173,34 @@ std::vector<int> numbers_of_columns(const Epetra_CrsMatrix &A)
   return numbers;
 }
 
+namespace {
+
+double largest_entry(const Epetra_CrsMatrix &A)
+{
+  int n = 0;
+  double *values = nullptr, largest = 0;
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    A.ExtractMyRowView(row, n, values);
+    for (int k = 0; k < n; ++k)
+      largest = std::max(largest, std::abs(values[k]));
+  }
+  return largest > 0 ? largest : 1;
+}
+
+} // namespace
+
+void round_to_single_precision(Epetra_CrsMatrix &A)
+{
+  const double unit = largest_entry(A);
+  int n = 0;
+  double *values = nullptr;
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    A.ExtractMyRowView(row, n, values);
+    for (int k = 0; k < n; ++k)
+      values[k] = unit * static_cast<float>(values[k] / unit);
+  }
+}
+
 RowPattern::RowPattern(const Epetra_CrsMatrix &A, const bool is_symmetric) : symmetric(is_symmetric)
 {
   const RowReader reader(A, is_symmetric);
@@ -264,12 +292,7 @@ void CompactMatrix::set_values(const Epetra_CrsMatrix &A, const Done &done)
   std::vector<std::pair<int, int>> entries;
   int n = 0;
   double *row_values = nullptr;
-  for (int row = 0; row < A.NumMyRows(); ++row) {
-    A.ExtractMyRowView(row, n, row_values);
-    for (int k = 0; k < n; ++k)
-      unit = std::max(unit, std::abs(row_values[k]));
-  }
-  unit = unit > 0 ? unit : 1;
+  unit = largest_entry(A);
   values.reserve(FourColumns::padded(pattern->n_entries()));
   for (unsigned int g = 0; g < pattern->n_groups(); ++g) {
     const RowPattern::Group group = pattern->group(g);

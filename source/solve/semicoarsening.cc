@@ -832,6 +832,7 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     const double eigenvalue = is_stretched ? 0 : largest_eigenvalue_with_diagonal(LevelEntries(matrix));
     auto P = is_stretched ? make_prolongation(matrix, nodes, couplings, aggregation, *modes)
                           : smooth_bases(matrix, SparseRows(matrix), aggregation, 4. / 3 / eigenvalue);
+    round_to_single_precision(*P);
     const MakeMatrix make_next = sum_coarse_matrix(matrix, *P, modes->NumVectors());
     add_level(make_smoother, std::move(P), make_next, {eigenvalue, share_of_next});
     nodes = coarse_nodes(nodes, aggregates, modes->NumVectors());

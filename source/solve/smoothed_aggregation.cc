@@ -66,6 +66,7 @@ SmoothedAggregation::SmoothedAggregation(Finest A, std::shared_ptr<const Epetra_
       break;
     const double eigenvalue = largest_eigenvalue_with_diagonal(LevelEntries(matrix));
     auto P = smooth_bases(matrix, SparseRows(matrix), aggregates, 4. / 3 / eigenvalue);
+    round_to_single_precision(*P);
     aggregates.basis = std::vector<double>(); // = {} would keep the memory
     give_back_freed_memory();
     const MakeMatrix make_coarse = sum_coarse_matrix(matrix, *P, n_modes);

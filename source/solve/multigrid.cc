@@ -182,13 +182,11 @@ void Multigrid::make(const GroupOperator &K)
   }
   ranks.run("modes", [&]() { modes = make_modes(facts, matrix->OperatorDomainMap()); });
   ranks.run("multigrid", [&]() {
-    is_mixed = has_mixed_bodies(facts, GroupFacts::large_contrast);
-    if (facts.degree == 1 && !is_mixed) {
-      const bool may_mix = has_mixed_bodies(facts, GroupFacts::small_contrast),
-                 has_long_cells = (may_mix || way.means == Means::usual) && is_stretched();
-      if (has_long_cells && way.means == Means::usual)
-        way.means = Means::factorisation;
-      is_mixed = may_mix && !has_long_cells;
+    is_mixed =
+        has_mixed_bodies(facts, facts.degree == 1 ? GroupFacts::small_contrast : GroupFacts::large_contrast);
+    if (facts.degree == 1 && (is_mixed || way.means == Means::usual) && is_stretched()) {
+      way.means = std::max(way.means, Means::factorisation);
+      is_mixed = false;
     }
     may_round = may_be_rounded(facts);
     finest = added_rows == nullptr ? std::make_unique<MatrixLevel>(*matrix)

@@ -138,7 +138,9 @@ double LinearSolver::Group::iterations_of_direct() const
   const double n = facts.n_unknowns, share = facts.is_positive_definite() ? 1 : 2;
   if (facts.dim == 2)
     return share * std::log2(n + 1);
-  const double across = facts.shape.nodes_across > 0 ? facts.shape.nodes_across : std::cbrt(n) / 3;
+  const double across = facts.shape.nodes_across > 0
+                            ? std::min(facts.shape.nodes_across, 0.38 * std::cbrt(n / facts.n_components))
+                            : std::cbrt(n) / 3;
   return share * 0.01 * std::sqrt(n) * std::pow(across, 1.5);
 }
 
@@ -179,7 +181,8 @@ bool LinearSolver::Group::is_direct_by_size() const
   if (is_matrix_free_by_degree() && (knows_shape || facts.n_components == 1))
     largest = std::min(largest, few_entries * std::sqrt(facts.n_solves) /
                                     (entries_of_row(facts) * (is_cheaper ? 1 : 2)));
-  const bool is_flat = facts.shape.distance_by_thickness > 0.7,
+  const bool is_flat = facts.shape.distance_by_thickness > 0.7 ||
+                       (!is_matrix_free_by_degree() && facts.shape.flat_share > 0.5),
              is_filled = facts.n_followed > large_share * entries_of_row(facts) / facts.n_components,
              is_thin = knows_shape &&
                        iterations_of_direct() < (is_flat ? many_iterations : iterations_worth_factors());

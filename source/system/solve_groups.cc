@@ -147,32 +147,77 @@ double area_by_vertices(const typename dealii::Triangulation<dim>::face_iterator
   return 0;
 }
 
-/// From the volume V and the area A of the free boundary, and the nodes in both: a plate is 2 V/A thick.
-template <int dim>
-BodyShape shape_of(const Model<dim> &model, const std::vector<unsigned int> &blocks)
+/// A part of the boundary of bodies, with the volume behind it.
+struct Surface
 {
-  double n_nodes = 0;
-  std::vector<double> mine(3), all(3); // V, A, the nodes in A
+  double volume = 0, area = 0, n_nodes = 0;
+
+  /// A plate has half of its surface on either side.
+  double thickness() const { return 2 * volume / area; }
+  double distance_of_nodes() const { return std::sqrt(area / n_nodes); }
+};
+
+/// Of blocks one by one: with the free part of their boundaries, and with all of it.
+template <int dim>
+std::vector<std::pair<Surface, Surface>> surfaces_of(const Model<dim> &model,
+                                                     const std::vector<unsigned int> &blocks)
+{
+  std::vector<double> mine, all; // V, A and the nodes in A, free and in all
   for (const unsigned int b : blocks) {
     const Block &block = model.numbering->blocks()[b];
     const Domain<dim> &domain = *model.domains[block.domain_index];
-    n_nodes += static_cast<double>(block.end - block.begin) / dim;
+    double volume = 0;
+    std::array<double, 2> area{}, n_nodes{};
     for (const auto &cell : domain.dof_handler().active_cell_iterators())
       if (cell->is_locally_owned())
-        mine[0] += measure_by_vertices<dim>(cell);
+        volume += measure_by_vertices<dim>(cell);
     for (const auto &face : domain.boundary_faces())
       if (face.cell->is_locally_owned()) {
         const auto its_face = face.cell->face(face.number);
-        const double open = open_share(model, domain, face, block.field_index);
-        mine[1] += open * area_by_vertices<dim>(its_face);
-        mine[2] += open * domain.degree * domain.degree * (its_face->n_vertices() == 3 ? 0.5 : 1);
+        const double open = open_share(model, domain, face, block.field_index),
+                     its_area = area_by_vertices<dim>(its_face),
+                     its_nodes = domain.degree * domain.degree * (its_face->n_vertices() == 3 ? 0.5 : 1);
+        for (const unsigned int i : {0u, 1u}) {
+          area[i] += (i == 0 ? open : 1) * its_area;
+          n_nodes[i] += (i == 0 ? open : 1) * its_nodes;
+        }
       }
+    mine.insert(mine.end(), {volume, area[0], n_nodes[0], area[1], n_nodes[1]});
   }
+  all.resize(mine.size());
   dealii::Utilities::MPI::sum(mine, model.communicator, all);
-  const double volume = all[0], area = all[1], nodes_of_area = all[2];
-  if (!(area > 0 && volume > 0))
+  std::vector<std::pair<Surface, Surface>> result;
+  for (auto sums = all.begin(); sums != all.end(); sums += 5)
+    result.push_back({{sums[0], sums[1], sums[2]}, {sums[0], sums[3], sums[4]}});
+  return result;
+}
+
+/// Much wider than thick, and nodes are about as far apart along it as it is thick.
+bool is_flat(const Surface &surface)
+{
+  const double largest_share = 0.06, least_distance = 0.7; // a square plate 12 times as wide as thick
+  return surface.area > 0 && surface.thickness() < largest_share * std::sqrt(surface.area) &&
+         surface.distance_of_nodes() > least_distance * surface.thickness();
+}
+
+template <int dim>
+BodyShape shape_of(const Model<dim> &model, const std::vector<unsigned int> &blocks)
+{
+  const std::vector<std::pair<Surface, Surface>> surfaces = surfaces_of(model, blocks);
+  Surface open;
+  double n_nodes = 0, n_flat = 0;
+  for (unsigned int i = 0; i < blocks.size(); ++i) {
+    const Block &block = model.numbering->blocks()[blocks[i]];
+    const double n = static_cast<double>(block.end - block.begin) / dim;
+    n_nodes += n;
+    n_flat += is_flat(surfaces[i].second) ? n : 0;
+    open.volume += surfaces[i].first.volume;
+    open.area += surfaces[i].first.area;
+    open.n_nodes += surfaces[i].first.n_nodes;
+  }
+  if (!(open.area > 0 && open.volume > 0))
     return {};
-  return {2 * n_nodes / nodes_of_area, std::sqrt(area / nodes_of_area) * area / (2 * volume)};
+  return {2 * n_nodes / open.n_nodes, open.distance_of_nodes() / open.thickness(), n_flat / n_nodes};
 }
 
 template <int dim>

@@ -66,6 +66,7 @@ struct BodyShape
 {
   double nodes_across = 0;          ///< 0: not known
   double distance_by_thickness = 0; ///< of nodes along a free boundary, on average
+  double flat_share = 0; ///< of the unknowns, in bodies that are plates by themselves, one cell thick
 };
 
 /// What describes a group of fields that is solved at once.

@@ -710,7 +710,7 @@ template <int dim>
 unsigned int StepProblem<dim>::most_passes(const bool may_be_refined, const bool is_in_time) const
 {
   const Stage &stage = stages[present_stage];
-  if (!may_be_refined)
+  if (!may_be_refined || !linear_solver.iterates())
     return 2;
   const bool refines_all = !is_in_time && linear_solver.first_with_stiff_and_soft(
                                               stage.first_group, stage.end_group) == stage.first_group;

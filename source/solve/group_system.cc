@@ -79,6 +79,7 @@ void GroupSystem::set_matrix(const BlockMatrix &new_matrix)
     all_facts.n_unknowns = merged->numbering().size();
     all_facts.n_own_of_bodies = merged->numbering().first_local_of(group.blocks.size());
     consider_shape();
+    merged->set_motions([this](const Epetra_CrsMatrix &entries) { return motions_of_bodies(entries); });
   }
   merged->update();
   if (group.is_still_symmetric)
@@ -301,6 +302,22 @@ GroupSystem::Modes GroupSystem::near_null_space(const Selection *rows) const
     first_row += block_modes.empty() ? 0 : block_modes[0].size();
   }
   return modes;
+}
+
+/// Of bodies of one field whose stiffnesses differ much.
+std::unique_ptr<BodyMotions> GroupSystem::motions_of_bodies(const Epetra_CrsMatrix &entries) const
+{
+  if (group.blocks.size() < 2 || !all_facts.has_large_contrast())
+    return nullptr;
+  Modes modes(largest_number_of_modes());
+  std::vector<int> body;
+  for (unsigned int i = 0; i < group.blocks.size(); ++i) {
+    const Modes of_body = group.near_null_space(group.blocks[i], true, nullptr);
+    for (unsigned int mode = 0; mode < of_body.size(); ++mode)
+      modes[mode].insert(modes[mode].end(), of_body[mode].begin(), of_body[mode].end());
+    body.insert(body.end(), matrix->owned_unknowns()[group.blocks[i]].n_elements(), static_cast<int>(i));
+  }
+  return std::make_unique<BodyMotions>(entries, modes, body);
 }
 
 /// Those of the i-th block, from its first row on.

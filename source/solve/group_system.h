@@ -70,6 +70,7 @@ private:
   std::vector<bool> dropped(unsigned int block) const;
   std::vector<CondensedBodies::Follower> followers() const;
   Modes near_null_space(const Selection *rows) const;
+  std::unique_ptr<BodyMotions> motions_of_bodies(const Epetra_CrsMatrix &entries) const;
   Selection of_block(unsigned int i, const Selection &rows) const;
   RowSums linear_part() const;
   MeshLevels mesh_levels(bool with_parents) const;

@@ -30,6 +30,12 @@ MergedMatrix::MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned
   }
 }
 
+void MergedMatrix::update()
+{
+  has_values = knows_motions = false;
+  motions.reset();
+}
+
 template <typename Visit>
 void MergedMatrix::for_each_pair(const Visit &visit) const
 {
@@ -188,12 +194,18 @@ GroupVector MergedMatrix::vector() const
 void MergedMatrix::vmult(GroupVector &destination, const GroupVector &source) const
 {
   if (parts.size() == 1) {
-    entries()->Multiply(false, source.trilinos_vector(), destination.trilinos_vector());
-    if (const PartOperator *summand = cells()) {
-      const Epetra_Vector x(View, entries()->DomainMap(), source.trilinos_vector()[0]);
-      Epetra_Vector y(View, entries()->RangeMap(), destination.trilinos_vector()[0]);
+    const Epetra_Vector x(View, entries()->DomainMap(), source.trilinos_vector()[0]);
+    Epetra_Vector y(View, entries()->RangeMap(), destination.trilinos_vector()[0]);
+    const PartOperator *const summand = cells();
+    if (!knows_motions && summand == nullptr && make_motions)
+      motions = make_motions(*entries());
+    knows_motions = true;
+    if (motions)
+      motions->multiply(x, y);
+    else
+      entries()->Multiply(false, x, y);
+    if (summand != nullptr)
       summand->add_product(1., x, y, false);
-    }
     return;
   }
   destination = 0;

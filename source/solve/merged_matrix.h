@@ -5,11 +5,14 @@
 
 #pragma once
 
+#include "body_motions.h"
+
 #include <dovetail/solve/block_matrix.h>
 #include <dovetail/solve/group_solver.h>
 
 #include <Epetra_CrsMatrix.h>
 
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -27,7 +30,10 @@ public:
   /// @p matrix must stay where it is.
   MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned int> &blocks);
   /// The matrix has new values.
-  void update() { has_values = false; }
+  void update();
+  /// Asked with entries of a single part before they multiply: with what they shall, or nullptr. Collective.
+  using MakeMotions = std::function<std::unique_ptr<BodyMotions>(const Epetra_CrsMatrix &entries)>;
+  void set_motions(MakeMotions make) { make_motions = std::move(make); }
 
   GroupVector vector() const override;
   void vmult(GroupVector &destination, const GroupVector &source) const override;
@@ -64,6 +70,9 @@ private:
   std::vector<Part> parts;
   mutable std::unique_ptr<Epetra_CrsMatrix> merged;
   mutable bool has_values = false; ///< the present ones, merged
+  MakeMotions make_motions;
+  mutable std::unique_ptr<BodyMotions> motions;
+  mutable bool knows_motions = false;
 };
 
 } // namespace dovetail

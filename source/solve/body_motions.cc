@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: LGPL-2.1-or-later
+// Copyright (C) 2026 by the Dovetail authors
+
+#include "body_motions.h"
+
+#include <deal.II/lac/lapack_full_matrix.h>
+
+#include <Epetra_Comm.h>
+#include <Epetra_Import.h>
+#include <Epetra_MultiVector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace dovetail {
+
+BodyMotions::BodyMotions(const Epetra_CrsMatrix &A, const std::vector<std::vector<double>> &modes,
+                         const std::vector<int> &body_of_row)
+    : A(A), body(body_of_row), n_modes(modes.size())
+{
+  int largest = -1;
+  for (const int b : body)
+    largest = std::max(largest, b);
+  A.Comm().MaxAll(&largest, &n_bodies, 1);
+  ++n_bodies;
+  find_modes(modes);
+  find_inverses();
+  find_forces();
+}
+
+void BodyMotions::find_modes(const std::vector<std::vector<double>> &given)
+{
+  modes.assign(body.size() * n_modes, 0.);
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n = 0, *columns = nullptr;
+    double *entries = nullptr;
+    A.ExtractMyRowView(row, n, entries, columns);
+    const auto couples = [&](const int k) { return entries[k] != 0 && A.GCID(columns[k]) != A.GRID(row); };
+    bool moves = false;
+    for (int k = 0; k < n && !moves; ++k)
+      moves = couples(k);
+    for (unsigned int m = 0; m < n_modes && moves; ++m)
+      modes[row * n_modes + m] = given[m][row];
+  }
+}
+
+/// In which no motion counts that a body does not have, as the rotation of a single node.
+void BodyMotions::find_inverses()
+{
+  const double least = 1e-12;
+  const unsigned int n = n_modes;
+  std::vector<double> mine(n_bodies * n * n, 0.), all(mine.size());
+  for (unsigned int row = 0; row < body.size(); ++row)
+    for (unsigned int i = 0; i < n; ++i)
+      for (unsigned int j = 0; j < n; ++j)
+        mine[(body[row] * n + i) * n + j] += mode(row)[i] * mode(row)[j];
+  A.Comm().SumAll(mine.data(), all.data(), static_cast<int>(all.size()));
+  inverses.resize(all.size());
+  for (int b = 0; b < n_bodies; ++b) {
+    dealii::LAPACKFullMatrix<double> products(n);
+    for (unsigned int i = 0; i < n; ++i)
+      for (unsigned int j = 0; j < n; ++j)
+        products(i, j) = all[(b * n + i) * n + j];
+    if (products.linfty_norm() == 0)
+      continue;
+    products.compute_inverse_svd(least);
+    dealii::Vector<double> unit(n), column(n);
+    for (unsigned int j = 0; j < n; ++j) {
+      unit = 0;
+      unit[j] = 1;
+      products.vmult(column, unit);
+      for (unsigned int i = 0; i < n; ++i)
+        inverses[(b * n + i) * n + j] = column[i];
+    }
+  }
+}
+
+void BodyMotions::find_forces()
+{
+  const double rounding = 4 * std::numeric_limits<double>::epsilon();
+  const int n = static_cast<int>(n_modes);
+  Epetra_MultiVector own(A.DomainMap(), n + 1), seen(A.ColMap(), n + 1);
+  for (int row = 0; row < own.MyLength(); ++row) {
+    for (int m = 0; m < n; ++m)
+      own[m][row] = mode(row)[m];
+    own[n][row] = body[row];
+  }
+  if (A.Importer() == nullptr)
+    seen = own;
+  else
+    seen.Import(own, *A.Importer(), Insert);
+  std::vector<double> sums(n_bodies * n, 0.), sizes(n);
+  std::vector<int> others;
+  const auto keep = [&](const int row, const int b) {
+    forces.push_back({row, b, values.size()});
+    values.insert(values.end(), &sums[b * n], &sums[b * n] + n);
+  };
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n_entries = 0, *columns = nullptr;
+    double *entries = nullptr;
+    A.ExtractMyRowView(row, n_entries, entries, columns);
+    others.clear();
+    std::fill_n(&sums[body[row] * n], n, 0.);
+    std::fill(sizes.begin(), sizes.end(), 0.);
+    for (int k = 0; k < n_entries; ++k) {
+      const int b = static_cast<int>(seen[n][columns[k]]);
+      if (b != body[row] && entries[k] != 0 && std::find(others.begin(), others.end(), b) == others.end()) {
+        others.push_back(b);
+        std::fill_n(&sums[b * n], n, 0.);
+      }
+      for (int m = 0; m < n; ++m) {
+        const double force = entries[k] * seen[m][columns[k]];
+        sums[body[row] * n + m] += force;
+        sizes[m] += std::abs(force);
+        if (b != body[row])
+          sums[b * n + m] += force;
+      }
+    }
+    for (const int b : others)
+      keep(row, b);
+    bool resists = false;
+    for (int m = 0; m < n; ++m) {
+      double &sum = sums[body[row] * n + m];
+      sum = std::abs(sum) <= rounding * sizes[m] ? 0 : sum;
+      resists = resists || sum != 0;
+    }
+    if (resists)
+      keep(row, body[row]);
+  }
+}
+
+std::vector<double> BodyMotions::motions(const Epetra_Vector &x) const
+{
+  const unsigned int n = n_modes;
+  std::vector<double> mine(n_bodies * n, 0.), all(mine.size()), result(mine.size(), 0.);
+  for (unsigned int row = 0; row < body.size(); ++row)
+    for (unsigned int m = 0; m < n; ++m)
+      mine[body[row] * n + m] += mode(row)[m] * x[row];
+  A.Comm().SumAll(mine.data(), all.data(), static_cast<int>(all.size()));
+  for (int b = 0; b < n_bodies; ++b)
+    for (unsigned int i = 0; i < n; ++i)
+      for (unsigned int j = 0; j < n; ++j)
+        result[b * n + i] += inverses[(b * n + i) * n + j] * all[b * n + j];
+  return result;
+}
+
+void BodyMotions::multiply(const Epetra_Vector &x, Epetra_Vector &y) const
+{
+  const unsigned int n = n_modes;
+  const std::vector<double> a = motions(x);
+  Epetra_Vector rest(x);
+  for (unsigned int row = 0; row < body.size(); ++row)
+    for (unsigned int m = 0; m < n; ++m)
+      rest[row] -= mode(row)[m] * a[body[row] * n + m];
+  A.Multiply(false, rest, y);
+  for (const Forces &of : forces) {
+    const int own = body[of.row];
+    for (unsigned int m = 0; m < n; ++m) {
+      const double motion = a[of.body * n + m] - (of.body == own ? 0 : a[own * n + m]);
+      y[of.row] += values[of.first + m] * motion;
+    }
+  }
+}
+
+} // namespace dovetail

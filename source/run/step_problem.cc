@@ -514,7 +514,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
       guess ? solve_from_guess(x, dx) : solve_with_any_matrix(x, dx, system.negative_residual(), needed);
   guess.reset();
   if (model.is_linear() && n_iterations)
-    residual_of_solver = refine_linear_solution(x, dx, most_passes(may_be_refined, is_in_time));
+    residual_of_solver = refine_linear_solution(x, dx, is_left_to_laws() ? 0 : 2);
   update_moves = moves_constraints();
   update_loads = system.negative_residual();
   moving_loads.reset();
@@ -530,7 +530,7 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
     if (is_in_time)
       system.give_up_products(); // which are rounded as K is
     *n_iterations += refine_by_laws(x, dx, of_all, inexact);
-    if (leaves_much && inexact != 0. && linear_solver.iterates()) {
+    if (leaves_much && inexact != 0. && is_left_to_laws()) {
       linear_solver.prefer_direct(of_unbalanced);
       *n_iterations += refine_by_laws(x, dx, of_all, inexact);
     }
@@ -705,16 +705,13 @@ bool is_rounding(BlockSystem<dim> &system, const BlockMatrix::Vector &dx)
 
 } // namespace
 
-/// Of refine_linear_solution(): what follows it may do the rest.
+/// Whether the solution of a stage is refined by the laws in any case, which is more than by its matrix.
 template <int dim>
-unsigned int StepProblem<dim>::most_passes(const bool may_be_refined, const bool is_in_time) const
+bool StepProblem<dim>::is_left_to_laws() const
 {
   const Stage &stage = stages[present_stage];
-  if (!may_be_refined || !linear_solver.iterates())
-    return 2;
-  const bool refines_all = !is_in_time && linear_solver.first_with_stiff_and_soft(
-                                              stage.first_group, stage.end_group) == stage.first_group;
-  return refines_all ? 0 : 1;
+  return linear_solver.iterates() && has_linear_stage() && !(model.is_linear() && is_remembered()) &&
+         linear_solver.first_with_stiff_and_soft(stage.first_group, stage.end_group) == stage.first_group;
 }
 
 /// The linear solver sees one norm for all bodies; a body that carries little beside one that carries much

@@ -120,7 +120,7 @@ private:
   std::vector<bool> blocks_of_residual(bool with_tangent) const;
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
-  unsigned int most_passes(bool may_be_refined, bool is_in_time) const;
+  bool is_left_to_laws() const;
   double refine_linear_solution(const Vector &x, Vector &dx, unsigned int most_passes);
   unsigned int refine_by_laws(const Vector &x, Vector &dx, bool of_all, std::optional<double> &inexact);
   bool is_rounded(const Vector &x, const Vector &dx);

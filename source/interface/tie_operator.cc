@@ -342,7 +342,8 @@ void TieOperator<dim>::multiply(const double *x, double *y, const bool of_symmet
   constexpr int places = n == 3 ? places_of_three : n;
   std::vector<double> of_nodes(nodes.size() * places, 0.), sums(nodes.size() * places, 0.);
   std::array<double, n> origin{};
-  for (unsigned int c = 0; c < n && keeps_translations; ++c)
+  const bool is_exact = !of_symmetric_part || lower.empty(); // else columns of S need not add up to zero
+  for (unsigned int c = 0; c < n && keeps_translations && is_exact; ++c)
     origin[c] = x[nodes[0].index[c]];
   for (unsigned int i = 0; i < nodes.size(); ++i)
     for (unsigned int k = 0; k < nodes[i].factors.size(); ++k)

@@ -513,14 +513,15 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
   auto n_iterations =
       guess ? solve_from_guess(x, dx) : solve_with_any_matrix(x, dx, system.negative_residual(), needed);
   guess.reset();
+  const bool is_left = n_iterations && is_left_to_laws();
   if (model.is_linear() && n_iterations)
-    residual_of_solver = refine_linear_solution(x, dx, is_left_to_laws() ? 0 : 2);
+    residual_of_solver = refine_linear_solution(x, dx, is_left ? 0 : 2);
   update_moves = moves_constraints();
   update_loads = system.negative_residual();
   moving_loads.reset();
   keep_stage(dx);
-  const bool leaves_much = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual,
-             of_all = leaves_much || (n_iterations && may_be_refined && is_rounded(x, dx)),
+  bool leaves_much = n_iterations && model.is_linear() && residual_of_solver > usual_linear_residual;
+  const bool of_all = leaves_much || (n_iterations && may_be_refined && is_rounded(x, dx)),
              is_refined = n_iterations && may_be_refined && (of_all || !is_in_time);
   system.distribute(dx);
   centre_pressures(x, dx);
@@ -530,9 +531,13 @@ std::optional<unsigned int> StepProblem<dim>::solve(const Vector &x, Vector &dx)
     if (is_in_time)
       system.give_up_products(); // which are rounded as K is
     *n_iterations += refine_by_laws(x, dx, of_all, inexact);
-    if (leaves_much && inexact != 0. && is_left_to_laws()) {
+    if (is_left && leaves_much && inexact != 0. && !leaves_rounding) {
       linear_solver.prefer_direct(of_unbalanced);
       *n_iterations += refine_by_laws(x, dx, of_all, inexact);
+    }
+    if (is_left) {
+      residual_of_solver = residual_without_constrained(dx);
+      leaves_much = residual_of_solver > usual_linear_residual;
     }
   }
   if (leaves_much && !(inexact == 0. && are_volumes_kept()))
@@ -576,6 +581,7 @@ unsigned int StepProblem<dim>::refine_by_laws(const Vector &x, Vector &dx, const
   };
   const auto inverse = [&](const Vector &rest, Vector &correction) {
     const auto n_iterations = solve_with_any_matrix(x, correction, rest, needed);
+    has_solver_failed = has_solver_failed || !n_iterations;
     system.distribute(correction);
     keep_stage(correction);
     return n_iterations;
@@ -609,6 +615,25 @@ double StepProblem<dim>::linear_residual(const Vector &dx, Vector &rest) const
                     : std::numeric_limits<double>::quiet_NaN();
 }
 
+template <int dim>
+double StepProblem<dim>::residual_without_constrained(const Vector &dx) const
+{
+  Vector unknowns = system.owned_vector(), rest = unknowns;
+  copy_unconstrained(dx, unknowns);
+  return linear_residual(unknowns, rest);
+}
+
+template <int dim>
+void StepProblem<dim>::copy_unconstrained(const Vector &from, Vector &to) const
+{
+  for (unsigned int b = 0; b < to.n_blocks(); ++b) {
+    const Block &block = model.numbering->blocks()[b];
+    for (unsigned int i = 0; i < block.owned.n_elements(); ++i)
+      if (!system.is_constrained(block.begin + block.owned.nth_index_in_set(i)))
+        to.block(b).trilinos_vector()[0][i] = from.block(b).trilinos_vector()[0][i];
+  }
+}
+
 /// Of a linear scene. The solver only has to find what the guess leaves, unless that is no less than what
 /// there is without it.
 template <int dim>
@@ -616,12 +641,7 @@ std::optional<unsigned int> StepProblem<dim>::solve_from_guess(const Vector &x, 
 {
   Vector start = system.owned_vector(), rest = start;
   const double without = linear_residual(start, rest);
-  for (unsigned int b = 0; b < start.n_blocks(); ++b) {
-    const Block &block = model.numbering->blocks()[b];
-    for (unsigned int i = 0; i < block.owned.n_elements(); ++i)
-      if (!system.is_constrained(block.begin + block.owned.nth_index_in_set(i)))
-        start.block(b).trilinos_vector()[0][i] = guess->block(b).trilinos_vector()[0][i];
-  }
+  copy_unconstrained(*guess, start);
   const double with = linear_residual(start, rest);
   LinearSolver::Demand needed = demand();
   if (!(with < without))
@@ -705,17 +725,19 @@ bool is_rounding(BlockSystem<dim> &system, const BlockMatrix::Vector &dx)
 
 } // namespace
 
-/// Whether the solution of a stage is refined by the laws in any case, which is more than by its matrix.
+/// Of a linear scene, whether its solution is refined by the laws in any case, which is more than by its
+/// matrix.
 template <int dim>
 bool StepProblem<dim>::is_left_to_laws() const
 {
   const Stage &stage = stages[present_stage];
-  return linear_solver.iterates() && has_linear_stage() && !(model.is_linear() && is_remembered()) &&
+  return model.is_linear() && !is_remembered() && has_linear_stage() && linear_solver.iterates() &&
          linear_solver.first_with_stiff_and_soft(stage.first_group, stage.end_group) == stage.first_group;
 }
 
 /// The linear solver sees one norm for all bodies; a body that carries little beside one that carries much
 /// may be left unsolved. The rest is solved for once more, then directly.
+/// @param most_passes 0: it is only measured
 /// @return the relative residual of dx, the largest of all parts
 template <int dim>
 double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx, const unsigned int most_passes)
@@ -723,8 +745,8 @@ double StepProblem<dim>::refine_linear_solution(const Vector &x, Vector &dx, con
   has_solver_failed = false;
   Vector rest = system.owned_vector(), correction;
   double relative = linear_residual(dx, rest);
-  const bool is_final = relative > exact_linear_residual && is_rounding(system, dx);
-  for (unsigned int pass = 0; pass < most_passes && !is_final &&
+  leaves_rounding = relative > exact_linear_residual && is_rounding(system, dx);
+  for (unsigned int pass = 0; pass < most_passes && !leaves_rounding &&
                               relative > (pass == 0 ? exact_linear_residual : usual_linear_residual);
        ++pass) {
     if (pass == 1)

@@ -189,13 +189,13 @@ double largest_entry(const Epetra_CrsMatrix &A)
 
 } // namespace
 
-void round_to_single_precision(Epetra_CrsMatrix &A)
+void round_to_single_precision(Epetra_CrsMatrix &P)
 {
-  const double unit = largest_entry(A);
+  const double unit = largest_entry(P);
   int n = 0;
   double *values = nullptr;
-  for (int row = 0; row < A.NumMyRows(); ++row) {
-    A.ExtractMyRowView(row, n, values);
+  for (int row = 0; row < P.NumMyRows(); ++row) {
+    P.ExtractMyRowView(row, n, values);
     for (int k = 0; k < n; ++k)
       values[k] = unit * static_cast<float>(values[k] / unit);
   }

@@ -101,12 +101,6 @@ private:
 
 /// A matrix in single precision. The largest size of an entry is the unit of the others, as single precision
 /// may not hold it. Products are summed in double precision.
-class CompactMatrix;
-
-/// As a CompactMatrix holds them. The rounded A = P of a level belongs in P^T A P, too: a stiff body resists
-/// the difference of two more than soft ones resist its motion.
-void round_to_single_precision(Epetra_CrsMatrix &A);
-
 class CompactMatrix
 {
 public:
@@ -135,5 +129,9 @@ private:
   std::vector<float> values; ///< and some zeros
   double unit = 0;
 };
+
+/// As a CompactMatrix holds it. P^T A P needs the rounded P that is applied: a stiff body resists the
+/// difference of two of them more than soft ones resist its motion.
+void round_to_single_precision(Epetra_CrsMatrix &P);
 
 } // namespace dovetail

@@ -182,7 +182,7 @@ bool LinearSolver::Group::is_direct_by_size() const
     largest = std::min(largest, few_entries * std::sqrt(facts.n_solves) /
                                     (entries_of_row(facts) * (is_cheaper ? 1 : 2)));
   const bool is_flat = facts.shape.distance_by_thickness > 0.7 ||
-                       (!is_matrix_free_by_degree() && facts.shape.flat_share > 0.5),
+                       (!is_matrix_free_by_degree() && facts.shape.flat_share > 0.8),
              is_filled = facts.n_followed > large_share * entries_of_row(facts) / facts.n_components,
              is_thin = knows_shape &&
                        iterations_of_direct() < (is_flat ? many_iterations : iterations_worth_factors());

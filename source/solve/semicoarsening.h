@@ -126,8 +126,8 @@ std::unique_ptr<Cycle> make_cycle_of_whole_lines(Cycle::Finest A_1,
 std::unique_ptr<Cycle> make_cycle_within_bodies(Cycle::Finest A,
                                                 std::shared_ptr<const Epetra_MultiVector> modes,
                                                 std::vector<GroupFacts::Place> places);
-/// Whether stiff and soft bodies meet in such a way that aggregates of both may serve neither: there are
-/// three or more, with more than this contrast. Collective.
+/// Whether stiff and soft bodies are such that aggregates of both may serve neither: there are three or more,
+/// of which some two have more than this contrast. Collective.
 bool has_mixed_bodies(const GroupFacts &facts, double contrast);
 
 } // namespace dovetail

@@ -75,7 +75,7 @@ Followers make_followers(const Epetra_Map &rows, const RowSums &sums, const std:
 }
 
 /// P^T without small weights, with sums of one in each row, so that constants stay. Weights below zero, which
-/// dual functions on triangles have, count only if a row has hardly others.
+/// dual functions on triangles have, count only if a row has hardly others, as if they were above.
 std::unique_ptr<Epetra_CrsMatrix> make_reverse(const Epetra_CrsMatrix &P)
 {
   const double least_share = 0.2;

@@ -27,7 +27,7 @@ constexpr double least_contrast = 30;
 ///
 /// - u_s and the rigid motions of each stiff body. Their matrix is factorised.
 /// - functions in which u_s follows, u_s = Q y, with one y for each unknown u_d, and all that is not on the
-///   face. Q is P^T without its small weights, with rows whose absolute values sum to one. The stiff body
+///   face. Q is P^T without its small weights and those below zero, with rows that sum to one. The stiff body
 ///   leads there, as if it were the source, and multigrid serves as usual. In the near-null space, y solves
 ///   P Q y = u_d - R u_r. If there are more y than u_s, the usual functions serve in place of these.
 ///

@@ -195,7 +195,8 @@ std::vector<std::pair<Surface, Surface>> surfaces_of(const Model<dim> &model,
 /// Much wider than thick, and nodes are about as far apart along it as it is thick.
 bool is_flat(const Surface &surface)
 {
-  const double largest_share = 0.06, least_distance = 0.7; // a square plate 12 times as wide as thick
+  const double largest_share = 0.06,
+               least_distance = 0.7; // a square plate 8.6 times as wide as thick, or a bar 17 times as long
   return surface.area > 0 && surface.thickness() < largest_share * std::sqrt(surface.area) &&
          surface.distance_of_nodes() > least_distance * surface.thickness();
 }

@@ -121,6 +121,8 @@ private:
   double linear_residual(const Vector &dx, Vector &rest) const;
   double excess(const Vector &dx, const std::vector<unsigned int> &blocks) const;
   bool is_left_to_laws() const;
+  double residual_without_constrained(const Vector &dx) const;
+  void copy_unconstrained(const Vector &from, Vector &to) const;
   double refine_linear_solution(const Vector &x, Vector &dx, unsigned int most_passes);
   unsigned int refine_by_laws(const Vector &x, Vector &dx, bool of_all, std::optional<double> &inexact);
   bool is_rounded(const Vector &x, const Vector &dx);
@@ -178,6 +180,7 @@ private:
   // of the last assembly and of the last update
   double residual_of_last = 0, residual_of_solver = 0;
   bool has_solver_failed = false; ///< for what was left of a linear scene
+  bool leaves_rounding = false;   ///< likewise: nothing is left but that
   bool has_new_tangent = false;   ///< that the linear solver has not seen
   bool update_moves = false;      ///< prescribed values
   Vector update_loads;

@@ -66,7 +66,7 @@ struct BodyShape
 {
   double nodes_across = 0;          ///< 0: not known
   double distance_by_thickness = 0; ///< of nodes along a free boundary, on average
-  double flat_share = 0; ///< of the unknowns, in bodies that are plates by themselves, one cell thick
+  double flat_share = 0; ///< of the unknowns, in bodies that are plates by themselves, with few nodes across
 };
 
 /// What describes a group of fields that is solved at once.
@@ -110,7 +110,7 @@ struct GroupFacts : GroupTraits
   /// Collective.
   std::function<std::vector<double>()> stiffness_of_row;
   unsigned int n_blocks = 1; ///< of the bodies
-  /// The largest ratio of the stiffnesses of two blocks that are coupled, of one field. May be missing.
+  /// The largest ratio of the stiffnesses of two blocks, of one field. May be missing.
   /// Collective.
   std::function<double()> contrast;
   static constexpr double small_contrast = 10;  ///< up to here an aggregate of two bodies serves both

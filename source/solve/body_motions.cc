@@ -15,18 +15,60 @@
 
 namespace dovetail {
 
-BodyMotions::BodyMotions(const Epetra_CrsMatrix &A, const std::vector<std::vector<double>> &modes,
-                         const std::vector<int> &body_of_row)
-    : A(A), body(body_of_row), n_modes(modes.size())
+namespace {
+
+/// Of the columns of A.
+Epetra_MultiVector seen_by(const Epetra_CrsMatrix &A, const Epetra_MultiVector &own)
 {
-  int largest = -1;
-  for (const int b : body)
-    largest = std::max(largest, b);
-  A.Comm().MaxAll(&largest, &n_bodies, 1);
-  ++n_bodies;
+  Epetra_MultiVector seen(A.ColMap(), own.NumVectors());
+  if (A.Importer() == nullptr)
+    seen = own;
+  else
+    seen.Import(own, *A.Importer(), Insert);
+  return seen;
+}
+
+} // namespace
+
+BodyMotions::BodyMotions(const Epetra_CrsMatrix &A, const std::vector<std::vector<double>> &modes,
+                         const std::vector<int> &body_of_row, const std::vector<double> &stiffness)
+    : A(A), own_body(body_of_row), body(body_of_row), n_modes(modes.size()),
+      n_bodies(static_cast<int>(stiffness.size()))
+{
+  follow_stiff_bodies(stiffness);
   find_modes(modes);
   find_inverses();
   find_forces();
+}
+
+void BodyMotions::follow_stiff_bodies(const std::vector<double> &stiffness)
+{
+  const double least_ratio = 30, least_share = 0.1;
+  Epetra_MultiVector own(A.DomainMap(), 1);
+  std::copy(body.begin(), body.end(), own[0]);
+  const Epetra_MultiVector seen = seen_by(A, own);
+  std::vector<double> sums(n_bodies, 0.);
+  for (int row = 0; row < A.NumMyRows(); ++row) {
+    int n = 0, *columns = nullptr;
+    double *entries = nullptr, sum = 0;
+    A.ExtractMyRowView(row, n, entries, columns);
+    for (int k = 0; k < n; ++k) {
+      sums[static_cast<int>(seen[0][columns[k]])] += std::abs(entries[k]);
+      sum += std::abs(entries[k]);
+    }
+    int leader = body[row];
+    double largest = least_share * sum;
+    for (int k = 0; k < n; ++k) {
+      const int b = static_cast<int>(seen[0][columns[k]]);
+      if (sums[b] > largest && stiffness[b] > least_ratio * stiffness[body[row]]) {
+        largest = sums[b];
+        leader = b;
+      }
+    }
+    for (int k = 0; k < n; ++k)
+      sums[static_cast<int>(seen[0][columns[k]])] = 0;
+    body[row] = leader;
+  }
 }
 
 void BodyMotions::find_modes(const std::vector<std::vector<double>> &given)
@@ -54,7 +96,7 @@ void BodyMotions::find_inverses()
   for (unsigned int row = 0; row < body.size(); ++row)
     for (unsigned int i = 0; i < n; ++i)
       for (unsigned int j = 0; j < n; ++j)
-        mine[(body[row] * n + i) * n + j] += mode(row)[i] * mode(row)[j];
+        mine[(own_body[row] * n + i) * n + j] += mode(row)[i] * mode(row)[j];
   A.Comm().SumAll(mine.data(), all.data(), static_cast<int>(all.size()));
   inverses.resize(all.size());
   for (int b = 0; b < n_bodies; ++b) {
@@ -80,16 +122,13 @@ void BodyMotions::find_forces()
 {
   const double rounding = 4 * std::numeric_limits<double>::epsilon();
   const int n = static_cast<int>(n_modes);
-  Epetra_MultiVector own(A.DomainMap(), n + 1), seen(A.ColMap(), n + 1);
+  Epetra_MultiVector own(A.DomainMap(), n + 1);
   for (int row = 0; row < own.MyLength(); ++row) {
     for (int m = 0; m < n; ++m)
       own[m][row] = mode(row)[m];
     own[n][row] = body[row];
   }
-  if (A.Importer() == nullptr)
-    seen = own;
-  else
-    seen.Import(own, *A.Importer(), Insert);
+  const Epetra_MultiVector seen = seen_by(A, own);
   std::vector<double> sums(n_bodies * n, 0.), sizes(n);
   std::vector<int> others;
   const auto keep = [&](const int row, const int b) {
@@ -136,7 +175,7 @@ std::vector<double> BodyMotions::motions(const Epetra_Vector &x) const
   std::vector<double> mine(n_bodies * n, 0.), all(mine.size()), result(mine.size(), 0.);
   for (unsigned int row = 0; row < body.size(); ++row)
     for (unsigned int m = 0; m < n; ++m)
-      mine[body[row] * n + m] += mode(row)[m] * x[row];
+      mine[own_body[row] * n + m] += mode(row)[m] * x[row];
   A.Comm().SumAll(mine.data(), all.data(), static_cast<int>(all.size()));
   for (int b = 0; b < n_bodies; ++b)
     for (unsigned int i = 0; i < n; ++i)

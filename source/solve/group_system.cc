@@ -317,7 +317,7 @@ std::unique_ptr<BodyMotions> GroupSystem::motions_of_bodies(const Epetra_CrsMatr
       modes[mode].insert(modes[mode].end(), of_body[mode].begin(), of_body[mode].end());
     body.insert(body.end(), matrix->owned_unknowns()[group.blocks[i]].n_elements(), static_cast<int>(i));
   }
-  return std::make_unique<BodyMotions>(entries, modes, body);
+  return std::make_unique<BodyMotions>(entries, modes, body, usual_diagonals());
 }
 
 /// Those of the i-th block, from its first row on.

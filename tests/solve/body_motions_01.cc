@@ -158,7 +158,7 @@ void check(const std::string &name, const double support)
     modes[2].push_back(c == 0 ? -place(node)[1] : place(node)[0]);
     body.push_back(body_of(node));
   }
-  const BodyMotions motions(A, modes, body);
+  const BodyMotions motions(A, modes, body, {1, stiff});
   motions.multiply(x, y);
   A.Multiply(false, x, plain);
 

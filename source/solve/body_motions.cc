@@ -2,11 +2,11 @@
 // Copyright (C) 2026 by the Dovetail authors
 
 #include "body_motions.h"
+#include "level_operator.h"
 
 #include <deal.II/lac/lapack_full_matrix.h>
 
 #include <Epetra_Comm.h>
-#include <Epetra_Import.h>
 #include <Epetra_MultiVector.h>
 
 #include <algorithm>
@@ -14,21 +14,6 @@
 #include <limits>
 
 namespace dovetail {
-
-namespace {
-
-/// Of the columns of A.
-Epetra_MultiVector seen_by(const Epetra_CrsMatrix &A, const Epetra_MultiVector &own)
-{
-  Epetra_MultiVector seen(A.ColMap(), own.NumVectors());
-  if (A.Importer() == nullptr)
-    seen = own;
-  else
-    seen.Import(own, *A.Importer(), Insert);
-  return seen;
-}
-
-} // namespace
 
 BodyMotions::BodyMotions(const Epetra_CrsMatrix &A, const std::vector<std::vector<double>> &modes,
                          const std::vector<int> &body_of_row, const std::vector<double> &stiffness)
@@ -46,7 +31,7 @@ void BodyMotions::follow_stiff_bodies(const std::vector<double> &stiffness)
   const double least_ratio = 30, least_share = 0.1;
   Epetra_MultiVector own(A.DomainMap(), 1);
   std::copy(body.begin(), body.end(), own[0]);
-  const Epetra_MultiVector seen = seen_by(A, own);
+  const Epetra_MultiVector seen = at_columns(A, own);
   std::vector<double> sums(n_bodies, 0.);
   for (int row = 0; row < A.NumMyRows(); ++row) {
     int n = 0, *columns = nullptr;
@@ -128,7 +113,7 @@ void BodyMotions::find_forces()
       own[m][row] = mode(row)[m];
     own[n][row] = body[row];
   }
-  const Epetra_MultiVector seen = seen_by(A, own);
+  const Epetra_MultiVector seen = at_columns(A, own);
   std::vector<double> sums(n_bodies * n, 0.), sizes(n);
   std::vector<int> others;
   const auto keep = [&](const int row, const int b) {

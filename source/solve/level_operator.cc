@@ -47,13 +47,19 @@ void LevelEntries::vmult(Epetra_Vector &y, const Epetra_Vector &x) const
     A->Multiply(false, x, y);
 }
 
+Epetra_MultiVector at_columns(const Epetra_CrsMatrix &A, const Epetra_MultiVector &of_rows)
+{
+  Epetra_MultiVector result(A.ColMap(), of_rows.NumVectors());
+  if (A.Importer() == nullptr)
+    result = of_rows;
+  else
+    result.Import(of_rows, *A.Importer(), Insert);
+  return result;
+}
+
 Epetra_Vector at_columns(const Epetra_CrsMatrix &A, const Epetra_Vector &of_rows)
 {
-  if (A.Importer() == nullptr)
-    return of_rows;
-  Epetra_Vector result(A.ColMap());
-  result.Import(of_rows, *A.Importer(), Insert);
-  return result;
+  return Epetra_Vector(Copy, at_columns(A, static_cast<const Epetra_MultiVector &>(of_rows)), 0);
 }
 
 std::vector<int> columns_of_rows(const Epetra_CrsMatrix &A)

@@ -66,6 +66,7 @@ private:
 };
 
 /// What own rows have, at the columns of a matrix. Collective.
+Epetra_MultiVector at_columns(const Epetra_CrsMatrix &A, const Epetra_MultiVector &of_rows);
 Epetra_Vector at_columns(const Epetra_CrsMatrix &A, const Epetra_Vector &of_rows);
 /// By own row its column; -1: none.
 std::vector<int> columns_of_rows(const Epetra_CrsMatrix &A);

@@ -4,6 +4,7 @@
 #include "semicoarsening.h"
 
 #include "aggregate_products.h"
+#include "level_operator.h"
 #include "smoothed_aggregation.h"
 
 #include <dovetail/solve/free_memory.h>
@@ -52,17 +53,6 @@ void for_entries(const Epetra_CrsMatrix &A, const int row, const Action &action)
       action(columns[k], values[k]);
 }
 
-/// By column what is known by row.
-Epetra_MultiVector of_columns(const Epetra_CrsMatrix &A, const Epetra_MultiVector &of_rows)
-{
-  Epetra_MultiVector result(A.ColMap(), of_rows.NumVectors());
-  if (A.Importer() == nullptr)
-    result = of_rows;
-  else
-    result.Import(of_rows, *A.Importer(), Insert);
-  return result;
-}
-
 /// The nodes that a matrix refers to: the own ones, and after them those of other ranks.
 struct SeenNodes
 {
@@ -104,7 +94,7 @@ LevelNodes imported_nodes(const LevelNodes &nodes, const Epetra_Import &import)
 SeenNodes::SeenNodes(const Epetra_CrsMatrix &A, const LevelNodes &own)
 {
   const std::vector<unsigned int> node = node_of_rows(own);
-  const Epetra_MultiVector known = of_columns(A, places_of_rows(own, A.OperatorDomainMap()));
+  const Epetra_MultiVector known = at_columns(A, places_of_rows(own, A.OperatorDomainMap()));
   for (unsigned int i = 0; i < own.size(); ++i)
     add(own.body[i], own.position[i]);
   for (int column = 0; column < A.NumMyCols(); ++column) {
@@ -166,7 +156,7 @@ std::vector<double> shortest_couplings(const Epetra_CrsMatrix &A, const LevelNod
   Epetra_MultiVector of_rows(A.OperatorDomainMap(), 1);
   for (unsigned int i = 0; i < nodes.size(); ++i)
     std::fill(of_rows[0] + nodes.first_row[i], of_rows[0] + nodes.first_row[i + 1], shortest[i]);
-  const Epetra_MultiVector known = of_columns(A, of_rows);
+  const Epetra_MultiVector known = at_columns(A, of_rows);
   for (int column = 0; column < A.NumMyCols(); ++column)
     shortest[seen.of_column[column]] = known[0][column];
   return shortest;
@@ -381,7 +371,7 @@ double NearEntries::largest_eigenvalue(const Epetra_CrsMatrix &A) const
   for (unsigned int step = 0; step < n_steps; ++step) {
     x.Norm2(&norm);
     x.Scale(1 / norm);
-    const Epetra_MultiVector known = of_columns(A, x);
+    const Epetra_MultiVector known = at_columns(A, x);
     for (int row = 0; row < x.MyLength(); ++row) {
       double sum = 0;
       for (int k = begin[row]; k < begin[row + 1]; ++k)

@@ -4,8 +4,6 @@
 #include "body_motions.h"
 #include "level_operator.h"
 
-#include <deal.II/lac/lapack_full_matrix.h>
-
 #include <Epetra_Comm.h>
 #include <Epetra_MultiVector.h>
 
@@ -83,23 +81,13 @@ void BodyMotions::find_inverses()
       for (unsigned int j = 0; j < n; ++j)
         mine[(own_body[row] * n + i) * n + j] += mode(row)[i] * mode(row)[j];
   A.Comm().SumAll(mine.data(), all.data(), static_cast<int>(all.size()));
-  inverses.resize(all.size());
+  inverses.assign(n_bodies, dealii::LAPACKFullMatrix<double>(n));
   for (int b = 0; b < n_bodies; ++b) {
-    dealii::LAPACKFullMatrix<double> products(n);
     for (unsigned int i = 0; i < n; ++i)
       for (unsigned int j = 0; j < n; ++j)
-        products(i, j) = all[(b * n + i) * n + j];
-    if (products.linfty_norm() == 0)
-      continue;
-    products.compute_inverse_svd(least);
-    dealii::Vector<double> unit(n), column(n);
-    for (unsigned int j = 0; j < n; ++j) {
-      unit = 0;
-      unit[j] = 1;
-      products.vmult(column, unit);
-      for (unsigned int i = 0; i < n; ++i)
-        inverses[(b * n + i) * n + j] = column[i];
-    }
+        inverses[b](i, j) = all[(b * n + i) * n + j];
+    if (inverses[b].linfty_norm() > 0) // else no row of it couples
+      inverses[b].compute_inverse_svd(least);
   }
 }
 
@@ -157,16 +145,18 @@ void BodyMotions::find_forces()
 std::vector<double> BodyMotions::motions(const Epetra_Vector &x) const
 {
   const unsigned int n = n_modes;
-  std::vector<double> mine(n_bodies * n, 0.), all(mine.size()), result(mine.size(), 0.);
-  for (unsigned int row = 0; row < body.size(); ++row)
+  std::vector<double> mine(n_bodies * n, 0.), all(mine.size());
+  for (unsigned int row = 0; row < own_body.size(); ++row)
     for (unsigned int m = 0; m < n; ++m)
       mine[own_body[row] * n + m] += mode(row)[m] * x[row];
   A.Comm().SumAll(mine.data(), all.data(), static_cast<int>(all.size()));
-  for (int b = 0; b < n_bodies; ++b)
-    for (unsigned int i = 0; i < n; ++i)
-      for (unsigned int j = 0; j < n; ++j)
-        result[b * n + i] += inverses[(b * n + i) * n + j] * all[b * n + j];
-  return result;
+  dealii::Vector<double> sums(n), of_body(n);
+  for (int b = 0; b < n_bodies; ++b) {
+    std::copy_n(&all[b * n], n, sums.begin());
+    inverses[b].vmult(of_body, sums);
+    std::copy(of_body.begin(), of_body.end(), &all[b * n]);
+  }
+  return all;
 }
 
 void BodyMotions::multiply(const Epetra_Vector &x, Epetra_Vector &y) const

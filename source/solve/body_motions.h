@@ -5,6 +5,8 @@
 
 #pragma once
 
+#include <deal.II/lac/lapack_full_matrix.h>
+
 #include <Epetra_CrsMatrix.h>
 #include <Epetra_Vector.h>
 
@@ -51,8 +53,8 @@ private:
   std::vector<int> body;           ///< with which it moves
   const unsigned int n_modes;
   const int n_bodies;
-  std::vector<double> modes;    ///< by own row; zero where a row has but its diagonal
-  std::vector<double> inverses; ///< of B_b^T B_b, body by body
+  std::vector<double> modes; ///< by own row; zero where a row has but its diagonal
+  std::vector<dealii::LAPACKFullMatrix<double>> inverses; ///< of B_b^T B_b, body by body
   std::vector<Forces> forces;
   std::vector<double> values;
 };

@@ -29,7 +29,9 @@ GroupSystem::GroupSystem(SolveGroup given_group)
   all_facts.n_blocks = group.blocks.size();
   all_facts.contrast = [this]() {
     const std::vector<int> field = field_of_block(); // the units of several differ
-    return *std::max_element(field.begin(), field.end()) == 0 ? contrast(false) : 1;
+    return *std::max_element(field.begin(), field.end()) == 0
+               ? contrast([](unsigned int, unsigned int) { return true; })
+               : 1;
   };
   if (group.linear_part)
     all_facts.linear_part = [this]() { return linear_part(); };
@@ -200,9 +202,8 @@ bool GroupSystem::are_coupled(const unsigned int block, const unsigned int other
                                               });
 }
 
-/// The largest ratio of the usual diagonal entries of two blocks.
-/// @param of_neighbours that are coupled
-double GroupSystem::contrast(const bool of_neighbours) const
+/// The largest ratio of the usual diagonal entries of two blocks that count together.
+double GroupSystem::contrast(const std::function<bool(unsigned int i, unsigned int j)> &count) const
 {
   if (group.blocks.size() == 1)
     return 1;
@@ -210,9 +211,16 @@ double GroupSystem::contrast(const bool of_neighbours) const
   double largest = 1;
   for (unsigned int i = 0; i < means.size(); ++i)
     for (unsigned int j = 0; j < means.size(); ++j)
-      if (means[j] > 0 && (!of_neighbours || are_coupled(group.blocks[i], group.blocks[j])))
+      if (means[j] > 0 && count(i, j))
         largest = std::max(largest, means[i] / means[j]);
   return largest;
+}
+
+double GroupSystem::contrast_of_neighbours() const
+{
+  return contrast([this](const unsigned int i, const unsigned int j) {
+    return are_coupled(group.blocks[i], group.blocks[j]);
+  });
 }
 
 /// The geometric mean of the diagonal of each block. Of such a mean those rows are a small part to which a
@@ -248,12 +256,8 @@ bool GroupSystem::has_stiff_and_soft_bodies() const
   const std::vector<int> field = field_of_block();
   if (std::set<int>(field.begin(), field.end()).size() == field.size())
     return false; // one body in each field
-  const std::vector<double> means = usual_diagonals();
-  for (unsigned int i = 0; i < means.size(); ++i)
-    for (unsigned int j = 0; j < means.size(); ++j)
-      if (field[i] == field[j] && means[j] > 0 && means[i] > GroupFacts::large_contrast * means[j])
-        return true;
-  return false;
+  return contrast([&field](const unsigned int i, const unsigned int j) { return field[i] == field[j]; }) >
+         GroupFacts::large_contrast;
 }
 
 /// Of a block: a temperature has one, a displacement up to six.
@@ -282,7 +286,7 @@ GroupSystem::Modes GroupSystem::near_null_space(const Selection *rows) const
   const std::vector<unsigned int> set_of = color_blocks();
   const unsigned int n_sets = *std::max_element(set_of.begin(), set_of.end()) + 1;
   const bool is_shared = n_sets * n_of_block > largest_number ||
-                         (!group.allows_jumps && contrast(true) <= GroupFacts::large_contrast);
+                         (!group.allows_jumps && contrast_of_neighbours() <= GroupFacts::large_contrast);
   bool is_about_one_point = is_shared; // rotations; neighbours that share them turn together
   for (unsigned int i = 0; i < set_of.size(); ++i)
     for (unsigned int j = 0; j < i; ++j)

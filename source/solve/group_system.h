@@ -81,7 +81,8 @@ private:
   unsigned int largest_number_of_modes() const;
   bool are_coupled(unsigned int block, unsigned int other) const;
   std::vector<double> mean_diagonals() const;
-  double contrast(bool of_neighbours) const;
+  double contrast(const std::function<bool(unsigned int i, unsigned int j)> &count) const;
+  double contrast_of_neighbours() const;
   std::vector<double> usual_diagonals() const;
   std::vector<double> stiffness_of_row() const;
   std::vector<unsigned int> color_blocks() const;

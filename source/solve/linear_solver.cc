@@ -138,9 +138,8 @@ double LinearSolver::Group::iterations_of_direct() const
   const double n = facts.n_unknowns, share = facts.is_positive_definite() ? 1 : 2;
   if (facts.dim == 2)
     return share * std::log2(n + 1);
-  const double across = facts.shape.nodes_across > 0
-                            ? std::min(facts.shape.nodes_across, 0.38 * std::cbrt(n / facts.n_components))
-                            : std::cbrt(n) / 3;
+  const double of_cube = 0.38 * std::cbrt(n / facts.n_components), // no cross-section has more
+      across = facts.shape.nodes_across > 0 ? std::min(facts.shape.nodes_across, of_cube) : std::cbrt(n) / 3;
   return share * 0.01 * std::sqrt(n) * std::pow(across, 1.5);
 }
 
@@ -169,10 +168,10 @@ double LinearSolver::Group::most_before_change() const
 }
 
 /// Factorisation wins while the fill is small, and longer for L D L^T: the tables of
-/// doc/theory/linear_solvers.md. In thin bodies the fill is small, and in flat ones aggregates longer than
-/// the thickness leave much to the iteration. Beside products the entries cost, too, unless the bodies may be
-/// slender: that takes many iterations. Where unknowns follow many others, which follow others again, coarser
-/// matrices are fuller than K.
+/// doc/theory/linear_solvers.md. In thin bodies the fill is small, and in flat ones, also in layers
+/// that are flat by themselves, aggregates longer than the thickness leave much to the iteration. Beside
+/// products the entries cost, too, unless the bodies may be slender: that takes many iterations. Where
+/// unknowns follow many others, which follow others again, coarser matrices are fuller than K.
 bool LinearSolver::Group::is_direct_by_size() const
 {
   const GroupFacts &facts = system.facts();

@@ -32,7 +32,7 @@ MergedMatrix::MergedMatrix(const BlockMatrix &matrix, const std::vector<unsigned
 
 void MergedMatrix::update()
 {
-  has_values = knows_motions = false;
+  has_values = false;
   motions.reset();
 }
 
@@ -197,11 +197,10 @@ void MergedMatrix::vmult(GroupVector &destination, const GroupVector &source) co
     const Epetra_Vector x(View, entries()->DomainMap(), source.trilinos_vector()[0]);
     Epetra_Vector y(View, entries()->RangeMap(), destination.trilinos_vector()[0]);
     const PartOperator *const summand = cells();
-    if (!knows_motions && summand == nullptr && make_motions)
-      motions = make_motions(*entries());
-    knows_motions = true;
-    if (motions)
-      motions->multiply(x, y);
+    if (!motions)
+      motions = summand == nullptr && make_motions ? make_motions(*entries()) : nullptr;
+    if (*motions)
+      (*motions)->multiply(x, y);
     else
       entries()->Multiply(false, x, y);
     if (summand != nullptr)

@@ -14,6 +14,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -71,8 +72,7 @@ private:
   mutable std::unique_ptr<Epetra_CrsMatrix> merged;
   mutable bool has_values = false; ///< the present ones, merged
   MakeMotions make_motions;
-  mutable std::unique_ptr<BodyMotions> motions;
-  mutable bool knows_motions = false;
+  mutable std::optional<std::unique_ptr<BodyMotions>> motions; ///< nothing: of the values before
 };
 
 } // namespace dovetail

@@ -652,9 +652,9 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 namespace {
 
 const double largest_cheap = 0.55;        // modes beside the rows that are together
-const double smaller_ratio = 1.5;         // of short couplings
+const double smaller_ratio = 1.2;         // of couplings within an aggregate, where short ones are many
 const double growth_of_short_lines = 0.7; // as largest_growth: a mode less costs more than it saves
-const double most_together = 12; // rows beside modes of an aggregate, on a level without long couplings
+const double most_together = 10;          // rows that short couplings connect, beside modes of an aggregate
 
 /// Mean of all nodes: how many modes are not zero there. A body may have modes for itself. Collective.
 double modes_of_nodes(const Epetra_MultiVector &modes, const LevelNodes &nodes)
@@ -793,13 +793,15 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
   int largest = largest_coarse;
   const int most_of_lines = largest_of_lines(coarsest().Comm());
   int n_unknowns = coarsest().NumGlobalRows(); // without the rows of vectors of bases that are zero
+  bool has_long_cells = false;                 // this level or one above
   while (n_unknowns > largest) {
     const Epetra_CrsMatrix &matrix = coarsest();
     Couplings couplings(matrix, nodes);
-    const bool is_stretched = !lead_everywhere(couplings, nodes, matrix.Comm());
-    if (!is_stretched && couplings.rows_together > most_together * modes->NumVectors())
-      if (Couplings closer(matrix, nodes, smaller_ratio); lead_everywhere(closer, nodes, matrix.Comm()))
-        couplings = std::move(closer);
+    const bool leads_everywhere = lead_everywhere(couplings, nodes, matrix.Comm());
+    has_long_cells = has_long_cells || !leads_everywhere;
+    const bool are_many = has_long_cells && couplings.rows_together > most_together * modes->NumVectors(),
+               is_filtered = are_many || !leads_everywhere;
+    const NodeGraph closest = are_many ? Couplings(matrix, nodes, smaller_ratio).near : couplings.near;
     const bool are_means = lines == Lines::whole && n_levels() == 0 && modes->NumVectors() == 1;
     const bool are_short = couplings.are_in_short_lines() && n_unknowns <= most_of_lines;
     const bool are_whole = are_means || are_short ||
@@ -809,7 +811,7 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
       largest = most_of_lines;
     else
       couplings.line_length.assign(nodes.size(), 0);
-    const Aggregates aggregates(own_part(couplings.near), couplings.all, couplings.line_length);
+    const Aggregates aggregates(own_part(closest), couplings.all, couplings.line_length);
     Aggregation aggregation = make_bases(aggregate_of_rows(matrix, nodes, aggregates),
                                          static_cast<int>(aggregates.root.size()), *modes);
     const int n_coarse = size_of_basis(aggregation);
@@ -819,9 +821,9 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     n_unknowns = n_coarse;
     if (modes->NumVectors() > 1)
       largest = std::max<int>(largest, largest_of_vectors);
-    const double eigenvalue = is_stretched ? 0 : largest_eigenvalue_with_diagonal(LevelEntries(matrix));
-    auto P = is_stretched ? make_prolongation(matrix, nodes, couplings, aggregation, *modes)
-                          : smooth_bases(matrix, SparseRows(matrix), aggregation, 4. / 3 / eigenvalue);
+    const double eigenvalue = is_filtered ? 0 : largest_eigenvalue_with_diagonal(LevelEntries(matrix));
+    auto P = is_filtered ? make_prolongation(matrix, nodes, couplings, aggregation, *modes)
+                         : smooth_bases(matrix, SparseRows(matrix), aggregation, 4. / 3 / eigenvalue);
     round_to_single_precision(*P);
     const MakeMatrix make_next = sum_coarse_matrix(matrix, *P, modes->NumVectors());
     add_level(make_smoother, std::move(P), make_next, {eigenvalue, share_of_next});

@@ -66,7 +66,8 @@ struct Couplings
 /// The prolongation is P = (I - w D^-1 A_near) T + F: T spans the near-null space B on each aggregate, A_near
 /// is A without its far couplings, and F is the least matrix in the pattern of P with P B_c = B, where B_c is
 /// the near-null space of the coarse level. Where short couplings lead in all directions, P = (I - w D^-1 A)
-/// T sees the other sides of ties, too.
+/// T sees the other sides of ties, too. Below long cells, aggregates follow the shortest of many short
+/// couplings, and P has A_near as above.
 ///
 /// P. Vanek, J. Mandel, M. Brezina: Algebraic multigrid by smoothed aggregation for second and fourth order
 /// elliptic problems, 1996. J. Mandel, M. Brezina, P. Vanek: Energy optimization of algebraic multigrid

@@ -507,23 +507,30 @@ int number_of_bodies(const std::vector<unsigned int> &body, const Epetra_Comm &r
   return result;
 }
 
-Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const double largest_ratio)
-    : near(nodes.size())
+Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
+    : near(nodes.size()), closest(nodes.size())
 {
+  const double largest_ratio = 2, ratio_of_closest = 1.2;
   SeenNodes seen(A, nodes);
   all = graph_of(A, nodes, seen);
   const std::vector<double> shortest = shortest_couplings(A, nodes, seen, all);
   std::vector<Lengths> lengths(nodes.size());
   // Of nodes that see a far one, of all, of rows together, of nodes and of rows in lines, of coupled nodes,
-  // of the nodes of lines.
-  std::array<double, 7> counts{}, sums{};
+  // of the nodes of lines, of rows that are closest.
+  std::array<double, 8> counts{}, sums{};
   for (unsigned int i = 0; i < nodes.size(); ++i) {
     counts[2] += nodes.first_row[i + 1] - nodes.first_row[i];
+    counts[7] += nodes.first_row[i + 1] - nodes.first_row[i];
     for (const unsigned int j : all[i]) {
-      const double its_distance = distance(seen.position[i], seen.position[j]);
+      const double its_distance = distance(seen.position[i], seen.position[j]),
+                   least = std::max(shortest[i], shortest[j]);
       if (seen.body[i] != seen.body[j])
         continue;
-      if (its_distance <= largest_ratio * std::max(shortest[i], shortest[j])) {
+      if (its_distance <= ratio_of_closest * least) {
+        closest[i].push_back(j);
+        counts[7] += seen.n_rows[j];
+      }
+      if (its_distance <= largest_ratio * least) {
         near[i].push_back(j);
         counts[2] += seen.n_rows[j];
         lengths[i].half_of_near += its_distance / 2;
@@ -546,6 +553,7 @@ Couplings::Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes, const d
   rows_of_line = sums[3] > 0 ? sums[4] / sums[3] : 0;
   nodes_of_line = sums[3] > 0 ? sums[6] / sums[3] : 0;
   rows_together = sums[1] > 0 ? sums[2] / sums[1] : 0;
+  rows_closest = sums[1] > 0 ? sums[7] / sums[1] : 0;
   n_nodes = seen.body.size();
   node_of_column = std::move(seen.of_column);
 }
@@ -554,6 +562,12 @@ bool Couplings::are_in_lines() const
 {
   const double most_nodes = 0.8;
   return share_in_lines > most_nodes;
+}
+
+bool Couplings::are_many(const int n_modes) const
+{
+  const double most = 10, fewest_closest = 4; // rows beside modes
+  return rows_together > most * n_modes && rows_closest > fewest_closest * n_modes;
 }
 
 bool Couplings::are_in_short_lines() const
@@ -652,9 +666,7 @@ bool are_mostly_stretched(const Epetra_CrsMatrix &A, const LevelNodes &nodes)
 namespace {
 
 const double largest_cheap = 0.55;        // modes beside the rows that are together
-const double smaller_ratio = 1.2;         // of couplings within an aggregate, where short ones are many
 const double growth_of_short_lines = 0.7; // as largest_growth: a mode less costs more than it saves
-const double most_together = 10;          // rows that short couplings connect, beside modes of an aggregate
 
 /// Mean of all nodes: how many modes are not zero there. A body may have modes for itself. Collective.
 double modes_of_nodes(const Epetra_MultiVector &modes, const LevelNodes &nodes)
@@ -799,19 +811,20 @@ Semicoarsening::Semicoarsening(Finest A, const Epetra_MultiVector &given_modes, 
     Couplings couplings(matrix, nodes);
     const bool leads_everywhere = lead_everywhere(couplings, nodes, matrix.Comm());
     has_long_cells = has_long_cells || !leads_everywhere;
-    const bool are_many = has_long_cells && couplings.rows_together > most_together * modes->NumVectors(),
-               is_filtered = are_many || !leads_everywhere;
-    const NodeGraph closest = are_many ? Couplings(matrix, nodes, smaller_ratio).near : couplings.near;
     const bool are_means = lines == Lines::whole && n_levels() == 0 && modes->NumVectors() == 1;
     const bool are_short = couplings.are_in_short_lines() && n_unknowns <= most_of_lines;
     const bool are_whole = are_means || are_short ||
                            (lines != Lines::in_parts &&
                             modes_of_nodes(*modes, nodes) >= largest_cheap * couplings.rows_together);
-    if (are_whole && couplings.are_in_lines())
+    const bool has_whole_lines = are_whole && couplings.are_in_lines(),
+               takes_closest = has_long_cells && !has_whole_lines && couplings.are_many(modes->NumVectors()),
+               is_filtered = takes_closest || !leads_everywhere;
+    if (has_whole_lines)
       largest = most_of_lines;
     else
       couplings.line_length.assign(nodes.size(), 0);
-    const Aggregates aggregates(own_part(closest), couplings.all, couplings.line_length);
+    const Aggregates aggregates(own_part(takes_closest ? couplings.closest : couplings.near), couplings.all,
+                                couplings.line_length);
     Aggregation aggregation = make_bases(aggregate_of_rows(matrix, nodes, aggregates),
                                          static_cast<int>(aggregates.root.size()), *modes);
     const int n_coarse = size_of_basis(aggregation);

@@ -36,26 +36,31 @@ int number_of_bodies(const std::vector<unsigned int> &body, const Epetra_Comm &r
 /// after them those of other ranks. Ascending.
 using NodeGraph = std::vector<std::vector<unsigned int>>;
 
-/// The couplings of A, and those of them that are short: within a body, and at most @p largest_ratio times as
-/// long as the shortest coupling of one of their nodes within its body. Nodes of two sides of a tie are close
-/// to each other, but a tie of cells that are long across it is a weak spring beside the stiffness along it.
+/// The couplings of A, and those of them that are short: within a body, and at most twice as long as the
+/// shortest coupling of one of their nodes within its body. The closest ones are at most 1.2 times as long.
+/// Nodes of two sides of a tie are close to each other, but a tie of cells that are long across it is a weak
+/// spring beside the stiffness along it.
 struct Couplings
 {
-  Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes, double largest_ratio = 2); ///< collective
+  Couplings(const Epetra_CrsMatrix &A, const LevelNodes &nodes); ///< collective
 
-  NodeGraph all, near;
+  NodeGraph all, near, closest;
   std::vector<unsigned int> node_of_column; ///< of A
   unsigned int n_nodes = 0;                 ///< of this rank, and those of other ranks
   std::vector<unsigned int> line_length; ///< by node of this rank: of how many its line is; 0 if it has none
   double share_of_far = 0;               ///< of the nodes of all ranks: with a long one within a body
   double share_in_lines = 0;             ///< of the nodes of all ranks that are coupled with others
   double rows_together = 0; ///< mean of all ranks: of a node and those that short couplings connect with it
+  double rows_closest = 0;  ///< the same, by the closest ones
   double rows_of_line = 0, nodes_of_line = 0; ///< means of the nodes in lines
 
   bool are_in_lines() const; ///< most of the nodes
   /// Most nodes are in lines of two or three, as across bodies that are one cell thick: an aggregate along
   /// short couplings is a whole line.
   bool are_in_short_lines() const;
+  /// Short couplings make aggregates of many nodes, beside so many modes of each of them; the closest ones
+  /// make smaller ones.
+  bool are_many(int n_modes) const;
 };
 
 /// A V-cycle for a symmetric positive definite matrix A by smoothed aggregation whose aggregates follow short
@@ -66,8 +71,8 @@ struct Couplings
 /// The prolongation is P = (I - w D^-1 A_near) T + F: T spans the near-null space B on each aggregate, A_near
 /// is A without its far couplings, and F is the least matrix in the pattern of P with P B_c = B, where B_c is
 /// the near-null space of the coarse level. Where short couplings lead in all directions, P = (I - w D^-1 A)
-/// T sees the other sides of ties, too. Below long cells, aggregates follow the shortest of many short
-/// couplings, and P has A_near as above.
+/// T sees the other sides of ties, too. From the first level with long cells on, aggregates follow the
+/// closest couplings where short ones are many, and P has A_near.
 ///
 /// P. Vanek, J. Mandel, M. Brezina: Algebraic multigrid by smoothed aggregation for second and fourth order
 /// elliptic problems, 1996. J. Mandel, M. Brezina, P. Vanek: Energy optimization of algebraic multigrid

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: LGPL-2.1-or-later
 // Copyright (C) 2026 by the Dovetail authors
 
+#include <dovetail/domain/cell_order.h>
 #include <dovetail/domain/curved_cells.h>
 #include <dovetail/domain/curved_cube.h>
 #include <dovetail/domain/generator.h>
@@ -81,6 +82,7 @@ MeshFile read_on_one_rank(const Section &section, const std::string &file_name,
           select_volumes(volumes, content);
         entry = "File";
         examine<dim>(content);
+        sort_scattered_cells<dim>(content);
       } catch (const MeshError &fault) {
         problem = entry == "File" ? std::string("', which cannot be used: ") + fault.what() : fault.what();
       } catch (const std::bad_alloc &) {

@@ -8,6 +8,8 @@
 #include <dovetail/domain/mesh_note.h>
 #include <dovetail/domain/simplices.h>
 
+#include "whole_mesh.h"
+
 #include <deal.II/base/mpi.h>
 #include <deal.II/distributed/fully_distributed_tria.h>
 #include <deal.II/fe/fe_simplex_p.h>
@@ -252,23 +254,56 @@ std::vector<bool> convert_hypercubes(dealii::Triangulation<dim> &mesh)
   return is_added;
 }
 
-/// A mesh with the nodes on the edges of this rank's cells, known by the number in their CellId.
+/// A base of meshes with the nodes on the edges of this rank's cells, known by the number in their CellId.
 template <int dim>
-class MeshOfSimplices : public dealii::parallel::fullydistributed::Triangulation<dim>, public WithNote
+class WithSimplices
 {
 public:
-  using dealii::parallel::fullydistributed::Triangulation<dim>::Triangulation;
+  virtual ~WithSimplices() = default;
   std::unordered_map<dealii::types::coarse_cell_id, typename FurtherNodes<dim>::value_type> nodes_on_edges;
   bool is_curved = false;     ///< also on ranks without cells
   bool was_divided = false;   ///< from one of hexahedra
   std::vector<bool> is_added; ///< then, by vertex of this rank
 };
 
+template <int dim, typename Base>
+class MeshOfSimplices : public Base, public WithSimplices<dim>, public WithNote
+{
+public:
+  using Base::Base;
+};
+
+/// A rank that is alone copies the mesh, in a fiftieth of the time in which deal.II distributes one.
+template <int dim>
+std::unique_ptr<Mesh<dim>> copy(const dealii::Triangulation<dim> &mesh, const MPI_Comm &communicator)
+{
+  auto result = std::make_unique<MeshOfSimplices<dim, WholeMesh<dim>>>(communicator);
+  result->copy_triangulation(mesh);
+  return result;
+}
+
+template <int dim>
+std::unique_ptr<Mesh<dim>> share_out(dealii::Triangulation<dim> &mesh, const unsigned int n_ranks,
+                                     const MPI_Comm &communicator)
+{
+  if (mesh.n_active_cells() > n_ranks)
+    dealii::GridTools::partition_triangulation(n_ranks, mesh, dealii::SparsityTools::Partitioner::metis);
+  else // METIS wants more
+    for (const auto &cell : mesh.active_cell_iterators())
+      cell->set_subdomain_id(cell->active_cell_index());
+  auto result =
+      std::make_unique<MeshOfSimplices<dim, dealii::parallel::fullydistributed::Triangulation<dim>>>(
+          communicator);
+  result->create_triangulation(
+      dealii::TriangulationDescription::Utilities::create_description_from_triangulation(mesh, communicator));
+  return result;
+}
+
 template <int dim>
 class QuadraticMapping : public dealii::MappingFE<dim>
 {
 public:
-  explicit QuadraticMapping(const MeshOfSimplices<dim> &mesh)
+  explicit QuadraticMapping(const WithSimplices<dim> &mesh)
       : dealii::MappingFE<dim>(dealii::FE_SimplexP<dim>(2)), mesh(mesh)
   {
   }
@@ -286,7 +321,7 @@ protected:
   }
 
 private:
-  const MeshOfSimplices<dim> &mesh;
+  const WithSimplices<dim> &mesh;
 };
 
 } // namespace
@@ -314,31 +349,25 @@ distribute(dealii::Triangulation<dim> &mesh, const FurtherNodes<dim> &nodes_on_e
            const std::vector<bool> &is_added, const std::string &note, const MPI_Comm &communicator)
 {
   const unsigned int n_ranks = dealii::Utilities::MPI::n_mpi_processes(communicator);
-  if (mesh.n_active_cells() > n_ranks)
-    dealii::GridTools::partition_triangulation(n_ranks, mesh, dealii::SparsityTools::Partitioner::metis);
-  else // METIS wants more
-    for (const auto &cell : mesh.active_cell_iterators())
-      cell->set_subdomain_id(cell->active_cell_index());
-  auto distributed = std::make_unique<MeshOfSimplices<dim>>(communicator);
-  distributed->create_triangulation(
-      dealii::TriangulationDescription::Utilities::create_description_from_triangulation(mesh, communicator));
-  distributed->note = note;
-  distributed->is_curved = !nodes_on_edges.empty();
-  distributed->was_divided = !is_added.empty();
+  auto distributed = n_ranks == 1 ? copy(mesh, communicator) : share_out(mesh, n_ranks, communicator);
+  dynamic_cast<WithNote &>(*distributed).note = note;
+  auto &simplices = dynamic_cast<WithSimplices<dim> &>(*distributed);
+  simplices.is_curved = !nodes_on_edges.empty();
+  simplices.was_divided = !is_added.empty();
   for (const auto &cell : distributed->active_cell_iterators())
-    if (distributed->is_curved && !cell->is_artificial()) {
+    if (simplices.is_curved && !cell->is_artificial()) {
       const auto number = cell->id().get_coarse_cell_id();
-      distributed->nodes_on_edges[number] = nodes_on_edges[number];
+      simplices.nodes_on_edges[number] = nodes_on_edges[number];
     }
-  if (distributed->was_divided) {
-    distributed->is_added.resize(distributed->n_vertices());
+  if (simplices.was_divided) {
+    simplices.is_added.resize(distributed->n_vertices());
     std::vector<typename dealii::Triangulation<dim>::active_cell_iterator> given;
     for (const auto &cell : mesh.active_cell_iterators())
       given.push_back(cell);
     for (const auto &cell : distributed->active_cell_iterators())
       for (const unsigned int v : cell->vertex_indices())
         if (!cell->is_artificial())
-          distributed->is_added[cell->vertex_index(v)] =
+          simplices.is_added[cell->vertex_index(v)] =
               is_added[given[cell->id().get_coarse_cell_id()]->vertex_index(v)];
   }
   return distributed;
@@ -347,22 +376,22 @@ distribute(dealii::Triangulation<dim> &mesh, const FurtherNodes<dim> &nodes_on_e
 template <int dim>
 const std::vector<bool> *added_vertices(const Mesh<dim> &mesh)
 {
-  const auto *simplex_mesh = dynamic_cast<const MeshOfSimplices<dim> *>(&mesh);
-  return simplex_mesh != nullptr && simplex_mesh->was_divided ? &simplex_mesh->is_added : nullptr;
+  const auto *simplices = dynamic_cast<const WithSimplices<dim> *>(&mesh);
+  return simplices != nullptr && simplices->was_divided ? &simplices->is_added : nullptr;
 }
 
 template <int dim>
 bool has_curved_simplices(const Mesh<dim> &mesh)
 {
-  const auto *simplex_mesh = dynamic_cast<const MeshOfSimplices<dim> *>(&mesh);
-  return simplex_mesh != nullptr && simplex_mesh->is_curved;
+  const auto *simplices = dynamic_cast<const WithSimplices<dim> *>(&mesh);
+  return simplices != nullptr && simplices->is_curved;
 }
 
 template <int dim>
 std::unique_ptr<dealii::Mapping<dim>> mapping_of_simplices(const Mesh<dim> &mesh, const unsigned int degree)
 {
   if (degree > 1)
-    return std::make_unique<QuadraticMapping<dim>>(dynamic_cast<const MeshOfSimplices<dim> &>(mesh));
+    return std::make_unique<QuadraticMapping<dim>>(dynamic_cast<const WithSimplices<dim> &>(mesh));
   return std::make_unique<dealii::MappingFE<dim>>(dealii::FE_SimplexP<dim>(1));
 }
 

@@ -5,8 +5,9 @@
 
 #pragma once
 
+#include "whole_mesh.h"
+
 #include <deal.II/base/utilities.h>
-#include <deal.II/distributed/tria_base.h>
 #include <deal.II/grid/grid_tools.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 #include <deal.II/lac/sparsity_tools.h>
@@ -29,13 +30,10 @@ namespace dovetail {
 /// part of p4est's curve; cells that were one cell before the last refinement stay together. Cells have the
 /// CellId that they have with p4est, on any number of ranks: checkpoints know them by it.
 template <int dim>
-class UniformMesh : public dealii::parallel::DistributedTriangulationBase<dim>
+class UniformMesh : public WholeMesh<dim>
 {
 public:
-  explicit UniformMesh(const MPI_Comm &communicator)
-      : dealii::parallel::DistributedTriangulationBase<dim>(communicator)
-  {
-  }
+  using WholeMesh<dim>::WholeMesh;
 
   void copy_triangulation(const dealii::Triangulation<dim> &other)
   {
@@ -65,8 +63,6 @@ public:
     this->update_number_cache();
   }
 
-  bool is_multilevel_hierarchy_constructed() const { return false; }
-
   unsigned int coarse_cell_id_to_coarse_cell_index(const dealii::types::coarse_cell_id id) const
   {
     return coarse_cell_of_id[id];
@@ -75,12 +71,6 @@ public:
   {
     return id_of_coarse_cell[index];
   }
-
-  // What is not asked of such a mesh.
-  void save(const std::string &) const { AssertThrow(false, dealii::ExcNotImplemented()); }
-  void load(const std::string &) { AssertThrow(false, dealii::ExcNotImplemented()); }
-  void load(const std::string &, bool) { AssertThrow(false, dealii::ExcNotImplemented()); }
-  void update_cell_relations() { AssertThrow(false, dealii::ExcNotImplemented()); }
 
 private:
   using Cell = typename dealii::Triangulation<dim>::cell_iterator;
